@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from morse.kernel.driving import reference, turns
-from morse.kernel.driving.arrays import ChassisArrays, GliderArrays, StanceArrays
-from morse.kernel.driving.native import NativeChassis, NativeGliders
+from morse.kernel.driving.arrays import ChassisArrays, GliderArrays, PlaneArrays, StanceArrays
+from morse.kernel.driving.native import NativeChassis, NativeGliders, NativePlanes
 
 
 def rotations(chance, count):
@@ -146,6 +146,50 @@ def test_robots_on_wheels_are_moved_alike(build, strange):
             same = np.array_equal(mine.velocities, theirs.velocities, equal_nan=True)
             assert same
             assert mine.dimensions.tobytes() == theirs.dimensions.tobytes()
+
+
+def planes(seed, strange=False):
+    chance = np.random.default_rng(seed)
+    n, k, g, b, p = int(chance.integers(1, 6)), 8, 40, 12, int(chance.integers(1, 4))
+    shapes = chance.integers(1, 5, n)
+    s = int(shapes.sum())
+    geoms = chance.permutation(g)
+    boxes, angles = geoms[s : s + p], chance.uniform(0, 7, p)
+    c, d = np.cos(angles), np.sin(angles)
+    box_places, box_turns = chance.normal(size=(g, 3)), chance.normal(size=(g, 9))
+    places = np.hstack([box_places[boxes], box_turns[boxes]])
+    places[chance.random(p) < 0.2, chance.integers(0, 12)] += 1e-9
+    box_bits, plane_bits = 1 << np.arange(1, p + 1, dtype=np.int32), 1 << np.arange(27, 27 + p, dtype=np.int32)
+    types = np.where(chance.random(g) < 0.9, (1 << 27) - 1, 0).astype(np.int32)
+    types[boxes] = np.where(chance.random(p) < 0.9, box_bits, 0)
+    velocities, positions = chance.normal(size=6 * n), chance.uniform(-4, 4, (k, 3)) * (1, 1, 0.02)
+    if strange:
+        velocities[chance.integers(0, 6 * n)] = chance.choice([math.nan, math.inf, -1e300])
+        positions[chance.integers(0, k), chance.integers(0, 3)] = chance.choice([math.nan, -math.inf, 1e300])
+    return PlaneArrays(
+        first=np.concatenate([[0], np.cumsum(shapes)]).astype(np.int64), geoms=geoms[:s],
+        carriers=np.where(chance.random(s) < 0.5, -1, chance.integers(0, b, s)), slots=chance.permutation(k)[:n],
+        dofs=6 * np.arange(n), boxes=boxes, places=places,
+        tops=np.column_stack([chance.normal(size=(p, 3)) * (0.1, 1, 1), c, d, -d, c, chance.uniform(2, 6, (p, 2))]),
+        box_bits=box_bits, plane_bits=plane_bits, velocities=velocities, body_places=chance.normal(size=(b, 3)) * 0.2,
+        box_places=box_places, box_turns=box_turns, shape_places=chance.normal(size=(g, 3)) * 0.2,
+        radii=chance.uniform(0, 0.3, g), types=types, affinities=types.copy(), period=1 / 60, edge=0.01, deep=0.05,
+        all_bits=(1 << 27) - 1,
+    ), positions  # fmt: skip
+
+
+@pytest.mark.parametrize("strange", [False, True])
+def test_planes_below_robots_are_selected_alike(build, strange):
+    selected = 0
+    for seed in range(200):
+        (mine, positions), (theirs, _) = planes(seed, strange), planes(seed, strange)
+        with np.errstate(all="ignore"):
+            NativePlanes(build, mine).select(positions)
+            reference.Planes(theirs).select(positions)
+        assert mine.types.tobytes() == theirs.types.tobytes()
+        assert mine.affinities.tobytes() == theirs.affinities.tobytes()
+        selected += int((mine.types >= 1 << 27).any())
+    assert 50 < selected < 190
 
 
 @given(st.floats(-1e5, 1e5))

@@ -63,6 +63,7 @@ def test_one_wrong_command_stops_nobody_else(wrong):
         simulation.step(10)
         before = [components[f"r{number}.pose"].local_data["x"] for number in range(COUNT)]
         components["r2.motion"].local_data["v"] = wrong
-        simulation.step(60)
+        # with wheels at full speed, robot 2 meets robot 3 after 0.9 s
+        simulation.step(40)
         for number in (0, 1, 3):
-            assert components[f"r{number}.pose"].local_data["x"] - before[number] == pytest.approx(0.5, abs=0.1)
+            assert components[f"r{number}.pose"].local_data["x"] - before[number] == pytest.approx(0.33, abs=0.1)

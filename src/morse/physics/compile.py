@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -14,6 +15,7 @@ from morse.physics.couplings import CouplingBuilder, TendonSlot
 from morse.physics.feet import Stance, corners, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
 from morse.physics.layout import Frame, Motion, frames_of
+from morse.physics.plane_builder import PlaneBuilder
 from morse.physics.poses import as_array, relative_pose
 from morse.physics.unusable_hulls import replace_unusable_hulls
 from morse.physics.wheel_casters import caster_floor, is_caster, rise
@@ -97,6 +99,7 @@ class Compiled:
         steps: physics steps per tick.
         geom_node: node of each geom.
         tendon_motors: the motors of tendons.
+        planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.floor_planes`.
     """
 
     model: mujoco.MjModel
@@ -105,6 +108,7 @@ class Compiled:
     steps: int
     geom_node: list[Node]
     tendon_motors: list[TendonSlot]
+    planes: dict[int, int]
 
 
 def compile_scene(scene: Scene) -> Compiled:
@@ -132,6 +136,8 @@ def _compile(scene: Scene) -> Compiled:
     slots = [builder.add(frame) for frame in frames]
     builder.articulated.finish(spec.option.timestep)
     couplings = builder.couple(slots)
+    if any(frame.motion is Motion.HINGE for frame in frames):
+        builder.planes.finish()
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
         spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
@@ -143,7 +149,8 @@ def _compile(scene: Scene) -> Compiled:
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     geom_node = builder.resolve(model, slots)
     data = mujoco.MjData(model)
-    return Compiled(model, data, slots, steps, geom_node, couplings.motors)
+    planes = {box.id: plane.id for box, plane in builder.planes.pairs}
+    return Compiled(model, data, slots, steps, geom_node, couplings.motors, planes)
 
 
 def _not_moved_by_engine(frame: Frame) -> bool:
@@ -168,6 +175,7 @@ class _Builder:
     def __init__(self, spec: Any) -> None:
         self._spec = spec
         self.articulated = Articulated(spec)
+        self.planes = PlaneBuilder()
         self._bodies: dict[Frame, Any] = {}
         self._geoms: list[tuple[Any, Node, Slot]] = []
         self._feet: list[tuple[Any, Node, Slot]] = []
@@ -226,6 +234,9 @@ class _Builder:
                 geom.mass = mass * volume(shape) / total
                 self._set_surface(geom, node, frame)
                 self._geoms.append((geom, node, slot))
+                if frame.motion is Motion.FIXED:
+                    surface = partial(self._set_surface, node=node, frame=frame)
+                    self.planes.note(body, geom, as_array(slot.pose.rotation), surface)
                 low, high = bounding_box(shape, position, rotation)
                 lower, upper = np.minimum(lower, low), np.maximum(upper, high)
         if frame.robot is not None and frame.motion is Motion.FREE and not has_links:
@@ -370,6 +381,8 @@ class _Builder:
             self._couplings.resolve(model)
             for guide, node in self._couplings.geoms:
                 geom_node[guide.id] = node
+        for box, plane in self.planes.pairs:
+            geom_node[plane.id] = geom_node[box.id]
         for foot, node, slot in self._feet:
             geom_node[foot.id] = node
             slot.feet.append(foot.id)

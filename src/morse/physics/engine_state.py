@@ -37,6 +37,7 @@ class EngineState:
         joints: armature to its joints by name.
         tendon_motors: the motors of tendons.
         geom_node: node of each geom.
+        planes: the geoms of boxes to those of the planes at their tops.
         steps: physics steps per tick.
         period: seconds per tick.
         moving: number of slots that the engine moves.
@@ -67,6 +68,7 @@ class EngineState:
         self.data: mujoco.MjData = compiled.data
         self.slots: list[Slot] = compiled.slots
         self.geom_node: list[Node] = compiled.geom_node
+        self.planes: dict[int, int] = compiled.planes
         self.steps = compiled.steps
         self.period = period
         self.moving = sum(1 for slot in self.slots if slot.body > 0 and slot.frame.motion is not Motion.FIXED)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.physics.collision_bits import LEVEL, MOST_FLOORS
 from morse.physics.layout import Motion
 
 if TYPE_CHECKING:
@@ -16,13 +17,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics.engine_state import EngineState
-
-#: maximum slope of a level floor, for rounding: less than a micrometre per kilometre
-_LEVEL = 1e-10
-#: collision masks have 31 bits; one bit is for all shapes that are not floors
-_MOST = 30
-#: collision bits of shapes that touch everything
-ALL_BITS = 0x7FFFFFFF
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +62,10 @@ def find_floors(state: EngineState) -> list[Floor]:
                 turned = data.geom_xmat[geom].reshape(3, 3)
                 up = int(np.argmax(np.abs(turned[2])))
                 sides = [i for i in range(3) if i != up]
-                if np.abs(turned[2, sides]).max() <= _LEVEL:
+                if np.abs(turned[2, sides]).max() <= LEVEL:
                     area = float(np.prod(model.geom_size[geom, sides]))
                     found.append((-area, geom, slot_index, turned, up))
-    chosen = sorted(found, key=lambda entry: entry[:2])[:_MOST]
+    chosen = sorted(found, key=lambda entry: entry[:2])[:MOST_FLOORS]
     return [
         _floor(state, geom, slot, turned, up, number) for number, (_, geom, slot, turned, up) in enumerate(chosen, 1)
     ]

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.physics.floors import ALL_BITS, Floor, find_floors
+from morse.physics.collision_bits import ALL_BITS
+from morse.physics.floors import Floor, find_floors
 from morse.physics.glide import Glide
 from morse.physics.kinematics import contact_pairs
 from morse.physics.stances import Stances
@@ -49,6 +50,7 @@ class Gliding:
     """The gliding robots of a world.
 
     Attributes:
+        floors: the level floors of the world.
         glides: the gliding robots, by slot.
         stances: stances of the other robots.
         owner: (G,) slot of each geom of a robot that may glide; -1 for other geoms.
@@ -67,10 +69,10 @@ class Gliding:
         self._state = state
         model = state.model
         self._able = {index: self._reach(slot) for index, slot in enumerate(state.slots) if self._is_able(slot)}
-        self._floors = find_floors(state) if self._able else []
+        self.floors = find_floors(state) if self._able or state.planes else []
         touching = model.geom_contype != 0
         self._bits = np.where(touching, ALL_BITS, 0).astype(np.int32)
-        for floor in self._floors:
+        for floor in self.floors:
             self._bits[floor.geom] = floor.bit
         model.geom_contype[:] = model.geom_conaffinity[:] = self._bits
         self.owner = np.full(model.ngeom, -1)
@@ -79,7 +81,7 @@ class Gliding:
         self._is_foot, self._is_floor = np.zeros(model.ngeom, dtype=bool), np.zeros(model.ngeom, dtype=bool)
         for index in self._able:
             self._is_foot[state.slots[index].feet] = True
-        self._is_floor[[floor.geom for floor in self._floors]] = True
+        self._is_floor[[floor.geom for floor in self.floors]] = True
         #: slots that cannot glide because of their contacts in that tick
         self._busy_tick, self._busy = -1, set[int]()
         self._extent = {index: self._outline(state.slots[index]) for index in self._able}
@@ -224,7 +226,7 @@ class Gliding:
         state = self._state
         soles = self._soles(slot)
         x, y, _ = state.positions[index]
-        for floor in self._floors:
+        for floor in self.floors:
             if floor.slot in state.loose or floor.room(x, y) < self._able[index] + 2 * _EDGE:
                 continue
             gaps = soles - floor.height
@@ -257,7 +259,7 @@ class Gliding:
         # shapes lower than the feet of the robot cannot be touched either
         mask = ALL_BITS & ~floor.bit
         lowest = float(self._soles(slot).min()) - _CLEAR
-        for other in self._floors:
+        for other in self.floors:
             if other.height < lowest and other.slot not in self._state.loose:
                 mask &= ~other.bit
         for geom in self._geoms(slot):
@@ -388,7 +390,7 @@ class Gliding:
     def floor_bits(self) -> dict[Node, dict[int, int]]:
         """Return for each node the bits of its shapes that are floors, by index of the shape."""
         found: dict[Node, dict[int, int]] = {}
-        for floor in self._floors:
+        for floor in self.floors:
             node = self._state.geom_node[floor.geom]
             found.setdefault(node, {})[self._state.slots[floor.slot].geoms[node].index(floor.geom)] = floor.bit
         return found
@@ -427,7 +429,7 @@ class Gliding:
 
     def check_state(self, state: SavedGliding) -> None:
         """Raise ValueError if a state contains robots that cannot glide, or floors that do not exist."""
-        bits = {floor.bit for floor in self._floors}
+        bits = {floor.bit for floor in self.floors}
         for name in [*(glide.slot for glide in state.glides), *(stand.slot for stand in state.stands)]:
             if self._state.named[name] not in self._able:
                 raise ValueError(f"'{name}' is not a robot that can glide")
@@ -441,7 +443,7 @@ class Gliding:
         self.reset()
         self._moved.update(moved)
         named, slots = self._state.named, self._state.slots
-        floors = {floor.bit: floor for floor in self._floors}
+        floors = {floor.bit: floor for floor in self.floors}
         for entry in state.glides:
             index = named[entry.slot]
             slot = slots[index]

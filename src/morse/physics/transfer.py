@@ -164,6 +164,8 @@ class Transfer:
 
     def _contacts(self, before: saved.SavedWorld) -> NDArray[np.int32]:
         number = {one: other for a, b in self._same for one, other in zip(_geoms(a), _geoms(b), strict=True)}
+        old, new = self._old.planes, self._new.planes
+        number |= {plane: new[number[box]] for box, plane in old.items() if number.get(box) in new}
         pairs = [(number[a], number[b]) for a, b in before.engine.contacts.tolist() if a in number and b in number]
         return np.array(pairs, dtype=np.int32).reshape(-1, 2)
 
@@ -195,8 +197,9 @@ class Transfer:
     def _disturbed_trees(self) -> set[int]:
         """Return the trees of the old engine near shapes that are added, removed or changed."""
         old, new = self._old, self._new
-        stays_old = {geom for a, _ in self._same for geom in _geoms(a)}
-        stays_new = {geom for _, b in self._same for geom in _geoms(b)}
+        # the boxes of planes stand for them
+        stays_old = {geom for a, _ in self._same for geom in _geoms(a)} | set(old.planes.values())
+        stays_new = {geom for _, b in self._same for geom in _geoms(b)} | set(new.planes.values())
         going = boxes_of(old, [geom for geom in range(old.model.ngeom) if geom not in stays_old])
         mujoco.mj_kinematics(new.model, new.data)
         coming = boxes_of(new, [geom for geom in range(new.model.ngeom) if geom not in stays_new])

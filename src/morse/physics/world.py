@@ -16,6 +16,7 @@ from morse.physics.contact_points import ContactPoints
 from morse.physics.drives import Drives
 from morse.physics.engine_values import CHANGED_WHILE_RUNNING
 from morse.physics.fleet import Fleet
+from morse.physics.floor_planes import FloorPlanes
 from morse.physics.gameobject import GameObject
 from morse.physics.glide_steps import GlideSteps
 from morse.physics.gliding import Gliding
@@ -78,6 +79,7 @@ class World(ObjectWorld):
         self._steps = GlideSteps(self, self.gliding, self._rescue)
         self.bodies = Bodies(self, self.gliding)
         self.drives = Drives(self, self.gliding, self.bodies)
+        self._floor_planes = FloorPlanes(self, self.gliding.floors)
         self.traction = Traction(self)
         self.attachments = Attachments(self, self.bodies)
         self.locks = Locks(self)
@@ -194,6 +196,7 @@ class World(ObjectWorld):
         transfer = Transfer(old, self, bits)
         self._saving.set_state(transfer.state(before, self._names))
         self.gliding.lift_all()
+        self._floor_planes.apply()
         self.stamp = stamp + 1
         self._moving_poses.follow(poses_before)
         self.arrangement += 1
@@ -279,6 +282,7 @@ class World(ObjectWorld):
         if self._lone_glider.step():
             return
         self.attachments.before_step()
+        self._floor_planes.apply()
         self.traction.apply(self.drives)
         self.drives.apply()
         self.locks.before_step()

@@ -5,13 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.kernel.driving import reference
-from morse.kernel.driving.native import NativeChassis, NativeGliders
+from morse.kernel.driving.native import NativeChassis, NativeGliders, NativePlanes
 from morse.kernel.loading import library
 
 if TYPE_CHECKING:
-    from morse.kernel.driving.arrays import ChassisArrays, ChassisWork, GliderArrays, GliderWork
+    from morse.kernel.driving.arrays import (
+        ChassisArrays,
+        ChassisWork,
+        GliderArrays,
+        GliderWork,
+        PlaneArrays,
+        PlaneWork,
+    )
 
-__all__ = ["chassis", "gliders"]
+__all__ = ["chassis", "gliders", "planes"]
 
 
 def gliders(arrays: GliderArrays) -> GliderWork:
@@ -24,3 +31,9 @@ def chassis(arrays: ChassisArrays) -> ChassisWork:
     """The function that moves wheeled robots: C, or Python without the kernel."""
     loaded = library()
     return reference.Chassis(arrays) if loaded is None else NativeChassis(loaded, arrays)
+
+
+def planes(arrays: PlaneArrays) -> PlaneWork:
+    """The function that selects the planes or boxes below wheeled robots: C, or Python without the kernel."""
+    loaded = library()
+    return reference.Planes(arrays) if loaded is None else NativePlanes(loaded, arrays)

@@ -158,6 +158,61 @@ class ChassisArrays:
     creep: float
 
 
+@dataclass(eq=False)
+class PlaneArrays:
+    """N robots with S shapes, above P boxes whose level tops may be replaced by planes.
+
+    Attributes:
+        first: (N + 1,) the shapes of robot i are first[i] to first[i + 1].
+        geoms, carriers: (S,) geom of each shape, and its body if the body is not that of the robot, else -1.
+        slots, dofs: (N,) slots and velocity addresses of the robots.
+        boxes: (P,) geoms.
+        places: (P, 12) position and rotation, row by row, of each box while its top is the floor.
+        tops: (P, 9) height, centre, first and second axis, half lengths along these axes, m.
+        box_bits, plane_bits: (P,) collision bits.
+        velocities, body_places, box_places, box_turns, shape_places, radii, types, affinities: arrays of the engine:
+            qvel, body_pos, geom_xpos, geom_xmat, geom_pos, geom_rbound, geom_contype, geom_conaffinity.
+        period: of a tick, s.
+        edge: distance to the edges that a robot needs in addition to its size and its speed, m.
+        deep: depth of the origin of a robot below the top, m, at which the robot still touches the plane.
+        all_bits: collision bits of a shape that touches every box.
+    """
+
+    first: Integers
+    geoms: Integers
+    carriers: Integers
+    slots: Integers
+    dofs: Integers
+    boxes: Integers
+    places: Floats
+    tops: Floats
+    box_bits: NDArray[np.int32]
+    plane_bits: NDArray[np.int32]
+    velocities: Floats
+    body_places: Floats
+    box_places: Floats
+    box_turns: Floats
+    shape_places: Floats
+    radii: Floats
+    types: NDArray[np.int32]
+    affinities: NDArray[np.int32]
+    period: float
+    edge: float
+    deep: float
+    all_bits: int
+
+
+class PlaneWork(Protocol):
+    """Selects planes or boxes for the robots of a `PlaneArrays`."""
+
+    def select(self, positions: Floats) -> None:
+        """Write the collision bits of the shapes of each robot; shapes without bits keep none.
+
+        Args:
+            positions: (K, 3) of all slots.
+        """
+
+
 class ChassisWork(Protocol):
     """Moves the robots of a `ChassisArrays`."""
 

@@ -12,12 +12,16 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from morse.kernel.driving.arrays import ChassisArrays, Floats, GliderArrays
+    from morse.kernel.driving.arrays import ChassisArrays, Floats, GliderArrays, PlaneArrays
 
 _GLIDERS = "slots forward aside rate shifts ground dofs speeds margins extents plain free sliding trees asleep"
 _STANCES = "able ticks until heights ups"
 _RESULTS = "velocities done cosines sines others settled"
 _CHASSIS = "first geoms motors radii levers slots dofs axles frictions turnings driven"
+
+
+_PLANES = "first geoms carriers slots dofs boxes places tops box_bits plane_bits velocities body_places"
+_PLANES_OF_GEOMS = "box_places box_turns shape_places radii types affinities"
 
 
 def _pointers(names: str) -> list[tuple[str, type]]:
@@ -46,6 +50,18 @@ class _ChassisStructure(ctypes.Structure):
         *_pointers("touching touched controls rotations"),
         *((name, c_double) for name in ("period", "gravity", "creep")),
         *_pointers("velocities dimensions"),
+    )
+
+
+class _PlanesStructure(ctypes.Structure):
+    """``Planes`` of ``c/planes.c``."""
+
+    _fields_ = (
+        *((name, c_int64) for name in ("robots", "planes")),
+        *_pointers(f"{_PLANES} {_PLANES_OF_GEOMS}"),
+        *((name, c_double) for name in ("period", "edge", "deep")),
+        ("all_bits", c_int64),
+        *_pointers("positions"),
     )
 
 
@@ -89,6 +105,28 @@ class NativeGliders:
     def end(self) -> None:
         """After the tick: see `GliderWork.end`."""
         self._end(self._all)
+
+
+class NativePlanes:
+    """See `morse.kernel.driving.arrays.PlaneWork`."""
+
+    def __init__(self, library: ctypes.CDLL, arrays: PlaneArrays) -> None:
+        self._arrays = arrays
+        self._known: Floats | None = None
+        names = f"{_PLANES} {_PLANES_OF_GEOMS}".split()
+        found = dict(zip(names, addresses(*(getattr(arrays, name) for name in names)), strict=True))
+        numbers = {name: getattr(arrays, name) for name in ("period", "edge", "deep", "all_bits")}
+        self._structure = _PlanesStructure(robots=len(arrays.slots), planes=len(arrays.boxes), **found, **numbers)
+        self._all = ctypes.byref(self._structure)
+        self._select = library.morse_planes
+        self._select.restype = None
+
+    def select(self, positions: Floats) -> None:
+        """Write the collision bits of the shapes of each robot: see `PlaneWork.select`."""
+        if positions is not self._known:
+            self._known = positions
+            (self._structure.positions,) = addresses(positions)
+        self._select(self._all)
 
 
 class NativeChassis:

@@ -9,7 +9,7 @@ from morse.kernel.driving import pushing
 from morse.kernel.driving.turns import GLIDES, SHIFTS, TURNS, arc, turn_by
 
 if TYPE_CHECKING:
-    from morse.kernel.driving.arrays import ChassisArrays, Floats, GliderArrays
+    from morse.kernel.driving.arrays import ChassisArrays, Floats, GliderArrays, PlaneArrays
 
 _ROLLS, _HOLDS = 1, 3  # dimensions of a contact without and with friction
 
@@ -126,3 +126,52 @@ class Chassis:
         v[dof + 1] = vy + (r[3] * along + r[4] * across)
         v[dof + 2] = vz + (r[6] * along + r[7] * across)
         v[dof + 5] = turning + change
+
+
+class Planes:
+    """See `morse.kernel.driving.arrays.PlaneWork`."""
+
+    def __init__(self, arrays: PlaneArrays) -> None:
+        self._arrays = arrays
+
+    def select(self, positions: Floats) -> None:
+        """Write the collision bits of the shapes of each robot."""
+        all_ = self._arrays
+        standing = [p for p in range(len(all_.boxes)) if self._stands(p)]
+        for i, (slot, dof) in enumerate(zip(all_.slots.tolist(), all_.dofs.tolist(), strict=True)):
+            x, y, z = positions[slot].tolist()
+            vx, vy = all_.velocities[dof : dof + 2].tolist()
+            shapes = slice(int(all_.first[i]), int(all_.first[i + 1]))
+            margin = self._reach(shapes) + 2.0 * math.sqrt(vx * vx + vy * vy) * all_.period + all_.edge
+            bits = all_.all_bits
+            for p in standing:
+                height, middle_x, middle_y, ax, ay, bx, by, long, wide = all_.tops[p].tolist()
+                dx, dy = x - middle_x, y - middle_y
+                along, across = long - abs(ax * dx + ay * dy), wide - abs(bx * dx + by * dy)
+                if along > margin and across > margin and z > height - all_.deep:
+                    bits = (bits & ~int(all_.box_bits[p])) | int(all_.plane_bits[p])
+            geoms = all_.geoms[shapes]
+            geoms = geoms[all_.types[geoms] != 0]
+            all_.types[geoms] = all_.affinities[geoms] = bits
+
+    def _reach(self, shapes: slice) -> float:
+        """Return the distance from the origin of a robot to its outermost point, m."""
+        all_ = self._arrays
+        most = 0.0
+        for geom, carrier in zip(all_.geoms[shapes].tolist(), all_.carriers[shapes].tolist(), strict=True):
+            far = _length(*all_.shape_places[geom].tolist()) + float(all_.radii[geom])
+            if carrier >= 0:
+                far += _length(*all_.body_places[carrier].tolist())
+            most = max(most, far)
+        return most
+
+    def _stands(self, p: int) -> bool:
+        """Whether the box has its bit, and is at the place of its floor."""
+        all_ = self._arrays
+        box, place = int(all_.boxes[p]), all_.places[p]
+        here = all_.types[box] == all_.box_bits[p] and (all_.box_places[box] == place[:3]).all()
+        return bool(here and (all_.box_turns[box] == place[3:]).all())
+
+
+def _length(x: float, y: float, z: float) -> float:
+    return math.sqrt(x * x + y * y + z * z)
