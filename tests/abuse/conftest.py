@@ -9,8 +9,29 @@ from victims import SCENE, Victim
 
 from morse.testing.process import SimulationProcess
 
+try:
+    import resource
+except ImportError:  # a system without such limits
+    resource = None  # type: ignore[assignment]
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+
+@pytest.fixture(scope="session", autouse=True)
+def descriptors() -> int:
+    """The number of files and connections that this process and its simulations may open.
+
+    Many systems allow 1024 unless a process asks for more.
+    """
+    enough = 8192
+    if resource is None:
+        return enough
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != resource.RLIM_INFINITY and soft < enough:
+        soft = enough if hard == resource.RLIM_INFINITY else min(enough, hard)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    return enough if soft == resource.RLIM_INFINITY else soft
 
 
 @pytest.fixture

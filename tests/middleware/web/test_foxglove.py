@@ -99,7 +99,8 @@ def test_a_client_that_knows_the_written_protocol(start: Callable[..., tuple[Any
     assert json.loads(described["request"]["schema"])["required"] == ["v", "w"]
     assert seen["calls"]["1"] == {"result": "Arrived"}
     assert "no argument somewhere" in seen["calls"]["2"]
-    assert seen["calls"]["3"]["x"] == pytest.approx(0.0, abs=0.3)
+    # on its way already: how far depends on when the client asks
+    assert -0.01 < seen["calls"]["3"]["x"] < seen["way"] + 0.3
     assert "others" not in seen, "nothing was refused"
 
 
