@@ -243,6 +243,9 @@ class _Builder:
             body.explicitinertial = True
             body.mass = mass
             body.ipos, body.inertia = robot_inertia(mass, lower, upper)
+            if not (frame.node.properties.get("GroundRobot") or frame.robot.options.get("wheels")):
+                # as in 1.4: what flies or dives turns about its origin, where damping and forces act as well
+                body.ipos = np.zeros(3)
             if frame.node.body.type is PhysicsType.DYNAMIC:
                 body.inertia = _UNTURNABLE * np.asarray(body.inertia)
             self._add_feet(frame, slot, body, stand)

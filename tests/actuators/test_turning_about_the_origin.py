@@ -1,0 +1,36 @@
+"""Robots without ground contact have their centre of mass at their origin, as in 1.4, where Bullet puts it."""
+
+import math
+
+import pytest
+
+SCENE = """
+robot = RMax()
+robot.translate(10, 8, 20)
+robot._bpy_object.game.damping = 0.5
+motion = ForceTorque()
+robot.append(motion)
+pose = Pose()
+robot.append(pose)
+"""
+
+
+def test_neither_force_nor_damping_turns_a_robot_that_is_pushed(run):
+    sim = run(SCENE)
+    sim.robot.motion.publish({"force": [2.0, 0.0, 0.0]})
+    sim.step(120)
+    # 1 kg that loses half of its velocity per second: x'' = 2 - ln(2) x'
+    rate = math.log(2.0)
+    away = 2.0 / rate * (2.0 - (1.0 - math.exp(-2.0 * rate)) / rate)
+    pose = sim.robot.pose.data
+    assert pose["x"] == pytest.approx(10.0 + away, abs=0.03)
+    assert [pose[name] for name in ("y", "z", "yaw", "pitch", "roll")] == pytest.approx([8.0, 20.0, 0, 0, 0], abs=1e-6)
+
+
+def test_a_torque_turns_a_robot_on_the_spot(run):
+    sim = run(SCENE)
+    sim.robot.motion.publish({"torque": [0.0, 0.0, 0.5]})
+    sim.step(60)
+    pose = sim.robot.pose.data
+    assert pose["yaw"] > 0.3
+    assert [pose[name] for name in ("x", "y", "z")] == pytest.approx([10.0, 8.0, 20.0], abs=1e-6)
