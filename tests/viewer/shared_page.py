@@ -34,7 +34,6 @@ PUT_BACK = """(stored) => {
     keyboard.release();
     panels.mover.toggle(null);
     components.selected.set(null);
-    components.live.clear();
     panels.images.follows.set(true);
     for (const camera of panels.images.open.value) panels.images.toggle(camera);
     for (const plot of [...panels.plots.plots]) plot.onEmpty();
@@ -62,12 +61,13 @@ LOOK = """(() => {
         e.dataset?.news, e.childElementCount ? "" : e.textContent,
     ].join("|"));
     const { components, follow, keyboard, navigation, panels, stage } = morse;
+    const { dataset, style } = document.documentElement;
     const { position, yaw, pitch, roll } = stage.view.pose;
     const layers = panels.layers.list.map(({ id, on, root }) => [id, on, root.children.length]);
     const camera = [...position, yaw, pitch, roll].map((x) => x.toFixed(6));
     return JSON.stringify([
         shown, STORED, camera, follow.mode.value, navigation.velocity.length(), [...keyboard.held], layers,
-        components.all.value, stage.ground.mesh.visible, document.documentElement.outerHTML.split(">")[0],
+        components.all.value, stage.ground.mesh.visible, dataset.theme, style.cssText,
     ], null, 1);
 })()""".replace("STORED", STORED)
 

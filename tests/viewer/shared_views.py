@@ -31,19 +31,21 @@ class SharedView:
         self.driver = CircleDriver(server, moving)
         ready = "morse.seat.drives.value && morse.components.all.value.length === 6 && morse.poses.value?.running"
         self._page = SharedPage(open_page, url, f"!!({ready})", size)
-        self._first = 0
 
     def fresh(self, failures: int) -> tuple[CircleDriver, Page]:
         """The simulation at its beginning, and its page; a new page if one more test has failed."""
         page = self._page.fresh(failures, self._begin)
-        until(lambda: page.evaluate("morse.poses.value.tick") > self._first, "the first ticks")
-        until(lambda: self.driver.server.wishes == Wishes(), "a page without wishes")
-        self.driver.events.clear()
-        return self.driver, page
+        driver = self.driver
+        until(lambda: driver.server.wishes == Wishes(), "a page without wishes")
+        last = driver.tick + 1  # the page has received what was sent before it has received later poses
+        until(lambda: page.evaluate("morse.poses.value.tick") > last, "the first ticks")
+        page.evaluate("morse.components.live.clear()")
+        driver.events.clear()
+        return driver, page
 
     def _begin(self) -> None:
         until(lambda: not self.driver.server.held_keys(), "no key is held")
-        self._first = self.driver.begin()
+        self.driver.begin()
 
 
 class SharedScenes:

@@ -100,12 +100,11 @@ class CircleDriver:
         self._stop.set()
         self._thread.join(60)
 
-    def begin(self) -> int:
-        """Go back to the beginning, as if no page had done anything; ticks are numbered on, from the returned one."""
+    def begin(self) -> None:
+        """Go back to the beginning, as if no page had done anything; ticks are numbered on."""
         self._again.set()
         until(lambda: not self._again.is_set(), "a new beginning")
         self.server.send(self.tree())
-        return self.tick
 
     def poses(self) -> np.ndarray:
         """Robots on circles around the origin, with rotating heads."""
