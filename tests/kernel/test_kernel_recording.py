@@ -12,7 +12,7 @@ import pytest
 
 from morse.core.kinds.turning import quaternion_of
 from morse.helpers.transformation import Transformation3d
-from morse.kernel.recording import NativeRecords, Poses, Rows
+from morse.kernel.recording import NativeRecords, Poses, Rows, Scans
 from morse.kernel.recording.functions import functions
 from morse.mathutils.rotations import quaternion_from_rotation, rotation_from_euler
 from morse.middleware.ros2.parts import quaternion
@@ -32,7 +32,12 @@ def rotations() -> np.ndarray:
     return np.array(turns).reshape(-1, 2, 9)
 
 
-def rows_of(count: int, places: list[int]) -> tuple[Rows, Poses]:
+def addresses_of(array: np.ndarray) -> np.ndarray:
+    """(R,) addresses of the rows of an array, which the caller has to keep."""
+    return array.ctypes.data + array.strides[0] * np.arange(len(array))
+
+
+def rows_of(count: int, places: list[int]) -> tuple[Rows, Poses, np.ndarray]:
     template = Template(Part(number, bytes(8 + POSE), (4,)) for number in (1, 2))
     size = len(template.bytes)
     begins = np.arange(count, dtype=np.int64) * size
@@ -41,22 +46,23 @@ def rows_of(count: int, places: list[int]) -> tuple[Rows, Poses]:
     rows = Rows(begins, moments.astype(np.int64), template.bytes, template.heads, template.stamps, chunk)
     rng = np.random.default_rng(1)
     mounted = np.array([rotation_from_euler((0.1, 0.2, 0.3), "XYZ")] * 2)
+    positions = rng.normal(size=(count, 2, 3))
     poses = Poses(
-        rng.normal(size=(count, 2, 3)),
-        np.zeros((count, 2, 9)),
+        addresses_of(positions),
+        np.zeros(count, dtype=np.int64),
         np.array([1, 0]),
         rng.normal(size=(2, 3)),
         mounted,
         np.array([0, 2], dtype=np.uint8),
         np.array(places),
     )
-    return rows, poses
+    return rows, poses, positions
 
 
-def world_pose(poses: Poses, row: int, member: int) -> Transformation3d:
+def world_pose(poses: Poses, p: np.ndarray, r: np.ndarray, member: int) -> Transformation3d:
     slot = int(poses.slots[member])
     made = Transformation3d()
-    p, r = poses.positions[row, slot], poses.rotations[row, slot]
+    p, r = p[slot], r[slot]
     if poses.apart[member]:
         m, t = r.reshape(3, 3), poses.turned[member].reshape(3, 3)
         o = poses.offsets[member]
@@ -77,8 +83,8 @@ def test_poses_and_frames(build: ctypes.CDLL, what: str, rotations: np.ndarray) 
     count = len(rotations)
     template = Template(Part(number, bytes(8 + POSE)) for number in (1, 2))
     places = (template.begins + 8).tolist()
-    rows, poses = rows_of(count, places)
-    poses = poses._replace(rotations=rotations)
+    rows, poses, positions = rows_of(count, places)
+    poses = poses._replace(rotations=addresses_of(rotations))
     origin = Transformation3d()
     origin.set_pose((1.0, -2.0, 0.5), rotation_from_euler((0.2, -0.1, 2.0), "XYZ"))
     origins = np.array([[*origin.get_pose()[0], *origin.get_pose()[1]]] * 2)
@@ -86,7 +92,7 @@ def test_poses_and_frames(build: ctypes.CDLL, what: str, rotations: np.ndarray) 
     left = native.poses(rows, poses) if what == "poses" else native.frames(rows, poses, origins)
     found, upright = rows.chunk.tobytes(), 0
     for row, member in product(range(count), range(2)):
-        pose = world_pose(poses, row, member)
+        pose = world_pose(poses, positions[row], rotations[row], member)
         if what == "poses":
             x, y, z, yaw, pitch, roll = pose.numbers()
             assert left[row, member] == (pose.get_pose()[1][8] <= 0.51)
@@ -104,7 +110,7 @@ def test_poses_and_frames(build: ctypes.CDLL, what: str, rotations: np.ndarray) 
 
 def test_times_of_each_record(build: ctypes.CDLL) -> None:
     native = NativeRecords(build)
-    rows, _ = rows_of(3, [0, 0])
+    rows, *_ = rows_of(3, [0, 0])
     native.rows(rows)
     size = len(rows.templates) // 2
     for number in range(6):
@@ -122,8 +128,10 @@ def test_scans_in_single_precision_up_to_the_reach(build: ctypes.CDLL) -> None:
     begins, moments = np.array([0, size]), np.zeros((2, 3), dtype=np.int64)
     rows = Rows(begins, moments, template.bytes, template.heads, template.stamps, chunk)
     native.rows(rows)
-    distances = np.array([[[0.1, 3.9999, 4.0, math.inf, 1.0]], [[1e-300, 1 / 3, math.inf, 5.0, 2.0]]])
-    native.scans(rows, distances, 4, np.array([4.0]), np.array([31 + 12]))
+    other = [9.0] * 5
+    distances = np.array([[other, [0.1, 3.9999, 4.0, math.inf, 1.0]], [other, [1e-300, 1 / 3, math.inf, 5.0, 2.0]]])
+    scans = Scans(addresses_of(distances), np.array([1]), 5, 4, np.array([4.0]), np.array([31 + 12]))
+    native.scans(rows, scans)
     found = [np.frombuffer(chunk, dtype="<f4", count=4, offset=begin + 43).tolist() for begin in (0, size)]
     assert found[0] == [np.float32(0.1), np.float32(3.9999), math.inf, math.inf]
     assert found[1] == [0.0, np.float32(1 / 3), math.inf, math.inf]

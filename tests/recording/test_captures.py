@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import morse
+from morse.kernel.recording import NativeRecords
 from morse.launch.load import load
-from morse.recording import keeping, motion
+from morse.recording import disk, gathering, keeping, motion
 from morse.recording.captures.capture import Capture
 from morse.recording.mcap.reader import McapFile
 from morse.recording.recording import Recording
@@ -94,7 +95,14 @@ def test_they_are_those_of_the_streams(
     script: Path, tmp_path: Path, encoded: Counter[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     kept, plain = tmp_path / "kept.mcap", tmp_path / "plain.mcap"
+    packed: list[int] = []
+    # the kernel compresses chunks as if the simulation were fast
+    monkeypatch.setattr(disk, "_QUICK", 0.0)
+    monkeypatch.setattr(gathering, "_MOST_OTHERS", 1.0)
+    pack = NativeRecords.pack
+    monkeypatch.setattr(NativeRecords, "pack", lambda *arguments: packed.append(pack(*arguments)) or packed[-1])
     state = run(script, kept)
+    assert sum(packed) > 1000
     assert encoded["PoseSensors"] > 25
     assert encoded["Scanners"] > 1
     assert encoded["FramesCapture"] > 20

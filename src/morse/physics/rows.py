@@ -13,17 +13,24 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+#: maximum size of a block of arrays, bytes: so much stays in the cache of a processor
+_BLOCK = 1 << 16
+#: maximum and minimum number of arrays in a block
+_MOST, _LEAST = 64, 4
+
+
 class Rows:
     """The rows of an array for scalar code.
 
-    After `share`, the caller owns the array; the rows are copied before the next write.
+    After `share`, the caller owns the array; the rows are copied before the next write. Arrays for `take` are made in
+    advance, many at once: creating one takes several times as long as filling it.
 
     Args:
         array: (N, D).
         taken: number of the first rows that `take` replaces.
     """
 
-    __slots__ = ("_array", "_first", "_is_shared", "_none", "_row", "_rows", "_size")
+    __slots__ = ("_array", "_first", "_is_shared", "_made", "_none", "_row", "_rows", "_size")
 
     def __init__(self, array: NDArray[np.float64], taken: int = 0) -> None:
         self._array = array
@@ -33,16 +40,36 @@ class Rows:
         self._size = self._row.size
         self._rows: list[Sequence[float] | None] = [None] * len(array)
         self._none: list[Sequence[float] | None] = [None] * taken
+        #: copies of the array, and the first rows of each
+        self._made: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
 
     def take(self, values: NDArray[np.float64]) -> None:
         """Set new values for the first rows."""
         if self._is_shared:
-            count = len(self._none)
-            self._array = np.concatenate((values, self._array[count:]))
-            self._first, self._is_shared = self._array[:count], False
+            self._is_shared = False
+            made = self._made
+            if not made:
+                made += self._copies()
+            if made:
+                self._array, self._first = made.pop()
+                self._first[...] = values
+            else:
+                count = len(self._none)
+                self._array = np.concatenate((values, self._array[count:]))
+                self._first = self._array[:count]
         else:
-            self._first[:] = values
+            self._first[...] = values
         self._rows[: len(self._none)] = self._none
+
+    def _copies(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Return copies for the next calls of `take`; none of a large array."""
+        array, count = self._array, len(self._none)
+        number = min(_MOST, _BLOCK // max(array.nbytes, 1))
+        if number < _LEAST:
+            return []
+        block = np.empty((number, *array.shape))
+        block[:, count:] = array[count:]
+        return list(zip(block, block[:, :count], strict=True))[::-1]
 
     def _own(self) -> None:
         if self._is_shared:
@@ -85,5 +112,6 @@ class Rows:
 
     def __setitem__(self, index: int, values: Sequence[float]) -> None:
         self._own()
+        self._made.clear()
         self._array[index] = values
         self._rows[index] = values

@@ -6,34 +6,44 @@ import errno
 import threading
 import time
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from morse.recording.gathering import Gathered, Memory
+from morse.kernel.recording import records
+from morse.recording.gathering import Encoded, Gathered, Memory, Window
+from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
     from io import FileIO
 
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from morse.recording.captures import Capture, Layout, Moments
-    from morse.recording.mcap.records import Message
-
-    _Item = Gathered | Callable[[McapWriter], object]
+    from morse.recording.gathering import Tick
 
 #: wall-clock seconds between two chunks: limits the loss if the process is killed, with a margin for the writing itself
 _INTERVAL = 0.5
 #: approximate size of a chunk, bytes
-_CHUNK = 4 << 20
+CHUNK = 8 << 20
 #: above this rate, bytes per wall-clock second, less time is spent on compression: the simulation runs as fast as
 #: possible, and waits if the recording cannot keep up
 _QUICK = 4e6
 #: maximum number of bytes that wait for the disk; then the simulation waits
 _MOST_WAITING = 64 << 20
-#: maximum number of ticks of a chunk
-_MOST_TICKS = 2048
+#: approximate overhead of a message, bytes
+_OVERHEAD = 100
+
+
+class _Passed(NamedTuple):
+    """The end of a chunk.
+
+    Attributes:
+        given: number of bytes that were queued until then.
+    """
+
+    given: int
+
+
+_ONLY_TICKS = {tuple}
+_Item: TypeAlias = "Tick | Message | Window | _Passed | Callable[[McapWriter], object]"
 
 
 class Disk:
@@ -48,9 +58,7 @@ class Disk:
     Attributes:
         error: the error of the operating system, or None.
         waits: number of times that a writer had to wait.
-
-    Raises:
-        OSError: the file cannot be written.
+        put: queues a tick, which is encoded later; its arrays never change. The caller has to call `held`.
     """
 
     def __init__(self, file: FileIO) -> None:
@@ -58,11 +66,13 @@ class Disk:
         self.error: OSError | None = None
         self.waits = 0
         self._writer = McapWriter(file)
+        # both ends of a deque may be used by different threads without a lock
         self._items: deque[_Item] = deque()
-        self._given = self._taken = 0  # bytes; only the thread writes the second
-        #: locked while messages are collected, and while their chunk is closed
-        self._lock = threading.Lock()
-        self._gathered = Gathered()
+        self.put: Callable[[Tick | Window], object] = self._items.append
+        self._held = self._given = self._taken = 0  # bytes; only the thread writes the last one
+        self._native = records()
+        self._window: Window | None = None
+        self._gathered = self._new()
         self._memory = Memory()
         self._written = time.monotonic()
         self._wake, self._room = threading.Event(), threading.Event()
@@ -72,73 +82,30 @@ class Disk:
 
     def message(self, one: Message) -> None:
         """Queue a message."""
-        with self._lock:
-            gathered = self._gathered
-            gathered.message(one)
-        if gathered.held > _CHUNK:
-            self._pass_on()
-
-    def keep(
-        self,
-        layout: Layout,
-        tick: int,
-        moments: Moments,
-        positions: NDArray[np.float64],
-        rotations: NDArray[np.float64],
-        scans: Sequence[tuple[Capture, Any]] | None,
-    ) -> None:
-        """Queue the messages of a tick, which are encoded later.
-
-        Args:
-            layout: the records of the tick.
-            tick: its number.
-            moments: computes its time.
-            positions, rotations: (K, 3) m and (K, 9) of the rigid groups of the layout; arrays that never change.
-            scans: captures, and their data, which never change.
-        """
-        with self._lock:
-            gathered = self._gathered
-            if gathered.window is not layout.window or gathered.moments is not moments:
-                if gathered.ticks:
-                    gathered = self._begin_chunk()
-                gathered.window, gathered.moments = layout.window, moments
-            gathered.ticks.append((tick, layout))
-            gathered.positions.append(positions)
-            gathered.rotations.append(rotations)
-            if scans is not None:
-                for capture, distances in scans:
-                    gathered.scans.setdefault(capture, []).append(distances)
-            held = gathered.held = gathered.held + layout.held
-        if held > _CHUNK or len(gathered.ticks) >= _MOST_TICKS:
-            self._pass_on()
+        self._items.append(one)
+        self._held += _OVERHEAD + len(one.data)
+        if self._held > CHUNK:
+            self.pass_on(self._held)
+            self._held = 0
 
     def other(self, write: Callable[[McapWriter], object]) -> None:
         """Queue another operation, after all previous messages."""
-        self._close_chunk()
         self._items.append(write)
 
-    def _pass_on(self) -> None:
-        """Close the chunk, and wait if too many bytes are queued."""
-        self._close_chunk()
+    def pass_on(self, size: int) -> None:
+        """End a chunk, and wait if too many bytes are queued.
+
+        Args:
+            size: approximate memory of the data that were queued since the last call, bytes.
+        """
+        self._given += size
+        self._items.append(_Passed(self._given))
         self._wake.set()
         if self._given - self._taken > _MOST_WAITING:
             self.waits += 1
             while self._given - self._taken > _MOST_WAITING // 2 and self._thread.is_alive():
                 self._room.wait(_INTERVAL)
                 self._room.clear()
-
-    def _close_chunk(self) -> None:
-        """Append the collected messages to the items, and start a new chunk."""
-        with self._lock:
-            if self._gathered:
-                self._begin_chunk()
-
-    def _begin_chunk(self) -> Gathered:
-        """The same; the caller holds the lock."""
-        self._given += self._gathered.held
-        self._items.append(self._gathered)
-        self._gathered = Gathered()
-        return self._gathered
 
     def close(self) -> None:
         """Write the remaining data and the index; wait until that is done."""
@@ -154,32 +121,68 @@ class Disk:
             while not self._ending:
                 self._wake.wait(max(due - time.monotonic(), 0.0))
                 self._wake.clear()
+                self._drain()
                 if time.monotonic() >= due:
                     due = time.monotonic() + _INTERVAL
-                    self._close_chunk()
-                self._drain()
-            self._close_chunk()
+                    self._write()
             self._drain()
+            self._write()
             self._attempt(self._writer.finish)
         finally:
             self._file.close()
 
     def _drain(self) -> None:
-        """Write all queued chunks and operations."""
-        while self._items:
-            item = self._items.popleft()
-            if isinstance(item, Gathered):
-                self._attempt(lambda item=item: self._chunk(item))  # type: ignore[misc]
-                self._taken += item.held
+        """Take all that is queued, and write the chunks that have ended."""
+        take, items = self._items.popleft, self._items
+        while count := len(items):
+            some = [take() for _ in range(count)]
+            if set(map(type, some)) == _ONLY_TICKS:
+                self._gathered.ticks += some  # type: ignore[arg-type]
+            else:
+                for item in some:
+                    self._take(item)
+
+    def _take(self, item: _Item) -> None:
+        gathered, kind = self._gathered, type(item)
+        if kind is tuple:
+            gathered.ticks.append(item)  # type: ignore[arg-type]
+        elif kind is Message:
+            gathered.messages.append((len(gathered.ticks), item))  # type: ignore[arg-type]
+        else:
+            self._write()
+            if isinstance(item, Window):
+                self._window = item
+                self._gathered = self._new()
+            elif isinstance(item, _Passed):
+                self._taken = item.given
                 self._room.set()
             else:
-                self._attempt(lambda item=item: item(self._writer))  # type: ignore[misc]
+                self._attempt(lambda: item(self._writer))  # type: ignore[operator]
+
+    def _new(self) -> Gathered:
+        return Gathered(self._window, self._native)
+
+    def _write(self) -> None:
+        """Write the messages that were taken."""
+        gathered, self._gathered = self._gathered, self._new()
+        if gathered:
+            self._attempt(lambda: self._chunk(gathered))
 
     def _chunk(self, gathered: Gathered) -> None:
-        plain, index = gathered.encoded(self._memory)
+        encoded = gathered.encoded(self._memory)
+        plain = encoded.plain
         now = time.monotonic()
         rate, self._written = len(plain) / max(now - self._written, 1e-6), now
-        self._writer.encoded(plain.data, index, quickly=rate > _QUICK)
+        quickly = rate > _QUICK
+        frame = self._packed(encoded) if quickly else None
+        self._writer.encoded(plain.data, encoded.positions, quickly=quickly, frame=frame)
+
+    def _packed(self, encoded: Encoded) -> memoryview | None:
+        """Compress records that resemble each other; None if most of them do not."""
+        if encoded.similar is None or self._native is None:
+            return None
+        frame = self._memory.of("frame", 5 * len(encoded.plain) // 4 + 1024)
+        return frame[: self._native.pack(encoded.plain, encoded.similar, frame)].data
 
     def _attempt(self, write: Callable[[], object]) -> None:
         if self.error is not None:

@@ -1,25 +1,47 @@
-"""Collects messages until there are enough for a chunk."""
+"""Encodes the messages of a chunk."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.kernel.recording import Similar
+from morse.recording.captures.poses import Groups, groups_of_arrays, groups_of_bytes
+from morse.recording.mcap.index import ChunkIndex, index_of
+from morse.recording.mcap.records import INDEX_HEAD, MESSAGE_FIXED, MESSAGE_HEAD
 from morse.recording.mcap.records import MESSAGE as MESSAGE_OPCODE
-from morse.recording.mcap.records import MESSAGE_FIXED, MESSAGE_HEAD
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from morse.kernel.recording import NativeRecords
     from morse.recording.captures import Capture, Layout, Moments
+    from morse.recording.mcap.index import Entries
     from morse.recording.mcap.records import Message
-    from morse.recording.mcap.writer import Entries, Index
 
-#: approximate overhead of a message, bytes
-_OVERHEAD = 100
+    Poses = bytes | NDArray[np.float64]
+    #: number of a tick, its records, positions (K, 3) m and rotations (K, 9) of rigid groups, other data by capture
+    Tick = tuple[int, Layout, Poses, Poses, Sequence[tuple[Capture, Any]] | None]
+
+#: share of a chunk above which messages that no capture encodes are compressed by the library
+_MOST_OTHERS = 0.2
+
+
+class Window(NamedTuple):
+    """What applies to all following ticks.
+
+    Attributes:
+        first: index of the first rigid group whose pose is stored.
+        is_whole: whether the poses of a tick are arrays that never change; they are bytes otherwise.
+        moments: computes the times of the ticks.
+    """
+
+    first: int
+    is_whole: bool
+    moments: Moments
 
 
 class Memory:
@@ -29,131 +51,192 @@ class Memory:
     """
 
     def __init__(self) -> None:
-        self._bytes = np.empty(0, dtype=np.uint8)
-        self._stacks: dict[object, NDArray[np.float64]] = {}
+        self._bytes: dict[str, NDArray[np.uint8]] = {}
 
-    def of(self, size: int) -> NDArray[np.uint8]:
-        """Return (size,) bytes, which are valid until the next call."""
-        if len(self._bytes) < size:
-            self._bytes = np.empty(size + size // 4, dtype=np.uint8)
-        return self._bytes[:size]
+    def of(self, name: str, size: int) -> NDArray[np.uint8]:
+        """Return (size,) bytes, which are valid until the next call with that name."""
+        memory = self._bytes.get(name)
+        if memory is None or len(memory) < size:
+            memory = self._bytes[name] = np.empty(size + size // 4, dtype=np.uint8)
+        return memory[:size]
 
-    def stacked(self, key: object, arrays: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-        """Return R arrays of one shape (N, D) as one array (R, N, D), valid until the next call with that key."""
-        count, shape = len(arrays), arrays[0].shape
-        memory = self._stacks.get(key)
-        if memory is None or len(memory) < count or memory.shape[1:] != shape:
-            memory = self._stacks[key] = np.empty((count + count // 4, *shape))
-        stack = memory[:count]
-        np.concatenate(arrays, out=stack.reshape(-1, shape[1]))
-        return stack
 
-    def keep(self, keys: Collection[object]) -> None:
-        """Release the memory of all other keys."""
-        self._stacks = {key: stack for key, stack in self._stacks.items() if key in keys}
+class Encoded(NamedTuple):
+    """The messages of a chunk as records.
+
+    Attributes:
+        plain: the records.
+        positions: the positions of the messages.
+        similar: where they resemble each other; None if that is not known for most of them.
+    """
+
+    plain: NDArray[np.uint8]
+    positions: ChunkIndex
+    similar: Similar | None
 
 
 class Gathered:
     """The messages of a chunk, in order.
 
+    Args:
+        window: applies to all ticks.
+        native: the encoder; only needed for ticks.
+
     Attributes:
-        ticks: number and records of each tick that is encoded later.
-        positions, rotations: poses of rigid groups in each of these ticks, (K, 3) m and (K, 9).
-        window: the rigid groups of the poses, see `Layout.window`.
-        moments: computes the times of these ticks.
-        scans: the distances (B, rays) in each tick with a scan, m, by capture.
-        held: approximate memory of all messages, bytes.
+        ticks: the ticks that are encoded now.
+        messages: number of these ticks before each other message, and the message.
     """
 
-    __slots__ = ("_messages", "held", "moments", "positions", "rotations", "scans", "ticks", "window")
-
-    def __init__(self) -> None:
-        self.held = 0
-        self.positions: list[NDArray[np.float64]] = []
-        self.rotations: list[NDArray[np.float64]] = []
-        self.window: tuple[int, int, int] | None = None
-        self.moments: Moments | None = None
-        self.ticks: list[tuple[int, Layout]] = []
-        self.scans: dict[Capture, list[NDArray[np.float64]]] = {}
-        #: number of ticks before each message, and the message
-        self._messages: list[tuple[int, Message]] = []
+    def __init__(self, window: Window | None, native: NativeRecords | None) -> None:
+        self.ticks: list[Tick] = []
+        self.messages: list[tuple[int, Message]] = []
+        self._window, self._native = window, native
 
     def __bool__(self) -> bool:
-        return bool(self.ticks or self._messages)
+        return bool(self.ticks or self.messages)
 
-    def message(self, one: Message) -> None:
-        """Add a message."""
-        self._messages.append((len(self.ticks), one))
-        self.held += _OVERHEAD + len(one.data)
+    def encoded(self, memory: Memory) -> Encoded:
+        """Return the records; they are valid until the next call with the same memory."""
+        if not self.ticks:
+            return self._encoded_messages(memory)
+        return _Ticks(self, memory).encoded()
 
-    # -- encoding ----------------------------------------------------------------------------
+    def _encoded_messages(self, memory: Memory) -> Encoded:
+        begins = sums([MESSAGE_HEAD.size + len(one.data) for _, one in self.messages])
+        chunk = memory.of("chunk", int(begins[-1]))
+        return Encoded(chunk, index_of(self.write_messages(begins[:-1], chunk)), None)
 
-    def encoded(self, memory: Memory) -> tuple[NDArray[np.uint8], Index]:
-        """Return the records, and the positions of the messages of each channel in them.
-
-        Args:
-            memory: receives the records.
-        """
-        sizes = np.array([MESSAGE_HEAD.size + len(one.data) for _, one in self._messages], dtype=np.int64)
-        before = np.array([count for count, _ in self._messages], dtype=np.int64)
-        ticks = np.array([layout.size for _, layout in self.ticks], dtype=np.int64)
-        # number of all ticks and messages before each one
-        ticks_before, sizes_before = _sums(ticks), _sums(sizes)
-        chunk = memory.of(int(ticks_before[-1] + sizes_before[-1]))
-        found: dict[int, list[Entries]] = {}
-        if self.ticks:
-            begins = ticks_before[:-1] + sizes_before[np.searchsorted(before, np.arange(len(ticks)), side="right")]
-            self._encode_ticks(begins, chunk, memory, found)
-        if self._messages:
-            self._encode_messages((sizes_before[:-1] + ticks_before[before]).tolist(), chunk.data, found)
-        index: dict[int, Entries] = {}
-        for channel, parts in found.items():
-            entries = parts[0] if len(parts) == 1 else np.concatenate(parts)
-            index[channel] = entries if len(parts) == 1 else entries[np.argsort(entries[:, 1], kind="stable")]
-        return chunk, index
-
-    def _encode_ticks(
-        self, begins: NDArray[np.int64], chunk: NDArray[np.uint8], memory: Memory, found: dict[int, list[Entries]]
-    ) -> None:
-        assert self.moments is not None
-        assert self.window is not None
-        memory.keep({"positions", "rotations", *self.scans})
-        poses = memory.stacked("positions", self.positions), memory.stacked("rotations", self.rotations)
-        numbers, layouts = zip(*self.ticks, strict=True)
-        moments = self.moments.of(numbers)
-        known = list(dict.fromkeys(layouts))
-        codes = {layout: code for code, layout in enumerate(known)}
-        which = np.array([codes[layout] for layout in layouts], dtype=np.int64)
-        for capture in dict.fromkeys(capture for layout in known for capture in layout.offsets):
-            offsets = np.array([layout.offsets.get(capture, -1) for layout in known], dtype=np.int64)[which]
-            rows = np.flatnonzero(offsets >= 0)
-            starts, times = begins[rows] + offsets[rows], moments[rows]
-            if capture in self.scans:
-                data: Any = memory.stacked(capture, self.scans[capture])
-            else:
-                some = slice(None) if len(rows) == len(self.ticks) else rows
-                data = poses[0][some], poses[1][some], self.window[2]
-            capture.encode(starts, times, data, chunk)
-            heads = capture.template.heads
-            entries = np.empty((len(heads), len(rows), 2), dtype=np.int64)
-            entries[:, :, 0] = times[:, 1]
-            entries[:, :, 1] = starts + heads[:, None]
-            for channel, part in zip(capture.template.channels, entries, strict=True):
-                found.setdefault(channel, []).append(part)
-
-    def _encode_messages(self, begins: list[int], chunk: memoryview, found: dict[int, list[Entries]]) -> None:
+    def write_messages(self, begins: NDArray[np.int64], chunk: NDArray[np.uint8]) -> dict[int, Entries]:
+        """Write the messages, and return their positions by channel."""
         places: dict[int, list[tuple[int, int]]] = {}
-        for begin, (_, one) in zip(begins, self._messages, strict=True):
+        view = chunk.data
+        for begin, (_, one) in zip(begins.tolist(), self.messages, strict=True):
             end = begin + MESSAGE_HEAD.size
             size = MESSAGE_FIXED + len(one.data)
             numbers = one.channel, one.sequence, one.log_time, one.publish_time
-            MESSAGE_HEAD.pack_into(chunk, begin, MESSAGE_OPCODE, size, *numbers)
-            chunk[end : end + len(one.data)] = one.data
+            MESSAGE_HEAD.pack_into(view, begin, MESSAGE_OPCODE, size, *numbers)
+            view[end : end + len(one.data)] = one.data
             places.setdefault(one.channel, []).append((one.log_time, begin))
-        for channel, entries in places.items():
-            found.setdefault(channel, []).append(np.array(entries, dtype=np.int64))
+        return {channel: np.array(entries, dtype=np.int64) for channel, entries in places.items()}
 
 
-def _sums(values: NDArray[np.int64]) -> NDArray[np.int64]:
+class _Part(NamedTuple):
+    """The records of a capture: where they begin in each tick, and the times of these ticks."""
+
+    capture: Capture
+    begins: NDArray[np.int64]
+    moments: NDArray[np.int64]
+
+
+class _Ticks:
+    """Encodes a chunk with ticks."""
+
+    def __init__(self, gathered: Gathered, memory: Memory) -> None:
+        assert gathered._window is not None
+        assert gathered._native is not None
+        self._gathered, self._memory = gathered, memory
+        self._native, self._window = gathered._native, gathered._window
+        numbers, layouts, positions, rotations, data = zip(*gathered.ticks, strict=True)
+        make: Any = groups_of_arrays if self._window.is_whole else groups_of_bytes
+        self._groups: Groups = make(positions, rotations, self._window.first)
+        self._moments = self._window.moments.of(numbers)
+        self._known: list[Layout] = list(dict.fromkeys(layouts))
+        codes = {layout: code for code, layout in enumerate(self._known)}
+        self._which = np.fromiter(map(codes.__getitem__, layouts), np.int64, len(layouts))
+        self._data: dict[Capture, list[NDArray[np.float64]]] = {}
+        for pairs in data:
+            if pairs is not None:
+                for capture, one in pairs:
+                    self._data.setdefault(capture, []).append(one)
+
+    def encoded(self) -> Encoded:
+        """Return the records."""
+        messages, ticks = self._gathered.messages, np.array([layout.size for layout in self._known])[self._which]
+        begins = sums(ticks)
+        others = 0
+        entries: dict[int, Entries] = {}
+        if messages:
+            # number of all messages before each tick, and of all ticks before each message
+            before = np.array([count for count, _ in messages], dtype=np.int64)
+            sizes = sums([MESSAGE_HEAD.size + len(one.data) for _, one in messages])
+            others = int(sizes[-1])
+            chunk = self._memory.of("chunk", int(begins[-1]) + others)
+            entries = self._gathered.write_messages(sizes[:-1] + begins[before], chunk)
+            begins[:-1] += sizes[np.searchsorted(before, np.arange(len(ticks)), side="right")]
+        else:
+            chunk = self._memory.of("chunk", int(begins[-1]))
+        parts = self._encode(begins[:-1], chunk)
+        similar = self._similar(begins[:-1], parts) if others <= _MOST_OTHERS * len(chunk) else None
+        return Encoded(chunk, self._index(parts, entries), similar)
+
+    def _encode(self, begins: NDArray[np.int64], chunk: NDArray[np.uint8]) -> list[_Part]:
+        groups = self._groups
+        parts = []
+        for capture in dict.fromkeys(capture for layout in self._known for capture in layout.offsets):
+            offsets = np.array([layout.offsets.get(capture, -1) for layout in self._known], dtype=np.int64)[self._which]
+            is_all = len(self._known) == 1 or int(offsets.min()) >= 0
+            rows: Any = slice(None) if is_all else np.flatnonzero(offsets >= 0)
+            part = _Part(capture, begins[rows] + offsets[rows], self._moments[rows])
+            data: Any = self._data.get(capture)
+            if data is None:
+                data = groups if is_all else groups.some(rows)
+            capture.encode(part.begins, part.moments, data, chunk)
+            parts.append(part)
+        return parts
+
+    def _index(self, parts: Sequence[_Part], entries: dict[int, Entries]) -> ChunkIndex:
+        channels = [channel for part in parts for channel in part.capture.template.channels]
+        if len({*channels, *entries}) < len(channels) + len(entries):
+            return index_of(_merged(parts, entries))
+        others = index_of(entries) if entries else ChunkIndex(0, 0, b"", {}, {})
+        sizes = [INDEX_HEAD.size + 16 * len(part.begins) for part in parts]
+        total = sum(size * len(part.capture.template.heads) for size, part in zip(sizes, parts, strict=True))
+        index = self._memory.of("index", total + len(others.records))
+        places: dict[int, int] = {}
+        counts: dict[int, int] = {}
+        at = 0
+        for size, (capture, begins, moments) in zip(sizes, parts, strict=True):
+            template = capture.template
+            end = at + size * len(template.channels)
+            self._native.index(begins, moments, template.heads, template.numbers, index[at:end])
+            places.update(zip(template.channels, range(at, end, size), strict=True))
+            counts.update(dict.fromkeys(template.channels, len(begins)))
+            at = end
+        start, stop = int(self._moments[0, 1]), int(self._moments[-1, 1])
+        if entries:
+            index[at:] = np.frombuffer(others.records, dtype=np.uint8)
+            places.update({channel: at + place for channel, place in others.places.items()})
+            counts.update(others.counts)
+            start, stop = min(start, others.start), max(stop, others.end)
+        return ChunkIndex(start, stop, index.data, places, counts)
+
+    def _similar(self, begins: NDArray[np.int64], parts: Sequence[_Part]) -> Similar:
+        columns = {part.capture: column for column, part in enumerate(parts)}
+        spans, firsts = [], [0]
+        for layout in self._known:
+            for capture, offset in layout.offsets.items():
+                spans += [(offset + at, length, distance, columns[capture])
+                          for at, length, distance in capture.template.spans]  # fmt: skip
+            firsts.append(len(spans))
+        table = np.array(spans, dtype=np.int64).reshape(-1, 4)
+        return Similar(begins, self._which, np.array(firsts, dtype=np.int64), table, len(columns))
+
+
+def _merged(parts: Sequence[_Part], others: dict[int, Entries]) -> dict[int, Entries]:
+    """The positions of all messages, of which some channels have messages in several parts."""
+    found = {channel: [entries] for channel, entries in others.items()}
+    for capture, begins, moments in parts:
+        for channel, head in zip(capture.template.channels, capture.template.heads.tolist(), strict=True):
+            found.setdefault(channel, []).append(np.stack((moments[:, 1], begins + head), axis=1))
+    index = {}
+    for channel, several in found.items():
+        entries = several[0] if len(several) == 1 else np.concatenate(several)
+        index[channel] = entries if len(several) == 1 else entries[np.argsort(entries[:, 1], kind="stable")]
+    return index
+
+
+def sums(values: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
     """(N + 1,) sums of the first 0, 1, ... N values."""
-    return np.concatenate((np.zeros(1, dtype=np.int64), np.cumsum(values)))
+    found = np.zeros(len(values) + 1, dtype=np.int64)
+    np.cumsum(values, out=found[1:])
+    return found

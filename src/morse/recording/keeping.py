@@ -9,13 +9,11 @@ from morse.middleware.ros2.cdr import encode
 from morse.middleware.ros2.kinds.states import clock
 from morse.middleware.ros2.transforms import transform
 from morse.recording.captures import FramesCapture, Layout, Lone, capture_of
+from morse.recording.captures.poses import groups_of
 from morse.recording.captures.template import STAMP, Part, Template
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    import numpy as np
-    from numpy.typing import NDArray
 
     from morse.core.group import Group
     from morse.kernel.recording import NativeRecords
@@ -29,8 +27,8 @@ _CLOCK, _TF = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage"
 _MOST_KNOWN = 256
 #: maximum number of new captures until the components change: creating one takes as long as hundreds of messages
 _MOST_MADE = 200
-#: number of static rigid groups whose poses are stored with those of the others
-_FEW_GROUPS = 32
+#: maximum number of rigid groups whose poses are copied; of more, references to the arrays are stored
+_MOST_COPIED = 128
 
 
 class Captures:
@@ -40,6 +38,11 @@ class Captures:
     are then silent, see `RecordedStream.waiting`. In a tick in which something has changed, the streams encode all
     messages.
 
+    Attributes:
+        fire: called with each group, or sensor that acts alone, that has measured, in order.
+        quiet: components whose streams do not encode their measurements.
+        world: the world of the simulation.
+
     Args:
         native: the encoder.
         streams: the streams of the recording.
@@ -48,17 +51,15 @@ class Captures:
 
     def __init__(self, native: NativeRecords, streams: RecordedStreams, tape: Tape) -> None:
         self._native, self._streams, self._tape = native, streams, tape
-        self._context, self._world = streams.context, streams.context.world
-        self._transforms = streams.transforms
-        #: groups that have measured in this tick, in order
+        self._context, self.world = streams.context, streams.context.world
+        self._transforms, self._keep = streams.transforms, tape.keep
         self._fired: list[Group | Lone] = []
-        self._fire = self._fired.append
+        self.fire = self._fired.append
         #: whether the last `flush` has stored the poses of the nodes
         self.kept = False
-        #: components whose streams are silent while they act together
-        self._quiet: set[Any] = set()
+        self.quiet: set[Any] = set()
         self.forget()
-        self._context.group_taps.append(self._fire)
+        self._context.group_taps.append(self.fire)
 
     @classmethod
     def made_for(cls, streams: RecordedStreams, tape: Tape) -> Captures | None:
@@ -73,35 +74,25 @@ class Captures:
         self._layouts: dict[tuple[Group | Lone, ...], Layout] = {}
         self._frames: tuple[FramesCapture, Sequence[Mounting]] | None = None
         self._displacements = self._relocated = -1
-        #: see `Layout.window`; a new object after each change
-        self._window = (0, -1, 0)
+        #: the rigid groups whose poses are stored
+        self._stored = slice(0, 0)
         self._is_whole = True
         self._made = 0
         self._looked = False
         present = set(map(id, self._context.components.values()))
-        self._quiet = {component for component in self._quiet if id(component) in present}
+        self.quiet = {component for component in self.quiet if id(component) in present}
 
     def close(self) -> None:
         """Stop storing data."""
         self._fired.clear()
-        if self._fire in self._context.group_taps:
-            self._context.group_taps.remove(self._fire)
-
-    def is_quiet(self, component: Any) -> bool:
-        """Whether the stream of a component does not encode its measurements with others."""
-        return component in self._quiet
+        if self.fire in self._context.group_taps:
+            self._context.group_taps.remove(self.fire)
 
     # -- a tick ------------------------------------------------------------------------------
 
-    def fire_alone(self, sensor: Lone) -> None:
-        """A sensor that acts alone has measured."""
-        sensor.stamp = self._world.stamp
-        self._fire(sensor)
-
     def flush(self) -> bool:
         """The end of a tick. Returns False if the streams have to encode simulated time and the frames."""
-        fired, world = self._fired, self._world
-        self.kept = False
+        fired, world = self._fired, self.world
         layout = self._layouts.get(tuple(fired))
         if (
             layout is None
@@ -109,8 +100,10 @@ class Captures:
             or len(world.relocated) != self._relocated
             or self._transforms.changed
         ):
+            self.kept = False
             return self._look_around()
-        positions = world.positions.array
+        rows = world.positions
+        positions = rows.share() if self._is_whole else rows.array
         for group in layout.posed:
             if group.poses.snapshot.group_positions is not positions:  # an object has moved since
                 return self._encode_all()
@@ -120,14 +113,15 @@ class Captures:
         scans = None
         if layout.scans:
             scans = [(capture, capture.take(group)) for group, capture in layout.scans]
-            if any(distances is None for _, distances in scans):
-                return self._encode_all()
+            for _, distances in scans:
+                if distances is None:
+                    return self._encode_all()
         fired.clear()
-        if not self._is_whole:
-            positions, rotations = self._copied(positions), self._copied(world.rotations.array)
+        if self._is_whole:
+            self._keep(layout, positions, world.rotations.share(), scans)
         else:
-            positions, rotations = world.positions.share(), world.rotations.share()
-        self._tape.keep(layout, positions, rotations, scans)
+            stored = self._stored
+            self._keep(layout, positions[stored].tobytes(), world.rotations.array[stored].tobytes(), scans)
         self.kept = True
         if self._frames is None:
             return False
@@ -136,15 +130,12 @@ class Captures:
             self._streams.flush_others()
         return True
 
-    def _copied(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        first, last, _ = self._window
-        return rows[first:last].copy()
-
     def _encode_all(self) -> bool:
         """Let the streams encode the measurements of the groups of this tick."""
+        self.kept = False
         for group in self._fired:
             for stream in self._streams_of(group):
-                if stream.component_instance in self._quiet:
+                if stream.component_instance in self.quiet:
                     stream.encode()
         self._fired.clear()
         return False
@@ -160,8 +151,8 @@ class Captures:
         """Encode this tick by the streams, and determine how the next ticks can be stored."""
         fired = tuple(self._fired)
         self._encode_all()
-        if self._displacements != self._world.displacements:
-            self._displacements = self._world.displacements
+        if self._displacements != self.world.displacements:
+            self._displacements = self.world.displacements
             self._drop_displaced()
         if self._transforms.changed:
             self._frames, self._looked = None, False  # the streams find the frames when they encode them
@@ -196,14 +187,12 @@ class Captures:
         """Determine the rigid groups whose poses are stored; a chunk has those of all layouts."""
         layouts = self._layouts.values()
         first, last = min(layout.first for layout in layouts), max(layout.last for layout in layouts)
-        groups = len(self._world.positions)
-        # to store a reference to the poses of all groups takes less time than to copy some of them
-        self._is_whole = is_whole = groups <= _FEW_GROUPS + 2 * (last - first)
-        window = (first, last, 0 if is_whole else first)
-        if window != self._window:
-            self._window = window
+        # groups of sensors refer to the arrays in any case
+        self._is_whole = is_whole = last - first > _MOST_COPIED or any(layout.posed for layout in layouts)
+        self._stored = slice(first, last)
         for layout in layouts:
-            layout.store(self._window, groups if is_whole else last - first)
+            layout.store(len(self.world.positions) if is_whole else last - first)
+        self._tape.begin(0 if is_whole else first, is_whole=is_whole)
 
     def _drop_dissolved(self) -> None:
         """Remove dissolved groups: their members are in other groups, and must not be stored twice."""
@@ -224,7 +213,7 @@ class Captures:
             return False
         if not motion.is_unmoved():
             return False
-        self._displacements = self._world.displacements
+        self._displacements = self.world.displacements
         return True
 
     def _drop_displaced(self) -> None:
@@ -249,11 +238,11 @@ class Captures:
         # a group asks which streams are silent only when it is formed
         forms = not isinstance(group, Lone)
         if found is None:
-            group.is_changed |= forms and not self._quiet.isdisjoint(members)
-            self._quiet -= members
+            group.is_changed |= forms and not self.quiet.isdisjoint(members)
+            self.quiet -= members
             return None
-        group.is_changed |= forms and not members <= self._quiet
-        self._quiet |= members
+        group.is_changed |= forms and not members <= self.quiet
+        self.quiet |= members
         return found[0]
 
     def _make(self, group: Group | Lone) -> tuple[Capture, Sequence[Mounting]] | None:
@@ -283,9 +272,9 @@ class Captures:
         if made:  # without robots, no frames are sent
             messages.append(encode(_TF, {"transforms": made}))
             parts.append(Part(channels[1], messages[1], _stamps(ends)))
-        snapshot = self._world.snapshots([robot.bge_object for _, _, robot in robots]).now()
+        snapshot = self.world.snapshots([robot.bge_object for _, _, robot in robots]).now()
         capture = FramesCapture(self._native, Template(parts), ends, starts, snapshot)
-        if capture.agrees((snapshot.group_positions[None], snapshot.group_rotations[None], 0), messages):
+        if capture.agrees(groups_of(snapshot), messages):
             self._frames = capture, _mountings(robot for _, _, robot in robots)
 
 

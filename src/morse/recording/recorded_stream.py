@@ -33,24 +33,29 @@ class RecordedStream(Ros2Stream):
     See `morse.recording.keeping.Captures`.
     """
 
-    #: None: not determined yet, or its messages are always encoded by the stream
+    #: None: no capture can encode its messages while it acts alone
     _lone: Lone | None = None
     _is_known = False
 
     def default(self, ci: Object | None = None) -> bool:
         """Publish the messages of a sensor, or leave the messages to a capture."""
-        captures, component = self.manager.captures, self.component_instance
-        if captures is not None and component.group is None:
+        component = self.component_instance
+        if component.group is None:
             if not self._is_known:
-                self._is_known = True
-                if is_captured(component) and may_join(component):
-                    self._lone = Lone(component)
+                self._look_at(component)
             lone = self._lone
-            if lone is not None and lone.is_plain:
-                captures.fire_alone(lone)
-                if captures.is_quiet(component):
+            if lone is not None and lone.is_plain():
+                captures = self.manager.captures
+                lone.stamp = captures.world.stamp
+                captures.fire(lone)
+                if component in captures.quiet:
                     return False
         return super().default(ci)
+
+    def _look_at(self, component: Object) -> None:
+        self._is_known = True
+        if self.manager.captures is not None and is_captured(component) and may_join(component):
+            self._lone = Lone(component)
 
     def encode(self) -> None:
         """Publish the present messages."""
@@ -60,7 +65,7 @@ class RecordedStream(Ros2Stream):
     def waiting(self) -> Collection[Any] | None:
         """See `AbstractDatastream.waiting`."""
         captures = self.manager.captures
-        return () if captures is not None and captures.is_quiet(self.component_instance) else None
+        return () if captures is not None and self.component_instance in captures.quiet else None
 
     def single(self, type_name: str) -> Single | None:
         """Return the present message if the sensor has one message of that type; else None."""

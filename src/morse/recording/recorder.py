@@ -115,12 +115,14 @@ class Recorder(Observer):
         if tick != self._flushed:  # no tick ends while the simulation is paused
             self._flushed = tick
             self._ticks += 1
-            self._streams.flush()
-        if self._disk.waits and not self._warned:
+            if not self._streams.store():
+                self._streams.flush()
+        disk = self._disk
+        if disk.waits and not self._warned:
             self._warned = True
             logger.warning("the disk is slower than the simulation, which waits for the recording %s", self.path)
-        if self._disk.error is not None:
-            self._fail(self._disk.error)
+        if disk.error is not None:
+            self._fail(disk.error)
 
     def restarted(self) -> None:
         """The components were created again."""

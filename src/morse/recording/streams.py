@@ -10,17 +10,20 @@ from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subs
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.middleware.ros2.definitions import definition
 from morse.recording.captures import Moments
+from morse.recording.disk import CHUNK
+from morse.recording.gathering import Window
 from morse.recording.keeping import Captures
 from morse.recording.mcap.records import Message
 from morse.recording.motion import Motion
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Sequence
 
     from morse.core.context import Context
-    from morse.recording.captures import Layout
+    from morse.recording.captures import Capture, Layout
     from morse.recording.disk import Disk
+    from morse.recording.gathering import Poses
 
 logger = logging.getLogger(__name__)
 
@@ -71,6 +74,8 @@ class Tape(Backend):
         self._moment: tuple[int, int, int] | None = None
         self._back = 0
         self._moments = Moments(self._clock, 0)
+        self._first, self._is_whole = 0, True
+        self._put, self._held = disk.put, 0
 
     def now(self) -> tuple[int, int, int]:
         """Number of ticks (32 bits), log time, simulated time, both in ns; log time never decreases."""
@@ -87,14 +92,32 @@ class Tape(Backend):
         """After a restart or a restored state, time continues from the last value."""
         self._back += self._clock.stamp_of(self._tick) - self._clock.stamp_of(tick)
         self._moments = Moments(self._clock, self._back)
+        self.begin(self._first, is_whole=self._is_whole)
 
-    def keep(self, layout: Layout, positions: Any, rotations: Any, scans: Any) -> None:
-        """Store the messages of this tick; see `Disk.keep`."""
+    def begin(self, first: int, *, is_whole: bool) -> None:
+        """Set how poses are stored from now on, see `Window`."""
+        self._first, self._is_whole = first, is_whole
+        self._put(Window(first, is_whole, self._moments))
+
+    def keep(
+        self, layout: Layout, positions: Poses, rotations: Poses, data: Sequence[tuple[Capture, Any]] | None
+    ) -> None:
+        """Store the messages of this tick, which are encoded later.
+
+        Args:
+            layout: the records of the tick.
+            positions, rotations: (K, 3) m and (K, 9) of rigid groups; see `Window`.
+            data: captures, and their other data, which never change.
+        """
         tick = self._clock.tick
         if tick < self._tick:
             self._go_back(tick)
         self._tick, self._moment = tick, None
-        self._disk.keep(layout, tick, self._moments, positions, rotations, scans)
+        self._put((tick, layout, positions, rotations, data))
+        held = self._held = self._held + layout.held
+        if held > CHUNK:
+            self._held = 0
+            self._disk.pass_on(held)
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`."""
@@ -161,6 +184,8 @@ class RecordedStreams(Ros2DatastreamManager):
         #: the poses of all moving nodes; None for only inputs and the log
         self.motion = Motion(context, tape) if records_sensors else None
         self.captures = Captures.made_for(self, tape) if records_sensors and isinstance(tape, Tape) else None
+        #: stores the messages of a tick; returns False if `flush` has to encode some of them
+        self.store: Callable[[], bool] = _nothing if self.captures is None else self.captures.flush
         self.follow()
 
     def _make_backend(self) -> Backend:
@@ -209,10 +234,8 @@ class RecordedStreams(Ros2DatastreamManager):
             logger.warning("%s is not recorded: %s", component.name(), refusal)
 
     def flush(self) -> None:
-        """The end of a tick; without sensors, only inputs and the log are recorded."""
+        """The end of a tick that the captures have not stored; see `store`."""
         captures, motion = self.captures, self.motion
-        if captures is not None and captures.flush():
-            return
         if motion is None:
             self.write_log()
             return
@@ -261,3 +284,8 @@ class RecordedStreams(Ros2DatastreamManager):
                 if stream.default in functions:
                     functions.remove(stream.default)
         super().finalize()
+
+
+def _nothing() -> bool:
+    """Store nothing."""
+    return False

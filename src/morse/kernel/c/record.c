@@ -21,8 +21,11 @@ MORSE_EXPORT int64_t morse_record_poses(const RecordRows *rows, const RecordPose
                                         uint8_t *left);
 MORSE_EXPORT int64_t morse_record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins,
                                          uint8_t *left);
-MORSE_EXPORT void morse_record_scans(const RecordRows *rows, int64_t members, int64_t rays, int64_t kept,
-                                     const double *distances, const double *reaches, const int64_t *places);
+MORSE_EXPORT void morse_record_index(int64_t rows, const int64_t *begins, const int64_t *moments, int64_t heads,
+                                     const int64_t *head_places, const int64_t *channels, uint8_t *index);
+MORSE_EXPORT void morse_record_scans(const RecordRows *rows, int64_t members, const int64_t *scans, int64_t rays,
+                                     int64_t kept, const double *const *distances, const double *reaches,
+                                     const int64_t *places);
 
 // Copies the templates into the chunk, and writes the time of each tick into the copies.
 void morse_record_rows(const RecordRows *rows) {
@@ -59,9 +62,17 @@ int64_t morse_record_poses(const RecordRows *rows, const RecordPoses *all, const
             *is_left = 1;
             count++;
             if (!(m[8] > UPRIGHT) || !(fabs(m[6]) <= 1.0)) continue;
-            const double yaw = use->atan2(m[3], m[0]), pitch = -use->asin(m[6]), roll = use->atan2(m[7], m[8]);
-            const double a = 0.5 * roll, b = 0.5 * pitch, c = 0.5 * yaw;
-            const double cr = use->cos(a), sr = use->sin(a), cp = use->cos(b), sp = use->sin(b);
+            const double yaw = use->atan2(m[3], m[0]), c = 0.5 * yaw;
+            double cr = 1.0, sr = m[7], cp = 1.0, sp = -m[6];
+            // these functions return a zero of the same sign for zero
+            if (m[7] != 0.0) {
+                const double a = 0.5 * use->atan2(m[7], m[8]);
+                cr = use->cos(a), sr = use->sin(a);
+            }
+            if (m[6] != 0.0) {
+                const double b = 0.5 * -use->asin(m[6]);
+                cp = use->cos(b), sp = use->sin(b);
+            }
             const double cy = use->cos(c), sy = use->sin(c);
             double q[4] = {cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy,
                            cr * cp * sy - sr * sp * cy};
@@ -128,18 +139,39 @@ int64_t morse_record_frames(const RecordRows *rows, const RecordPoses *all, cons
     return count;
 }
 
-// Distances (R, N, rays) of scanners, in single precision; infinite at or above the range of the scanner. The first
-// `kept` rays of each scan are written.
-void morse_record_scans(const RecordRows *rows, int64_t members, int64_t rays, int64_t kept, const double *distances,
-                        const double *reaches, const int64_t *places) {
+// Distances (R) (B, rays) of scanners, in single precision; infinite at or above the range of the scanner. The first
+// `kept` rays of each scan are written. `scans` (N) are the rows of the scanners.
+void morse_record_scans(const RecordRows *rows, int64_t members, const int64_t *scans, int64_t rays, int64_t kept,
+                        const double *const *distances, const double *reaches, const int64_t *places) {
     for (int64_t i = 0; i < rows->rows; i++) {
         for (int64_t k = 0; k < members; k++) {
-            const double *from = distances + (i * members + k) * rays;
+            const double *from = distances[i] + scans[k] * rays;
             uint8_t *place = rows->chunk + rows->begins[i] + places[k];
             for (int64_t j = 0; j < kept; j++) {
                 const float range = from[j] >= reaches[k] ? __builtin_inff() : (float)from[j];
                 memcpy(place + 4 * j, &range, sizeof range);
             }
+        }
+    }
+}
+
+// Writes a record ``MessageIndex`` for each of the channels, one behind the other: log time and position of its
+// messages.
+void morse_record_index(int64_t rows, const int64_t *begins, const int64_t *moments, int64_t heads,
+                        const int64_t *head_places, const int64_t *channels, uint8_t *index) {
+    enum { OPCODE = 7 };
+    for (int64_t k = 0; k < heads; k++) {
+        const uint64_t length = (uint64_t)(6 + 16 * rows);
+        const uint32_t size = (uint32_t)(16 * rows);
+        const uint16_t channel = (uint16_t)channels[k];
+        index[0] = OPCODE;
+        memcpy(index + 1, &length, 8);
+        memcpy(index + 9, &channel, 2);
+        memcpy(index + 11, &size, 4);
+        index += 15;
+        for (int64_t i = 0; i < rows; i++, index += 16) {
+            const int64_t entry[2] = {moments[3 * i + 1], begins[i] + head_places[k]};
+            memcpy(index, entry, sizeof entry);
         }
     }
 }

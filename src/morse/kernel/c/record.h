@@ -18,13 +18,12 @@ typedef struct {
 } RecordRows;
 
 typedef struct {
-    const double *positions, *rotations;  // (R, K, 3), (R, K, 9) of all rigid groups
-    int64_t slots;                        // K
-    int64_t members;                      // N
-    const int64_t *slot;                  // (N) rigid group of each member
-    const double *offsets, *turned;       // (N, 3), (N, 9) pose of each member in its group
-    const uint8_t *apart;                 // (N) 0: that of the group; 1: moved; 2: moved and rotated
-    const int64_t *places;                // (N) of the seven numbers x, y, z, qx, qy, qz, qw in the templates
+    const double *const *positions, *const *rotations;  // (R) arrays (K, 3), (K, 9) of all rigid groups
+    int64_t members;                                    // N
+    const int64_t *slot;                                // (N) rigid group of each member
+    const double *offsets, *turned;                     // (N, 3), (N, 9) pose of each member in its group
+    const uint8_t *apart;                               // (N) 0: that of the group; 1: moved; 2: moved and rotated
+    const int64_t *places;  // (N) of the seven numbers x, y, z, qx, qy, qz, qw in the templates
 } RecordPoses;
 
 typedef struct {
@@ -41,8 +40,8 @@ static inline void record_product(const double *a, const double *b, double *c) {
 
 // The pose of a member in the world, as `Mounting.carried` returns it.
 static inline RecordPose record_pose(const RecordPoses *all, int64_t row, int64_t member) {
-    const int64_t slot = row * all->slots + all->slot[member];
-    const double *p = all->positions + 3 * slot, *r = all->rotations + 9 * slot;
+    const int64_t slot = all->slot[member];
+    const double *p = all->positions[row] + 3 * slot, *r = all->rotations[row] + 9 * slot;
     RecordPose pose;
     memcpy(pose.position, p, sizeof pose.position);
     memcpy(pose.rotation, r, sizeof pose.rotation);

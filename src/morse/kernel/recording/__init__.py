@@ -7,10 +7,10 @@ compares the messages of one tick with it.
 from __future__ import annotations
 
 from morse.kernel.loading import library
-from morse.kernel.recording.arrays import Poses, Rows
+from morse.kernel.recording.arrays import Poses, Rows, Scans, Similar
 from morse.kernel.recording.native import NativeRecords
 
-__all__ = ["NativeRecords", "Poses", "Rows", "records"]
+__all__ = ["NativeRecords", "Poses", "Rows", "Scans", "Similar", "records"]
 
 
 def records() -> NativeRecords | None:

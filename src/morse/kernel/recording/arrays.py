@@ -37,17 +37,56 @@ class Poses(NamedTuple):
     """The poses of N objects in R ticks.
 
     Attributes:
-        positions, rotations: (R, K, 3) m and (R, K, 9) of all rigid groups, world frame.
+        positions, rotations: (R,) addresses of arrays (K, 3), m, and (K, 9) of all rigid groups, world frame.
         slots: (N,) rigid group of each object.
         offsets, turned: (N, 3) m and (N, 9), pose of each object in its group.
         apart: (N,) 0 for an object with the pose of its group, 1 for one that is moved, 2 for one that is also rotated.
         places: (N,) offset of the seven numbers x, y, z and quaternion x, y, z, w in the templates.
     """
 
-    positions: Floats
-    rotations: Floats
+    positions: Integers
+    rotations: Integers
     slots: Integers
     offsets: Floats
     turned: Floats
     apart: Bytes
     places: Integers
+
+
+class Scans(NamedTuple):
+    """The distances of N scanners in R ticks.
+
+    Attributes:
+        distances: (R,) addresses of arrays (B, rays), m.
+        members: (N,) row of each scanner in these arrays.
+        rays: number of rays of a scan.
+        kept: number of rays of each scan that are written; the first rays.
+        reaches: (N,) m.
+        places: (N,) offset of the distances in the templates.
+    """
+
+    distances: Integers
+    members: Integers
+    rays: int
+    kept: int
+    reaches: Floats
+    places: Integers
+
+
+class Similar(NamedTuple):
+    """Where the records of R ticks resemble others. Each tick has one of L layouts, which consist of spans.
+
+    Attributes:
+        begins: (R,) offset of the first record of each tick, ascending, bytes.
+        layouts: (R,) layout of each tick.
+        firsts: (L + 1,) first span of each layout, and the number of all spans.
+        spans: (S, 4) offset in the tick, length, distance of the bytes that it resembles, and column; the distance 0
+            refers to the same column in the tick before. The spans of a tick are in order and do not overlap.
+        columns: number of columns.
+    """
+
+    begins: Integers
+    layouts: Integers
+    firsts: Integers
+    spans: Integers
+    columns: int

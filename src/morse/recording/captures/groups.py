@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.recording.captures.classes import MESSAGES
+from morse.recording.captures.poses import groups_of
 from morse.recording.captures.sensors import PoseSensors, Scanners
 from morse.recording.captures.template import Part, Template
 
@@ -49,8 +50,7 @@ def _poses(
         return None
     snapshot = group.poses.snapshot
     made = PoseSensors(native, template, snapshot, rows)
-    data = snapshot.group_positions[None], snapshot.group_rotations[None], 0
-    return made if made.agrees(data, [message.data for message in messages]) else None
+    return made if made.agrees(groups_of(snapshot), [message.data for message in messages]) else None
 
 
 def _scanners(
@@ -65,4 +65,4 @@ def _scanners(
     kept = rays - 1 if first.scan_window == 360.0 and rays > 1 else rays
     made = Scanners(native, template, [one.rays for one in scanners], rows, kept, first.laser_range)
     data = made.take(group)
-    return made if data is not None and made.agrees(data[None], [message.data for message in messages]) else None
+    return made if data is not None and made.agrees([data], [message.data for message in messages]) else None

@@ -34,7 +34,6 @@ class Layout:
         alone: sensors that act alone, and whose poses are stored.
         scans: groups whose scans are stored, and their captures.
         first, last: the rigid groups whose poses are needed: ``range(first, last)``.
-        window: first and last of all layouts, and the index of the first stored rigid group, see `store`.
     """
 
     def __init__(self, groups: Sequence[Group | Lone], captures: Sequence[Capture], others: Sequence[Capture]) -> None:
@@ -51,15 +50,8 @@ class Layout:
         self.scans = [(group, capture) for group, capture in pairs if isinstance(capture, Scanners)]
         slots = [slot for capture in self.offsets if isinstance(capture, PosesCapture) for slot in capture.slots]
         self.first, self.last = min(slots, default=0), max(slots, default=-1) + 1
-        self.window = (self.first, self.last, self.first)
         self._held = self.held
 
-    def store(self, window: tuple[int, int, int], groups: int) -> None:
-        """Set the rigid groups that are stored.
-
-        Args:
-            window: first and last; index of the first stored group: 0 if all groups of the world are stored.
-            groups: number of stored groups.
-        """
-        self.window = window
+    def store(self, groups: int) -> None:
+        """Set the number of rigid groups whose poses are stored."""
         self.held = self._held + _POSE * groups

@@ -31,9 +31,8 @@ class Lone:
         self._modifiers = component.output_modifiers
         self._size = len(self._attributes)
 
-    @property
     def is_plain(self) -> bool:
-        """Whether its messages follow from its class alone: without noise, delay, modifiers and added attributes."""
+        """Return whether its messages follow from its class: without noise, delay, modifiers, added attributes."""
         attributes = self._attributes
         return (
             not self._modifiers

@@ -8,7 +8,7 @@ import numpy as np
 
 from morse.helpers.transformation import Transformation3d
 from morse.middleware.ros2.poses import quaternion_of
-from morse.recording.captures.poses import POSE, PosesCapture
+from morse.recording.captures.poses import POSE, PosesCapture, groups_of
 from morse.recording.mcap.records import MESSAGE_HEAD
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class NodesCapture(PosesCapture):
         """
         chunk = np.empty(self.size, dtype=np.uint8)
         begins, moments = np.zeros(1, dtype=np.int64), np.array([[0, stamp, stamp]], dtype=np.int64)
-        self.encode(begins, moments, (snapshot.group_positions[None], snapshot.group_rotations[None], 0), chunk)
+        self.encode(begins, moments, groups_of(snapshot), chunk)
         return chunk[MESSAGE_HEAD.size :].tobytes()
 
     def _encoded(self, rows: Rows, poses: Poses) -> NDArray[np.uint8]:

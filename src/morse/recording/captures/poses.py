@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,12 +12,13 @@ from morse.middleware.ros2.parts import quaternion
 from morse.recording.captures.capture import Capture
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
     from morse.kernel.recording import NativeRecords, Rows
     from morse.physics.mounting import Mounting
+    from morse.physics.snapshot import Snapshot
     from morse.recording.captures.template import Template
 
 #: size of seven numbers, a position and a quaternion, bytes
@@ -25,11 +26,59 @@ POSE = 56
 _SEVEN = np.dtype("<f8")
 
 
+class Groups(NamedTuple):
+    """The poses of K consecutive rigid groups in R ticks.
+
+    Attributes:
+        positions, rotations: (R,) addresses of the positions (K, 3), m, and rotations (K, 9) in each tick.
+        read: returns position and rotation of a group, given the row of the tick and of the group.
+        first: index of the first rigid group.
+        owners: keep the memory.
+    """
+
+    positions: NDArray[np.int64]
+    rotations: NDArray[np.int64]
+    read: Callable[[int, int], tuple[list[float], list[float]]]
+    first: int
+    owners: Any
+
+    def some(self, rows: NDArray[np.int64]) -> Groups:
+        """Return the poses of some of the ticks."""
+        read, chosen = self.read, rows.tolist()
+        positions, rotations = self.positions[rows], self.rotations[rows]
+        return Groups(positions, rotations, lambda row, group: read(chosen[row], group), self.first, self.owners)
+
+
+def groups_of_arrays(
+    positions: Sequence[NDArray[np.float64]], rotations: Sequence[NDArray[np.float64]], first: int = 0
+) -> Groups:
+    """Return the poses in R ticks from arrays (K, 3) and (K, 9) of each."""
+    places = ([one.ctypes.data for one in arrays] for arrays in (positions, rotations))
+    p, r = (np.array(each, dtype=np.int64) for each in places)
+    return Groups(
+        p, r, lambda row, group: (positions[row][group].tolist(), rotations[row][group].tolist()), first, positions
+    )
+
+
+def groups_of_bytes(positions: Sequence[bytes], rotations: Sequence[bytes], first: int) -> Groups:
+    """Return the poses in R ticks from the bytes of these arrays."""
+    count = len(positions)
+    p, r = (np.frombuffer(b"".join(each)).reshape(count, -1, size) for each, size in ((positions, 3), (rotations, 9)))
+    places = [one.ctypes.data + one.strides[0] * np.arange(count) for one in (p, r)]
+    return Groups(
+        places[0], places[1], lambda row, group: (p[row, group].tolist(), r[row, group].tolist()), first, (p, r)
+    )
+
+
+def groups_of(snapshot: Snapshot) -> Groups:
+    """Return the poses of a snapshot as those of one tick."""
+    return groups_of_arrays([snapshot.group_positions], [snapshot.group_rotations])
+
+
 class PosesCapture(Capture):
     """Messages with a position and a quaternion each.
 
-    The stored data of R ticks are positions (R, K, 3), m, and rotations (R, K, 9) of consecutive rigid groups, and the
-    index of the first of them.
+    The stored data of R ticks are the `Groups` of each.
 
     Attributes:
         slots: rigid group of each object.
@@ -60,13 +109,15 @@ class PosesCapture(Capture):
         self._apart = np.array(apart, dtype=np.uint8)
 
     def _fill(self, rows: Rows, data: Any) -> None:
-        positions, rotations, first = data
-        poses = Poses(positions, rotations, self._slots - first, self._offsets, self._turned, self._apart, self._places)
+        groups: Groups = data
+        slots = self._slots - groups.first
+        mounted = self._offsets, self._turned, self._apart
+        poses = Poses(groups.positions, groups.rotations, slots, *mounted, self._places)
         left = self._encoded(rows, poses)
         for row, member in np.argwhere(left).tolist() if left.any() else ():
-            slot = self.slots[member] - first
+            at = groups.read(row, self.slots[member] - groups.first)
             pose = Transformation3d()
-            pose.set_pose(*self.mountings[member].carried(positions[row, slot].tolist(), rotations[row, slot].tolist()))
+            pose.set_pose(*self.mountings[member].carried(*at))
             position, wxyz = self._one(member, pose)
             turned = quaternion(wxyz) or {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
             numbers = [*position, turned["x"], turned["y"], turned["z"], turned["w"]]

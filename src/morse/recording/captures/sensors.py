@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.kinds.turning import quaternion_of
+from morse.kernel.memory import address
+from morse.kernel.recording import Scans
 from morse.recording.captures.capture import Capture
 from morse.recording.captures.poses import POSE, PosesCapture
 
@@ -52,7 +54,7 @@ class PoseSensors(PosesCapture):
 class Scanners(Capture):
     """``sensor_msgs/LaserScan`` of laser scanners with equal fans.
 
-    The stored data of R ticks are distances (R, B, rays), m.
+    The stored data of R ticks are R arrays of distances (B, rays), m.
 
     Args:
         native: the encoder.
@@ -99,7 +101,7 @@ class Scanners(Capture):
         return distances
 
     def _fill(self, rows: Rows, data: Any) -> None:
-        distances: NDArray[np.float64] = data
-        if distances.shape[1] != len(self._members):
-            distances = np.ascontiguousarray(distances[:, self._members])
-        self._native.scans(rows, distances, self._kept, self._reaches, self._places)
+        places = np.array([address(distances) for distances in data], dtype=np.int64)
+        rays = data[0].shape[1]
+        scans = Scans(places, self._members, rays, self._kept, self._reaches, self._places)
+        self._native.scans(rows, scans)

@@ -37,10 +37,12 @@ class Template:
 
     Attributes:
         bytes: (size,) the records.
-        channels: channel of each record.
+        channels, numbers: (H,) channel of each record, as a list and an array.
         heads: (H,) offset of each record.
         begins: (H,) offset of each message.
         stamps: (S,) offset of each time stamp.
+        spans: offset, length and distance of similar bytes, see `morse.kernel.recording.Similar`: messages of equal
+            length resemble the message before, others those of the tick before.
     """
 
     def __init__(self, parts: Iterable[Part]) -> None:
@@ -54,5 +56,11 @@ class Template:
             at += len(made[-1])
         self.bytes: NDArray[np.uint8] = np.frombuffer(b"".join(made), dtype=np.uint8)
         self.heads = np.array(heads, dtype=np.int64)
+        self.numbers = np.array(self.channels, dtype=np.int64)
         self.begins = self.heads + MESSAGE_HEAD.size
         self.stamps = np.array(stamps, dtype=np.int64)
+        self.spans = [(0, at, 0)]
+        lengths = set(map(len, made))
+        if len(made) > 1 and len(lengths) == 1:
+            (length,) = lengths
+            self.spans = [(0, length, 0), (length, at - length, length)]

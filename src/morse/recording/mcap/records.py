@@ -23,6 +23,8 @@ PREFIX = struct.Struct("<BQ")
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 #: size of a message between the prefix and its data, bytes
 MESSAGE_FIXED = MESSAGE_HEAD.size - PREFIX.size
+#: format of a message index: the prefix of the record; channel, size of its entries, bytes
+INDEX_HEAD = struct.Struct("<BQHI")
 #: format of a chunk: first and last log time (ns), uncompressed size, CRC-32 of the uncompressed data
 CHUNK_HEAD = struct.Struct("<QQQI")
 

@@ -4,26 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import struct
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import zstandard
-from numpy.typing import NDArray
 
 from morse.recording.mcap import records
+from morse.recording.mcap.index import ChunkIndex, index_of
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
     from io import FileIO
 
     from morse.recording.mcap.records import Message
-
-#: log time (ns) and offset in the chunk of messages of a channel, (N, 2)
-Entries: TypeAlias = NDArray[np.int64]
-#: the same by channel, in the order of the offsets
-Index: TypeAlias = Mapping[int, Entries]
 
 _COMPRESSION = "zstd"
 #: a fast level, and one that takes half the time for files that are a third larger
@@ -108,38 +102,40 @@ class McapWriter:
         for one in messages:
             entries.setdefault(one.channel, []).append((one.log_time, len(plain)))
             plain += records.message(one)
-        self.encoded(memoryview(plain), {number: np.array(entry, dtype=np.int64) for number, entry in entries.items()})
+        if messages:
+            index = index_of({number: np.array(entry, dtype=np.int64) for number, entry in entries.items()})
+            self.encoded(memoryview(plain), index)
 
-    def encoded(self, plain: memoryview, index: Index, *, quickly: bool = False) -> None:
+    def encoded(
+        self, plain: memoryview, index: ChunkIndex, *, quickly: bool = False, frame: memoryview | None = None
+    ) -> None:
         """Write encoded messages, compressed and with an index.
 
         Args:
             plain: their records, as bytes.
             index: their positions in ``plain``.
             quickly: spend less time on compression.
+            frame: the compressed records, if they were compressed before.
         """
-        if not index:
-            return
-        # log time never decreases
-        start = min(int(entries[0, 0]) for entries in index.values())
-        end = max(int(entries[-1, 0]) for entries in index.values())
-        compressed = (self._quick_compressor if quickly else self._compressor).compress(plain)
+        compressed: bytes | memoryview
+        if frame is None:
+            compressed = (self._quick_compressor if quickly else self._compressor).compress(plain)
+        else:
+            compressed = frame
+        start, end, entries = index.start, index.end, index.records
         head = records.chunk_head(start, end, len(plain), _COMPRESSION, len(compressed))
+        offset = self._write(head, compressed, entries)
         length = len(head) + len(compressed)
-        parts, indexes, place = [], {}, self._offset + length
-        for number, entries in index.items():
-            made = records.message_index(number, entries)
-            indexes[number] = place
-            place += len(made)
-            parts.append(made)
-        offset = self._write(head, compressed, b"".join(parts))
+        place = offset + length
+        places = {number: place + at for number, at in index.places.items()}
         self._chunks.append(
             records.ChunkPlace(
-                start, end, offset, length, indexes, place - offset - length, _COMPRESSION, len(compressed), len(plain)
+                start, end, offset, length, places, len(entries), _COMPRESSION, len(compressed), len(plain)
             )
         )
-        for number, entries in index.items():
-            self._counts[number] += len(entries)
+        counts = self._counts
+        for number, count in index.counts.items():
+            counts[number] += count
 
     def attachment(self, name: str, media_type: str, data: bytes, log_time: int = 0) -> None:
         """Attach a file."""
