@@ -65,9 +65,9 @@ def _answers(uri: str) -> bool:
 
 
 @contextmanager
-def master() -> Iterator[str]:
-    """Its address."""
-    uri = f"http://127.0.0.1:{(port := free_port())}/"
+def master(port: int | None = None) -> Iterator[str]:
+    """Its address; on any free port, if none is given."""
+    uri = f"http://127.0.0.1:{(port := port or free_port())}/"
     with tempfile.TemporaryDirectory() as home:
         variables = {**os.environ, "ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1", "ROS_LOG_DIR": home}
         variables.pop("PYTHONPATH", None)

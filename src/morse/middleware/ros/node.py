@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros.mapping import INSTALL
+from morse.middleware.ros.master import MasterWatch
 from morse.middleware.ros.messages import message, message_class, plain
 from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
 
@@ -55,6 +56,7 @@ def join(name: str | None = None) -> Any:
         rospy.init_node(f"morse{suffix}", disable_signals=True)
         # rospy configures the logging of the whole process
         logging.root.level, logging.root.handlers[:] = before[0], before[1]
+        MasterWatch(rospy).start()
     return rospy
 
 
