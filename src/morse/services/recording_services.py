@@ -9,9 +9,11 @@ from typing import Any, Protocol
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseError, MorseRPCInvokationError
 from morse.core.services import service
+from morse.services.disk_room import check_room
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _SUFFIX = ".mcap"
+_MOST_NAMES = 100
 
 
 class Recordable(Protocol):
@@ -28,6 +30,8 @@ class RecordingServices(AbstractObject):
         super().__init__()
         self._simulation = simulation
         self._recorder: Any = None
+        #: the last number of each name
+        self._numbers: dict[Path, int] = {}
 
     def name(self) -> str:
         """``simulation``."""
@@ -55,16 +59,26 @@ class RecordingServices(AbstractObject):
             )
         if self._recorder is not None and self._recorder.running:
             raise MorseRPCInvokationError(f"{self._recorder.path} is already being recorded: call stop_recording first")
-        stem = name.removesuffix(_SUFFIX)
-        path, number = Path(stem + _SUFFIX).absolute(), 1
-        while path.exists():
-            number += 1
-            path = path.with_name(f"{stem}-{number}{_SUFFIX}")
+        path = self._new_path(name.removesuffix(_SUFFIX))
+        check_room(path)
         try:
             self._recorder = self._simulation.record(path)
         except MorseError as error:
             raise MorseRPCInvokationError(str(error)) from None
         return str(path)
+
+    def _new_path(self, stem: str) -> Path:
+        first = Path(stem + _SUFFIX).absolute()
+        if not first.exists():
+            return first
+        # the numbers of earlier recordings are not tried again: there may be thousands
+        number = self._numbers.get(first, 2)
+        while (path := first.with_name(f"{stem}-{number}{_SUFFIX}")).exists():
+            number += 1
+        if len(self._numbers) >= _MOST_NAMES:
+            self._numbers.clear()
+        self._numbers[first] = number
+        return path
 
     @service(changes=False)
     def stop_recording(self) -> str:

@@ -10,6 +10,7 @@ from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.hints import nearest
 from morse.core.services import service
+from morse.services.disk_room import check_room
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _MOST = 32
@@ -52,6 +53,7 @@ class StateServices(AbstractObject):
         self._check_name(name)
         if to_file:
             path = Path(name + _SUFFIX).absolute()
+            check_room(path)
             try:
                 self._simulation.save(path)
             except OSError as error:

@@ -11,6 +11,7 @@ import numpy as np
 
 from morse.assets.errors import AssetError
 from morse.assets.meshfiles.collada import collada_unit
+from morse.assets.meshfiles.counts import check_counts
 from morse.assets.meshfiles.files import SIZE_LIMIT, Below
 from morse.assets.meshfiles.surfaces import Surfaces
 from morse.assets.triangle_limit import check_stl, check_triangles
@@ -42,6 +43,7 @@ def read_meshes(path: str | Path) -> Library:
         check_stl(path)
     below = Below(path.parent)
     try:
+        check_counts(path)
         unit = collada_unit(path) if path.suffix.lower() == ".dae" else 1.0
         scene = _loaded(path, below)
         check_triangles(path, (len(getattr(part, "faces", ())) for part in scene.geometry.values()))

@@ -1,0 +1,31 @@
+"""Files of clients: clients must not fill the disk of the user."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from typing import TYPE_CHECKING
+
+from morse.core.exceptions import MorseRPCInvokationError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+LEAST = 256 << 20
+"""Free bytes on the disk below which clients may not create files."""
+
+
+def check_room(path: Path) -> None:
+    """Check that a client may create a file.
+
+    Raises:
+        MorseRPCInvokationError: the disk is almost full.
+    """
+    try:
+        free = shutil.disk_usage(os.path.dirname(path)).free
+    except OSError:
+        return  # the file cannot be created either, which is reported then
+    if free < LEAST:
+        raise MorseRPCInvokationError(
+            f"{path.name} is not written: only {free >> 20} MB are free on the disk, expected at least {LEAST >> 20} MB"
+        )
