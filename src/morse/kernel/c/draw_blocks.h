@@ -22,11 +22,12 @@
 typedef struct {
     F8 inverse[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];  // 1 / depth
     I8 shown[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];    // index of the triangle, -1 for none
-    // of each column, with one lane for each block
-    I8 flat[COLUMNS];                // the only triangle, -1 for none, or MANY
-    F8 low[COLUMNS], high[COLUMNS];  // bounds of 1 / depth of all samples
-    F8 dx, dy;                       // the positions of the samples of a pixel
-    I8 used;                         // the lanes of samples
+    F8 dx, dy;                                              // the positions of the samples of a pixel
+    I8 used;                                                // the lanes of samples
+    // of each column, with one number for each block: arrays, because lanes of vectors are accessed by copies of them
+    int32_t flat[COLUMNS][LANES] __attribute__((aligned(32)));  // the only triangle, -1 for none, or MANY
+    float low[COLUMNS][LANES] __attribute__((aligned(32)));     // bounds of 1 / depth of all samples
+    float high[COLUMNS][LANES] __attribute__((aligned(32)));
     int32_t left, top, samples;
     float spread, nearest, empty[3];  // 1 / depth of the near plane, and the plane without a surface
 } Tile;
@@ -79,6 +80,12 @@ static inline int is_nearer(float inverse, int32_t who, float old, int32_t befor
     return inverse > old || (inverse == old && who < before);
 }
 
+// The same for eight samples; `old` is positive. The bits of positive numbers are in the order of the numbers, and
+// those of negative ones are negative.
+static inline I8 nearer(F8 inverse, I8 who, F8 old, I8 before) {
+    return bits_of(inverse) > bits_of(old) + (who < before);
+}
+
 // Whether a plane is behind everything that a block shows in some of its pixels.
 static inline int hidden(const Frame *f, const Tile *t, int column, int row, const float *w, float error, Extent x) {
     const int32_t flat = t->flat[column][row];
@@ -122,24 +129,63 @@ static inline unsigned rows_of(const Tile *t, const float e[3][3], const float *
     return ~lanes_of(out);
 }
 
+// The same as `cover_block` below for one sample for each pixel, its centre, and surfaces without holes: all rows at a
+// time, because the processor would predict their number wrongly.
+static inline void cover_block_centres(const Frame *f, const Seen *s, int32_t number, Tile *t, int column, int row,
+                                       const Box *b, const int inside) {
+    const F8 nearest = splat(t->nearest), x = STEPS + ((float)(t->left + column * LANES) + 0.5f), wx = s->w[0] * x;
+    const I8 who = splat_int(number), at = WHOLE_STEPS + column * LANES, beside = (at - b->x0) | (b->x1 - at);
+    const int top = t->top + row * BLOCK_ROWS, block = column * LANES + row;
+    const F8 x0 = s->e[0][0] * x, x1 = s->e[1][0] * x, x2 = s->e[2][0] * x;
+    float base[3][BLOCK_ROWS], depth[BLOCK_ROWS];
+    EACH(r, BLOCK_ROWS) {
+        const float y = (float)(top + r) + 0.5f;
+        EACH(i, 3) base[i][r] = above(s->e[i], y);
+        depth[r] = s->w[1] * y + s->w[2];
+        // no sample is inside the edges of the other rows
+        const int py = row * BLOCK_ROWS + r;
+        if (!inside && (py < b->y0 || py > b->y1)) base[0][r] = -INFINITY;
+    }
+    expand(f, t, column, row);
+    F8 *inverse = t->inverse[block][0];
+    I8 *shown = t->shown[block][0];
+    EACH(r, BLOCK_ROWS) {
+        F8 z = wx + depth[r];
+        if (!inside) {
+            const I8 out = beside | bits_of(x0 + base[0][r]) | bits_of(x1 + base[1][r]) | bits_of(x2 + base[2][r]) |
+                           ~bits_of(z - nearest);
+            z = from_bits(bits_of(z) | (out & SIGNS));
+        }
+        const F8 old = inverse[r];
+        const I8 before = shown[r], mine = nearer(z, who, old, before);
+        NO_MASKED_STORE;
+        inverse[r] = pick(mine, z, old), shown[r] = pick_int(mine, who, before);
+    }
+}
+
 // Writes a triangle into the samples of a block where it is the nearest; `inside` if it contains all of them.
 //
 // The signs of all conditions are collected in the sign of 1 / depth, which is positive for visible surfaces: compilers
 // narrow masks of several comparisons, and widen the result again.
-static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Tile *t, int column, int row, Box b,
-                               const float *errors, const int samples, const int inside, const int holes) {
+static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Tile *t, int column, int row,
+                               const Box *b, const float *errors, const int samples, const int inside,
+                               const int holes) {
+    if (samples == 1 && !holes) {
+        cover_block_centres(f, s, number, t, column, row, b, inside);
+        return;
+    }
     const F8 nearest = splat(t->nearest);
-    const I8 who = splat_int(number), at = WHOLE_STEPS + column * LANES, beside = (at - b.x0) | (b.x1 - at);
+    const I8 who = splat_int(number), at = WHOLE_STEPS + column * LANES, beside = (at - b->x0) | (b->x1 - at);
     const int left = t->left + column * LANES, top = t->top + row * BLOCK_ROWS, block = column * LANES + row;
     float w[3], e[3][3];
     EACH(n, 3) w[n] = s->w[n];
     EACH(i, 3) EACH(n, 3) e[i][n] = s->e[i][n];
     unsigned rows = (1u << BLOCK_ROWS) - 1;
     if (!inside) {
-        const int first = b.y0 - row * BLOCK_ROWS, last = b.y1 - row * BLOCK_ROWS, end = column * LANES + LANES - 1;
+        const int first = b->y0 - row * BLOCK_ROWS, last = b->y1 - row * BLOCK_ROWS, end = column * LANES + LANES - 1;
         if (first > 0) rows &= rows << first;
         if (last < BLOCK_ROWS - 1) rows &= (2u << last) - 1;
-        const Box part = {b.x0 > column * LANES ? b.x0 : column * LANES, b.y0, b.x1 < end ? b.x1 : end, b.y1};
+        const Box part = {b->x0 > column * LANES ? b->x0 : column * LANES, b->y0, b->x1 < end ? b->x1 : end, b->y1};
         // with one sample, the test takes as long as the rows that it saves
         if (samples > 1) rows &= rows_of(t, e, errors, row, part);
         if (!rows) return;
@@ -162,7 +208,7 @@ static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Ti
             }
             const F8 old = *inverse;
             if (holes) z = without_holes(f, s, z, old, x, y, left + n, top + r + 2 * n);
-            const I8 before = *shown, mine = (z > old) | ((z == old) & (who < before));
+            const I8 before = *shown, mine = nearer(z, who, old, before);
             NO_MASKED_STORE;
             *inverse = pick(mine, z, old), *shown = pick_int(mine, who, before);
         }
@@ -173,7 +219,7 @@ static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Ti
 static inline void clear(const Frame *f, Tile *t, int left, int top, int samples, float near, float far) {
     t->left = left, t->top = top, t->samples = samples, t->nearest = 1 / near, t->spread = samples > 1 ? SPREAD : 0;
     t->empty[0] = t->empty[1] = 0, t->empty[2] = 1 / far;
-    EACH(c, COLUMNS) t->flat[c] = splat_int(-1), t->low[c] = t->high[c] = splat(1 / far);
+    EACH(c, COLUMNS) * (I8 *)t->flat[c] = splat_int(-1), *(F8 *)t->low[c] = *(F8 *)t->high[c] = splat(1 / far);
     t->dx = t->dy = splat(0), t->used = splat_int(0);
     EACH(n, samples) t->dx[n] = f->samples[2 * n], t->dy[n] = f->samples[2 * n + 1], t->used[n] = -1;
 }

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
 
-_OF_ONE_CALL = ("cameras", "jobs", "found", "tiles", "starts", "counts", "chunks", "shares", "firsts",
-                "rgba", "depth", "ids", "normals")  # fmt: skip
+_OF_ONE_CALL = ("cameras", "rgba", "depth", "ids", "normals")
 #: the largest number of chunks of a camera; see ``c/draw_find.c``
 _CHUNKS = 33
 #: the positions of samples
@@ -45,6 +44,8 @@ class NativeDrawer:
         )
         library.morse_draw_points(ctypes.byref(frame))
         self._seen = 0
+        self._sizes = (-1, -1)
+        self._room: dict[str, NDArray[Any]] = {}
 
     def draw(self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
         """Render the images of cameras.
@@ -56,19 +57,7 @@ class NativeDrawer:
         frame, count = self._frame, len(cameras)
         tiles, pixels = number_tiles(cameras)
         self._light(light, poses, samples)
-        # one more than needed: an empty array has no address
-        jobs = count * len(self.drawing.parts) + 1
-        frame.point(
-            cameras=cameras,
-            jobs=np.empty((jobs, 2), np.int32),
-            starts=np.empty(jobs, np.int64),
-            counts=np.empty(jobs, np.int64),
-            found=np.empty((len(self.drawing.parts) + 1, 2), np.int32),
-            chunks=np.empty(_CHUNKS * count + 1, CHUNK),
-            shares=np.empty(_CHUNKS * tiles + 1, np.int32),
-            firsts=np.empty(tiles + 1, np.int64),
-            tiles=np.empty((tiles + 1, 4), np.int32),
-        )
+        frame.point(cameras=cameras, **self._room_for(count, tiles))
         frame.camera_count, frame.tile_count = count, tiles
         frame.job_count = self._library.morse_draw_find(ctypes.byref(frame))
         colour = np.empty((pixels if cameras["color"].any() else 0, 4), np.uint8)
@@ -78,6 +67,24 @@ class NativeDrawer:
         self._draw(tiles)
         frame.forget(*_OF_ONE_CALL)
         return made
+
+    def _room_for(self, cameras: int, tiles: int) -> dict[str, NDArray[Any]]:
+        """Arrays for that many cameras and tiles; they are kept for the next images."""
+        if self._sizes != (cameras, tiles):
+            self._sizes, parts = (cameras, tiles), len(self.drawing.parts)
+            # one more than needed: an empty array has no address
+            jobs = cameras * parts + 1
+            self._room = {
+                "jobs": np.empty((jobs, 2), np.int32),
+                "starts": np.empty(jobs, np.int64),
+                "counts": np.empty(jobs, np.int64),
+                "found": np.empty((parts + 1, 2), np.int32),
+                "chunks": np.empty(_CHUNKS * cameras + 1, CHUNK),
+                "shares": np.empty(_CHUNKS * tiles + 1, np.int32),
+                "firsts": np.empty(tiles + 1, np.int64),
+                "tiles": np.empty((tiles + 1, 4), np.int32),
+            }
+        return self._room
 
     def _draw(self, tiles: int) -> None:
         """Run all stages in several threads."""
