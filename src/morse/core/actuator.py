@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.journal import COMMAND
 from morse.core.object import Object
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 class Actuator(Object):
@@ -39,3 +42,8 @@ class Actuator(Object):
                 self.context.journal.note(COMMAND, self.name(), deepcopy(dict(self.local_data)))
             for modifier in self.input_modifiers:
                 modifier.modify()
+
+    def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
+        """Drive the robot during this tick; see `morse.core.robot.Robot.apply_speed`."""
+        assert self.robot_parent is not None
+        self.robot_parent.apply_speed(kind, linear_speed, angular_speed)
