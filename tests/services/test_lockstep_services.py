@@ -182,23 +182,27 @@ def test_a_new_beginning_ends_the_steps(simu: Morse) -> None:
     assert simu.time() == 0.0
 
 
-def test_connections_from_the_same_port_are_told_apart(simu: Morse, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_connections_from_the_same_port_are_told_apart(
+    simu: Morse, process: SimulationProcess, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """As the system does with many connections: one stream does not wait for the messages of the other."""
     listener = connected("127.0.0.1", simu.get_stream_port("robot.pose"), 0)
     shared = listener.getsockname()[1]
     monkeypatch.setattr("pymorse.stream.connect", lambda host, port: connected(host, port, shared))
-    simu.robot.motion.publish({"v": 1.0, "w": 0.0})
     ours = f"127.0.0.1:{shared} {simu.get_stream_port('robot.motion')}"
-    assert [stream.connection for stream in simu._streams] == [ours]
     theirs = f"127.0.0.1:{shared} {simu.get_stream_port('robot.pose')}"
-    simu.step(5)
-    monkeypatch.setattr("pymorse.pymorse.TIMEOUT", 100.0)
-    begin = time.monotonic()
-    sent = simu.rpc("simulation", "step", 1, True)
-    assert sent[theirs] == 6
-    assert ours not in sent
-    simu.step()
-    assert time.monotonic() - begin < 50.0
+    # a client without the streams of the tests before
+    with Morse("127.0.0.1", process.port) as client:
+        client.robot.motion.publish({"v": 1.0, "w": 0.0})
+        assert [stream.connection for stream in client._streams] == [ours]
+        client.step(5)
+        monkeypatch.setattr("pymorse.pymorse.TIMEOUT", 100.0)
+        begin = time.monotonic()
+        sent = client.rpc("simulation", "step", 1, True)
+        assert sent[theirs] == 6
+        assert ours not in sent
+        client.step()
+        assert time.monotonic() - begin < 50.0
     listener.close()
 
 
