@@ -100,11 +100,15 @@ def test_add_without_any_standard_input(tmp_path):
     assert program(code, "add", "sensor", "nose", "sim", home=tmp_path).returncode == 0
 
 
-def test_an_ascii_terminal_is_no_obstacle(tmp_path):
+@pytest.mark.parametrize("locale", [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C"}], ids=["terminal", "locale"])
+def test_an_ascii_terminal_is_no_obstacle(tmp_path, locale):
     directory = tmp_path / "Größe"
     directory.mkdir()
-    result = program(MORSE, "import", str(directory), "sim", home=tmp_path, PYTHONIOENCODING="ascii", PYTHONUTF8="0")
+    result = program(MORSE, "import", str(directory), "sim", home=tmp_path, PYTHONUTF8="0", **locale)
     assert result.returncode == 0, result.stderr
+    assert "Größe".encode() in (tmp_path / ".morse" / "config").read_bytes()
+    again = program(MORSE, "import", "-f", str(directory), "other", home=tmp_path, PYTHONUTF8="0", **locale)
+    assert again.returncode == 0, again.stderr
 
 
 def test_morseexec_runs_a_script(tmp_path):

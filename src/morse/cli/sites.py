@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import configparser
+import io
 import os
 import tempfile
 from contextlib import contextmanager
@@ -55,7 +56,7 @@ class Sites:
     def _read(self) -> configparser.ConfigParser:
         config = configparser.ConfigParser(interpolation=None)
         try:
-            config.read_string(self.path.read_text(encoding="utf-8"), str(self.path))
+            config.read_string(os.fsdecode(self.path.read_bytes()), str(self.path))
         except FileNotFoundError:
             pass
         except (configparser.Error, UnicodeDecodeError, OSError) as error:
@@ -130,10 +131,14 @@ class Sites:
 
     def _save(self) -> None:
         # written to a temporary file and renamed, so that an interrupted command does not lose the other environments
+        text = io.StringIO()
+        self._config.write(text)
+        # the bytes of paths, also those that are no text in the locale of this process
+        content = os.fsencode(text.getvalue())
         descriptor, temporary = tempfile.mkstemp(dir=self.path.parent, prefix="config-")
         try:
-            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-                self._config.write(file)
+            with os.fdopen(descriptor, "wb") as file:
+                file.write(content)
             os.replace(temporary, self.path)
         except BaseException:
             os.unlink(temporary)
