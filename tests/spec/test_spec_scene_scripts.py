@@ -24,6 +24,18 @@ def test_importing_all_names_of_a_module_hides_no_name_of_the_builder(module):
     assert {name for name in before if names[name] is not before[name]} <= {"__builtins__"}
 
 
+def test_the_old_module_of_the_builder_has_what_a_scene_needs(load: Callable[[str], Scene]):
+    scene = load(
+        "del ATRV, Environment, AbstractComponent, bpymorse, TimeStrategies, math\n"
+        "from morse.builder.morsebuilder import *\n"
+        "from morse.builder.robots import *\n"
+        "robot = ATRV()\nrobot.rotate(z=math.pi)\nAbstractComponent.close_context()\n"
+        "assert bpymorse.get_object('ATRV').name == robot.name\n"
+        "env = Environment('empty')\nenv.set_time_strategy(TimeStrategies.FixedSimulationStep)\n"
+    )
+    assert [part.name for part in scene.components] == ["robot"]
+
+
 def test_both_cameras_of_a_kinect_have_the_interface_of_the_kinect(load: Callable[[str], Scene]):
     scene = load(
         "robot = ATRV()\n"
