@@ -73,6 +73,8 @@ class Captures:
         self._known: dict[tuple[Any, ...], tuple[Capture, Sequence[Mounting]] | None] = {}
         self._layouts: dict[tuple[Group | Lone, ...], Layout] = {}
         self._frames: tuple[FramesCapture, Sequence[Mounting]] | None = None
+        #: whether it encodes the frames too; the streams encode those of joints, and of robots that odometry moves
+        self._has_frames = False
         self._displacements = self._relocated = -1
         #: the rigid groups whose poses are stored
         self._stored = slice(0, 0)
@@ -87,6 +89,11 @@ class Captures:
         self._fired.clear()
         if self.fire in self._context.group_taps:
             self._context.group_taps.remove(self.fire)
+
+    @property
+    def keeps_clock(self) -> bool:
+        """Whether simulated time is stored."""
+        return self._frames is not None
 
     # -- a tick ------------------------------------------------------------------------------
 
@@ -123,7 +130,7 @@ class Captures:
             stored = self._stored
             self._keep(layout, positions[stored].tobytes(), world.rotations.array[stored].tobytes(), scans)
         self.kept = True
-        if self._frames is None:
+        if not self._has_frames:
             return False
         joints, lines, looks = self._others
         if joints or lines or looks:
@@ -155,7 +162,11 @@ class Captures:
             self._displacements = self.world.displacements
             self._drop_displaced()
         if self._transforms.changed:
-            self._frames, self._looked = None, False  # the streams find the frames when they encode them
+            self._frames, self._has_frames, self._looked = (
+                None,
+                False,
+                False,
+            )  # the streams find the frames when they encode them
             self._layouts.clear()
             return False
         self._others = self._streams.others()
@@ -223,7 +234,7 @@ class Captures:
                 del self._known[members]
                 self._layouts.clear()
         if self._frames is not None and self._frames[1] != _mountings(robot for _, _, robot in self._plain()):
-            self._frames, self._looked = None, False
+            self._frames, self._has_frames, self._looked = None, False, False
             self._layouts.clear()
 
     def _plain(self) -> list[tuple[str, str, Any]]:
@@ -255,10 +266,11 @@ class Captures:
         return None if capture is None else (capture, _mountings(group.members))
 
     def _make_frames(self) -> None:
-        robots, channels = self._transforms.plain(), self._streams.own_channels()
+        robots, channels = self._plain(), self._streams.own_channels()
         stamp = self._context.clock.stamp()
         self._made += 1
-        if robots is None or channels is None or stamp <= 0 or self._made > _MOST_MADE:
+        self._has_frames = False
+        if channels is None or stamp <= 0 or self._made > _MOST_MADE:
             return
         starts = [robot.initial_position_3d for _, _, robot in robots]
         poses = [
@@ -276,6 +288,7 @@ class Captures:
         capture = FramesCapture(self._native, Template(parts), ends, starts, snapshot)
         if capture.agrees(groups_of(snapshot), messages):
             self._frames = capture, _mountings(robot for _, _, robot in robots)
+            self._has_frames = self._transforms.plain() is not None
 
 
 def _mountings(components: Any) -> list[Mounting]:

@@ -31,6 +31,8 @@ _STREAM = "morse.recording.recorded_stream.RecordedStream"
 _ROS2 = Ros2DatastreamManager.classpath
 #: options of ros2 for recordings, independent of the options of the scene
 _ALWAYS = {"clock": True, "tf": True, "rosout": True}
+#: option that is left out: frames are recorded in each tick
+_RATE = "tf_rate"
 #: images are recorded uncompressed; a second, lossy copy would only take time
 LEFT_OUT = ("sensor_msgs/msg/CompressedImage",)
 
@@ -178,7 +180,8 @@ class RecordedStreams(Ros2DatastreamManager):
         self._tape = tape
         self._names = names
         self._refused: set[str] = set()
-        super().__init__({**context.scene.manager_options.get(_ROS2, {}), **_ALWAYS}, context)
+        given = context.scene.manager_options.get(_ROS2, {})
+        super().__init__({**{name: given[name] for name in given if name != _RATE}, **_ALWAYS}, context)
         #: stores data of sensors that act together, to encode them later; None: every message is encoded in the tick
         records_sensors = names is None or bool(names)
         #: the poses of all moving nodes; None for only inputs and the log
@@ -238,6 +241,10 @@ class RecordedStreams(Ros2DatastreamManager):
         captures, motion = self.captures, self.motion
         if motion is None:
             self.write_log()
+            return
+        if captures is not None and captures.kept and captures.keeps_clock:
+            self._flush_frames(self.context.clock.stamp())
+            self.flush_others()
             return
         super().flush()
         if captures is None or not captures.kept:

@@ -236,14 +236,17 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         stamp = self.context.clock.stamp()
         if self._clock is not None and self._clock.wanted():
             self._publish(self._clock, _CLOCK, clock(stamp))
+        self._flush_frames(stamp)
+        self.robots.publish()
+        if self._log is not None:
+            self._log.publish(stamp)
+
+    def _flush_frames(self, stamp: int) -> None:
         if self._tf is not None:
             wanted = self._tf_is_due(stamp) and self._tf.wanted()
             moving = self.transforms.publish(stamp, wanted=wanted)
             if moving is not None:
                 self.sender.do(moving)
-        self.robots.publish()
-        if self._log is not None:
-            self._log.publish(stamp)
 
     def finalize(self) -> None:
         """Close all topics and leave the domain."""

@@ -96,6 +96,7 @@ class Ros2Stream(KindStream):
                 ]
             else:
                 self.sending.append((bound, self._offered(bound, ports)))
+        self._known_motion: tuple[Message | None, Any] = None, None
         odometry = [bound for bound in self.kinds if bound.kind.name == "odometry"]
         self._odometry = odometry[0] if odometry and self.gives_transform else None
         if self.direction == "OUT":
@@ -276,8 +277,14 @@ class Ros2Stream(KindStream):
             self.complain(f"slow {line.topic}", f"a reader of {line.topic} is too slow: a message is lost")
 
     def _motion(self, message: Message, mounting: Transformation3d | None) -> Motion:
+        known, motion = self._known_motion
+        if mounting is None and message is known:  # a message is used for the frames and for its own topic
+            return motion  # type: ignore[no-any-return]
         sensor = pose_of(message.position, message.orientation)
-        return motion_of_robot(sensor, message.linear, message.angular, mounting or self.mounting())
+        motion = motion_of_robot(sensor, message.linear, message.angular, mounting or self.mounting())
+        if mounting is None:
+            self._known_motion = message, motion
+        return motion
 
     def odometry_numbers(self, message: Message, mounting: Transformation3d | None = None) -> tuple[float, ...]:
         """The numbers of `odometry`."""
