@@ -34,3 +34,22 @@ def test_a_torque_turns_a_robot_on_the_spot(run):
     pose = sim.robot.pose.data
     assert pose["yaw"] > 0.1
     assert [pose[name] for name in ("x", "y", "z")] == pytest.approx([10.0, 8.0, 20.0], abs=1e-6)
+
+
+BARE = """
+robot = Robot()
+body = Cube("body")
+body.scale = (0.5, 0.5, 0.5)
+body.translate(x={x}, z=0.3)
+robot.append(body)
+robot.set_rigid_body()
+robot.set_collision_bounds()
+body._bpy_object.game.physics_type = "STATIC"
+"""
+
+
+@pytest.mark.parametrize(("x", "centre"), [(0.2, (0.0, 0.0, 0.0)), (2.0, (2.0, 0.0, 0.0))])
+def test_an_origin_outside_the_body_is_no_centre_of_mass(run, x, centre):
+    sim = run(BARE.format(x=x))
+    found = {name: place for name, _, place in sim.context.world.mass_centres()}["robot"]
+    assert found == pytest.approx(centre, abs=1e-6)

@@ -243,8 +243,9 @@ class _Builder:
             body.explicitinertial = True
             body.mass = mass
             body.ipos, body.inertia = robot_inertia(mass, lower, upper)
-            if not (frame.node.properties.get("GroundRobot") or frame.robot.options.get("wheels")):
-                # as in 1.4: what flies or dives turns about its origin, where damping and forces act as well
+            rolls = frame.node.properties.get("GroundRobot") or frame.robot.options.get("wheels")
+            if not rolls and np.all(lower <= 0.0) and np.all(upper >= 0.0):
+                # as in 1.4: what flies or dives turns about its origin, where damping acts as well
                 body.ipos = np.zeros(3)
             if frame.node.body.type is PhysicsType.DYNAMIC:
                 body.inertia = _UNTURNABLE * np.asarray(body.inertia)
