@@ -114,6 +114,7 @@ class ServiceConnection(StreamB):
         self._lock = threading.Lock()
         self._next = 0
         self._open: dict[int, tuple[MorseFuture | _Answer, str]] = {}
+        self._has_complained = False
         super().__init__(host, port, 1, sock, poller=poller)
 
     def request(self, component: str, service: str, arguments: Sequence[Any]) -> MorseFuture:
@@ -193,7 +194,12 @@ class ServiceConnection(StreamB):
         try:
             response = parse_response(msg.decode())
         except ValueError as error:
-            logger.error("%s sent a line that is not an answer: %s", self.peer, error)
+            # a stream, which is no server of services, sends a line in each tick
+            if not self._has_complained:
+                self._has_complained = True
+                logger.error(
+                    "%s sent a line that is not an answer: %s; further lines are not reported", self.peer, error
+                )
             return
         with self._lock:
             future, name = self._open.pop(response.request, (None, ""))
