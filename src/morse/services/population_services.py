@@ -8,9 +8,11 @@ from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.limits import EulerAngles, Point
 from morse.core.services import service
+from morse.services.foreign_models import check_model
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    import os
+    from collections.abc import Callable, Sequence
 
 _LONGEST_NAME = 100
 
@@ -26,11 +28,16 @@ class Populated(Protocol):
 
 
 class PopulationServices(AbstractObject):
-    """Spawning and deletion of robots and objects."""
+    """Spawning and deletion of robots and objects.
 
-    def __init__(self, simulation: Populated) -> None:
+    Args:
+        folders: returns the folders with models that clients may spawn.
+    """
+
+    def __init__(self, simulation: Populated, folders: Callable[[], Sequence[str | os.PathLike[str]]]) -> None:
         super().__init__()
         self._simulation = simulation
+        self._folders = folders
 
     def name(self) -> str:
         """``simulation``."""
@@ -39,6 +46,9 @@ class PopulationServices(AbstractObject):
     @service(changes=False)  # the simulation records the call itself
     def spawn(self, name: str, kind: str, position: Point | None = None, orientation: EulerAngles | None = None) -> str:
         """Spawn a robot or an object in the scene.
+
+        Models are read from the folders of the project, of ``MORSE_RESOURCE_PATH`` and of MORSE, and from the folder in
+        which the simulation was started.
 
         Args:
             name: name of the new object, which must not exist in the scene.
@@ -50,6 +60,7 @@ class PopulationServices(AbstractObject):
             raise MorseRPCInvokationError(
                 f"the name of an object is a word of up to {_LONGEST_NAME} letters without dots, not {name[:120]!r}"
             )
+        check_model(kind, self._folders())
         self._attempt(lambda: self._simulation.spawn(name, kind, position or [0.0] * 3, orientation or [0.0] * 3))
         return name
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets import search
 from morse.services.camera_services import ViewpointServices
 from morse.services.communication_services import CommunicationServices
 from morse.services.exchange_services import ExchangeServices
@@ -23,6 +25,11 @@ if TYPE_CHECKING:
 SOCKET_REQUESTS = "morse.middleware.socket_request_manager.SocketRequestManager"
 
 
+def _folders_of_models(simulation: Running) -> list[Path]:
+    own = [Path(folder) for folder in simulation.scene.resource_paths]
+    return [*own, *search.resource_dirs(), *search.component_dirs()]
+
+
 def offer_services(simulation: Running) -> None:
     """Create the objects that implement the services, and start the request managers that offer them, if any."""
     context, scene = simulation.context, simulation.scene
@@ -37,7 +44,7 @@ def offer_services(simulation: Running) -> None:
         ExchangeServices(simulation, context),
         StateServices(simulation),
         RecordingServices(simulation),
-        PopulationServices(simulation),
+        PopulationServices(simulation, lambda: _folders_of_models(simulation)),
         ViewpointServices(scene.settings.view, simulation.viewpoint_changed),
         pull,
         TimeServices(context.clock, simulation.pacer.set_speed),

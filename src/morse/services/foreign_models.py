@@ -1,0 +1,38 @@
+"""The models that clients may spawn: those in the folders of the user, not any file of the disk."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.quoting import quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+def check_model(kind: str, folders: Iterable[str | os.PathLike[str]]) -> None:
+    """Check that a client may name a model.
+
+    Args:
+        kind: name of a robot, or name or path of a model.
+        folders: folders with models. The folder in which the simulation was started is allowed as well.
+
+    Raises:
+        MorseRPCInvokationError: it is a path to another folder.
+    """
+    words = kind.split("/")
+    if not (os.path.isabs(kind) or ".." in words or kind.startswith("~") or "\\" in kind or ":" in kind):
+        return
+    # opening a path of another machine would tell its server who the user is
+    if os.path.isabs(kind) and not kind.startswith(("//", "\\\\")) and "\0" not in kind:
+        allowed = [Path.cwd(), *folders]
+        real = Path(os.path.realpath(kind))
+        if any(real.is_relative_to(os.path.realpath(folder)) for folder in allowed):
+            return
+    raise MorseRPCInvokationError(
+        f"clients may spawn robots, and models in the folders of the project and of MORSE_RESOURCE_PATH, not "
+        f"{quoted(kind)}; to allow it, add its folder to MORSE_RESOURCE_PATH"
+    )
