@@ -16,7 +16,7 @@ from rclpy.action import ActionClient
 from std_srvs.srv import SetBool
 from test_msgs.action import Fibonacci
 
-_LIMIT = 40.0
+_LIMIT = 90.0
 
 
 def main() -> None:

@@ -24,7 +24,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-_LIMIT = 40.0
+_LIMIT = 90.0
 
 
 @dataclass

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _HERE = Path(__file__).parent
-_LIMIT = 50.0
+_LIMIT = 100.0
 _MADE = _HERE.parents[2] / ".venv-ros/bin/python"
 #: a Python with rclpy: this one, that of the variable, or that of .ci/ros2
 PYTHON = (

@@ -18,7 +18,7 @@ from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
-_LIMIT = 40.0
+_LIMIT = 90.0
 
 
 def plain(value: Any) -> Any:

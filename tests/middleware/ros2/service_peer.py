@@ -16,7 +16,7 @@ from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParametersAtomically
 from std_srvs.srv import Trigger
 
-_LIMIT = 40.0
+_LIMIT = 90.0
 
 
 def number(name: str, value: float) -> Parameter:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import struct
 
-LIMIT = 30.0
+LIMIT = 60.0
 
 
 class Line:
