@@ -67,6 +67,8 @@ class Port:
         self.name, self._names, self._take = name, names, take
         self.outputs: dict[str, Output] = {}
         self._inputs: set[_Input] = set()
+        #: number of connections, also of those that have not begun to speak
+        self._open = 0
         self._server: asyncio.Server | None = None
         self._number = 0
         self._complaints = Complaints(logger)
@@ -99,7 +101,10 @@ class Port:
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         one = None
+        self._open += 1
         try:
+            if self._open > 2 * _MOST_CONNECTIONS:
+                raise wire.WireError(f"the port has {self._open} connections")
             async with asyncio.timeout(_TIMEOUT):
                 one = await self._greet(reader, writer)
             if len(self._inputs) >= _MOST_CONNECTIONS:
@@ -111,6 +116,7 @@ class Port:
         except ValueError as error:
             self._complaints.warn("wrong", f"yarp: a connection to {self.name} is closed: {error}")
         finally:
+            self._open -= 1
             if one is not None:
                 self._inputs.discard(one)
             writer.close()

@@ -1,0 +1,31 @@
+"""Many connections to a port of YARP."""
+
+from __future__ import annotations
+
+import asyncio
+from types import SimpleNamespace
+from typing import TYPE_CHECKING
+
+from morse.middleware.socket.listener import listen, port_of
+from morse.middleware.yarp.port import Port
+
+if TYPE_CHECKING:
+    import pytest
+
+
+def test_connections_that_do_not_speak_have_a_limit(caplog: pytest.LogCaptureFixture) -> None:
+    async def crowd() -> bytes:
+        port = Port("/robot/pose/out", SimpleNamespace(), None)  # type: ignore[arg-type] # it asks for no names
+        listener = listen("127.0.0.1", (0,))
+        number = port_of(listener)
+        await port.open(listener)
+        async with asyncio.timeout(60.0):
+            peers = [await asyncio.open_connection("127.0.0.1", number) for _ in range(129)]
+            refused = await peers[-1][0].read()
+            for _, writer in peers:
+                writer.close()
+        await port.close()
+        return refused
+
+    assert asyncio.run(crowd()) == b""
+    assert "the port has 129 connections" in caplog.text
