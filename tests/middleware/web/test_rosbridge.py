@@ -199,6 +199,9 @@ def test_services_of_all_kinds(start: Callable[..., tuple[Any, int]]) -> None:
     assert details[1]["fieldnames"] == ["x", "y", "z"]
     assert call("/rosapi/message_details", {"type": "no/Such"})["values"] == {"typedefs": []}
     assert "/robot/cmd_vel" in call("/rosapi/node_details", {"node": "/morse"})["values"]["subscribing"]
+    assert call("/rosapi/service_node", {"service": "/robot/motion/stop"})["values"] == {"node": "/morse"}
+    assert call("/rosapi/service_node", {"service": "/no"})["values"] == {"node": ""}
+    assert call("/rosapi/get_param_names")["values"] == {"names": []}
     raw = call("/rosapi/topics_and_raw_types")["values"]
     assert "float64 x" in raw["typedefs_full_text"][raw["topics"].index("/robot/cmd_vel")]
     # an active call of goto; a second one preempts it

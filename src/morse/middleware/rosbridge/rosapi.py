@@ -102,6 +102,16 @@ _ANSWERS: dict[str, tuple[str, Callable[[Hub, str], dict[str, Any]]]] = {
     "/rosapi/topics_and_raw_types": ("", _raw_types),
     "/rosapi/message_details": ("type", _message_details),
     "/rosapi/get_time": ("", _time),
+    # arguments of services are JSON: services have no types of ROS
+    "/rosapi/service_type": ("service", lambda hub, _: {"type": ""}),
+    "/rosapi/services_for_type": ("type", lambda hub, _: {"services": []}),
+    "/rosapi/service_node": (
+        "service",
+        lambda hub, service: {"node": _NODE if service in _services(hub) else ""},
+    ),
+    # there are neither actions nor parameters
+    "/rosapi/action_servers": ("", lambda hub, _: {"action_servers": []}),
+    "/rosapi/get_param_names": ("", lambda hub, _: {"names": []}),
 }
 
 SERVICES = tuple(_ANSWERS)
