@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from morse.kernel.drawing import convex_labels
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-#: height of a neighbour above the plane of a triangle that counts as level, relative to the largest coordinate of the
-#: mesh, which is rounded to single precision, and to the size of the neighbour
-_ROUNDING, _LEVEL = 2e-6, 1e-5
 
 
 class ConvexParts(NamedTuple):
@@ -37,86 +35,16 @@ def convex_parts(points: NDArray[np.float32], index: NDArray[np.integer], slot: 
         index: (T, 3) vertices of the triangles, counterclockwise seen from the front.
         slot: (T,) material of the triangles; a part has only one.
     """
-    count = len(index)
-    none = ConvexParts(np.full(count, -1), np.zeros((0, 4)))
-    if not count:
+    none = ConvexParts(np.full(len(index), -1), np.zeros((0, 4)))
+    if not len(index):
         return none
-    corners = points[index].astype(np.float64)
-    beside, is_paired = _neighbours(_welded(points[index].reshape(-1, 3)).reshape(-1, 3))
-    triangle = np.repeat(np.arange(count), 3)
-    is_level = _is_below(corners, beside) & (slot[beside // 3] == slot[triangle]) & is_paired
-    label = _labels(np.where(is_paired, beside // 3, triangle).reshape(-1, 3))
-    # six times the volumes of the parts, relative to a point
-    apart = corners - corners[0, 0]
-    volume = np.einsum("ti,ti->t", apart[:, 0], np.cross(apart[:, 1], apart[:, 2]))
-    is_convex = (np.bincount(label[triangle], ~is_level, count) == 0) & (np.bincount(label, volume, count) > 0)
-    chosen = np.flatnonzero(is_convex[label])
+    # the sum converts -0 to 0
+    labels = convex_labels(points + np.float32(0.0), index.astype(np.int32), slot.astype(np.int32))
+    chosen = np.flatnonzero(labels >= 0)
     if not len(chosen):
         return none
-    first, inverse = np.unique(label[chosen], return_inverse=True)
-    none.part[chosen] = inverse
-    return ConvexParts(none.part, _spheres(corners[chosen], inverse, len(first)))
-
-
-def _welded(rows: NDArray[np.float32]) -> NDArray[np.int64]:
-    """The same number for rows (N, 3) with the same position."""
-    words = np.ascontiguousarray(rows + np.float32(0.0)).view(np.uint32).astype(np.uint64)
-    factors = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
-    mixed = words * factors
-    mixed ^= mixed >> np.uint64(29)
-    key = mixed.sum(axis=1, dtype=np.uint64)
-    order = np.argsort(key)
-    begins = np.ones(len(key), bool)
-    np.not_equal(key[order[1:]], key[order[:-1]], out=begins[1:])
-    number = np.empty(len(key), np.int64)
-    number[order] = np.cumsum(begins) - 1
-    return number
-
-
-def _neighbours(index: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """The edge of another triangle that each edge (3 T,) coincides with, in the opposite direction, if it is the only.
-
-    Edge 3 t + i of triangle t is that from its vertex i to the next one. An edge without another one gets its own
-    number.
-    """
-    start, end = index.ravel(), index[:, [1, 2, 0]].ravel()
-    low, high = np.minimum(start, end), np.maximum(start, end)
-    key = low * (int(high.max()) + 1) + high
-    order = np.argsort(key)
-    ordered = key[order]
-    alike = np.concatenate([[False], ordered[1:] == ordered[:-1], [False]])
-    # exactly two in a group: the first of them
-    firsts = np.flatnonzero(~alike[:-2] & alike[1:-1] & ~alike[2:]) if len(key) > 1 else np.zeros(0, np.intp)
-    one, other = order[firsts], order[firsts + 1]
-    opposite = (start[one] == end[other]) & (start[one] != end[one])
-    one, other = one[opposite], other[opposite]
-    beside, is_paired = np.arange(len(key)), np.zeros(len(key), bool)
-    beside[one], beside[other] = other, one
-    is_paired[one] = is_paired[other] = True
-    return beside, is_paired
-
-
-def _is_below(corners: NDArray[np.float64], beside: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Whether the vertex opposite to the neighbouring edge (3 T,) is not in front of the plane of the triangle."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    flat = corners.reshape(-1, 3)
-    edge = np.arange(len(flat))
-    apart = flat[beside - beside % 3 + (beside + 2) % 3] - flat
-    height = np.einsum("ei,ei->e", apart, normal[edge // 3])
-    allowed = _ROUNDING * np.abs(flat).max() + _LEVEL * np.linalg.norm(apart, axis=1)
-    return np.asarray(height <= allowed)
-
-
-def _labels(beside: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The lowest triangle of the part of each triangle, from its three neighbours (T, 3)."""
-    label = np.arange(len(beside))
-    while True:
-        lower = np.minimum(label, label[beside].min(axis=1))
-        lower = lower[lower]
-        if np.array_equal(lower, label):
-            return label
-        label = lower
+    first, none.part[chosen] = np.unique(labels[chosen], return_inverse=True)
+    return ConvexParts(none.part, _spheres(points[index[chosen]].astype(np.float64), none.part[chosen], len(first)))
 
 
 def _spheres(corners: NDArray[np.float64], part: NDArray[np.intp], count: int) -> NDArray[np.float64]:

@@ -8,10 +8,13 @@ from morse.kernel.drawing.arrays import Drawing, Light, Pictures, Poses
 from morse.kernel.loading import library
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from morse.kernel.drawing.native import NativeDrawer
     from morse.kernel.drawing.reference import ReferenceDrawer
 
-__all__ = ["Drawing", "Light", "Pictures", "Poses", "drawer"]
+__all__ = ["Drawing", "Light", "Pictures", "Poses", "convex_labels", "drawer"]
 
 
 def drawer(drawing: Drawing) -> NativeDrawer | ReferenceDrawer:
@@ -24,3 +27,15 @@ def drawer(drawing: Drawing) -> NativeDrawer | ReferenceDrawer:
     from morse.kernel.drawing.native import NativeDrawer
 
     return NativeDrawer(native, drawing)
+
+
+def convex_labels(points: NDArray[np.float32], index: NDArray[np.int32], slot: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The closed convex parts of a mesh; see `morse.kernel.drawing.reference_convex.convex_labels`."""
+    native = library()
+    if native is None:
+        from morse.kernel.drawing.reference_convex import convex_labels as of_numpy
+
+        return of_numpy(points, index, slot)
+    from morse.kernel.drawing.native_convex import convex_labels as of_kernel
+
+    return of_kernel(native, points, index, slot)
