@@ -162,9 +162,7 @@ def opening(browser: Browser, profile: BrowserContext) -> Iterator[Callable[...,
     tabs: list[Page] = []
     errors: list[str] = []
 
-    def opened(
-        url: str, *, wait: bool = True, width: int = 640, height: int = 420, few_frames: bool = True, **options: Any
-    ) -> Page:
+    def opened(url: str, *, wait: bool = True, width: int = 640, height: int = 420, **options: Any) -> Page:
         size: Any = {"width": width, "height": height}
         scheme = options.pop("color_scheme", "light")
         if options or tabs:
@@ -177,8 +175,7 @@ def opening(browser: Browser, profile: BrowserContext) -> Iterator[Callable[...,
         page.emulate_media(color_scheme=scheme)
         page.set_default_timeout(60_000)  # other programs may take most of the processor
         page.add_init_script(KEPT_TOASTS)
-        if few_frames:
-            page.add_init_script(FEW_FRAMES)
+        page.add_init_script(FEW_FRAMES)
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.on("dialog", lambda dialog: dialog.accept())  # a page that is left during a flight asks
         page.goto(url + ("&" if "?" in url else "?") + "quality=low")

@@ -304,8 +304,7 @@ def test_contacts_cones_frames_names_trails_and_masses(running, open_page) -> No
     until(lambda: page.evaluate(part("frames") + ".length") == 6)  # restored
 
 
-def test_collision_shapes_are_shown_when_the_script_says_so(served, open_page) -> None:
-    server, url = served
+def test_collision_shapes_are_shown_when_the_script_says_so(scenes) -> None:
     quarter = (0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
     shapes = [
@@ -318,8 +317,7 @@ def test_collision_shapes_are_shown_when_the_script_says_so(served, open_page) -
     ]
     scene = Scene("s", roots=[mesh_node("box", box("b"), (5, 0, 0), shapes=shapes)])
     scene.settings.view.show_physics = True
-    server.set_scene(scene, [])
-    page = open_page(url)
+    page = scenes.show(scene)
     until(lambda: page.evaluate("morse.panels.layers.list.find(l => l.id === 'shapes').root.children.length") == 6)
     measure = """morse.panels.layers.list.find(l => l.id === 'shapes').root.children.map(c => {
         c.updateWorldMatrix(true, false);
