@@ -56,6 +56,13 @@ def taken(message: Any) -> dict[str, Any]:
 # -- commands ------------------------------------------------------------------------------
 
 
+def test_a_message_with_thousands_of_fields_is_refused_before_they_are_checked():
+    component = made(Arm)
+    with pytest.raises(CommandError, match="at most 4096 fields, got 60001"):
+        Commands(component).take({"level": 5, **{f"k{number}": 1 for number in range(60_000)}})
+    assert component.local_data["level"] == 3
+
+
 def test_arrays_arrive_in_the_shape_and_dtype_that_are_declared():
     data = taken({"force": [1, 2, 3], "rows": [[1, 2], [3, 4]], "bytes": [0, 255]})
     assert data["force"].dtype == np.float64

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 #: largest number of undeclared fields that a component keeps
 _MOST_EXTRA = 64
 _LONGEST_NAME = 100
+#: largest number of fields of a message: to check more of them takes longer than a tick
+_MOST_FIELDS = 4096
 _MOST_BYTES = 1 << 20
 
 
@@ -76,6 +78,8 @@ class Commands:
         if not isinstance(message, dict):
             fields = ", ".join(self._checks) or "its fields"
             raise CommandError("", f"expected a JSON object with some of {fields}, got {shown(message)}")
+        if len(message) > _MOST_FIELDS:
+            raise CommandError("", f"a message has at most {_MOST_FIELDS} fields, got {len(message)}")
         accepted: dict[str, Any] = {}
         unknown: dict[str, Any] = {}
         checks = self._checks
