@@ -351,7 +351,7 @@ def test_a_picture_that_stands_still_is_refined(served, open_page) -> None:
 # the inspector -------------------------------------------------------------------------------------------
 
 
-def inspected(driver: Any) -> None:
+def inspected(driver: Any, page: Page) -> None:
     """A robot with an actuator, and a scanner with a choice."""
     mode = PropertyDescription("ControlType", "string", "how", "Velocity", ["Velocity", "Position"])
     speed = PropertyDescription("Speed", "float", "how fast", 1.0, None, "m/s", 0.0, 5.0)
@@ -365,12 +365,13 @@ def inspected(driver: Any) -> None:
             ComponentDescription("robot0.scan", "sensor", "robot0", data=scan, properties=[window]),
         ])
     )  # fmt: skip
+    until(lambda: page.evaluate("morse.components.all.value.length") == 3)
 
 
 def test_choices_are_offered_and_bounds_are_said(shown) -> None:
     driver, page = shown
     driver.measures = False
-    inspected(driver)
+    inspected(driver, page)
     select(page, "robot0.motion")
     box_of_choices = page.get_by_role("combobox", name="ControlType")
     assert box_of_choices.locator("option").all_inner_texts() == ["Velocity", "Position"]
@@ -382,7 +383,7 @@ def test_choices_are_offered_and_bounds_are_said(shown) -> None:
 def test_data_of_actuators_are_set_and_those_of_sensors_are_not(shown) -> None:
     driver, page = shown
     driver.measures = False
-    inspected(driver)
+    inspected(driver, page)
     select(page, "robot0.motion")
     driver.server.send(Values("robot0.motion", 1.0, {"v": 0.0, "on": False}))
     field = page.get_by_role("textbox", name="v", exact=True)
@@ -402,7 +403,7 @@ def test_data_of_actuators_are_set_and_those_of_sensors_are_not(shown) -> None:
 def test_a_scan_is_drawn_from_above(shown) -> None:
     driver, page = shown
     driver.measures = False
-    inspected(driver)
+    inspected(driver, page)
     select(page, "robot0.scan")
     # an obstacle 4 m ahead and 2 m to the left, nothing elsewhere
     ranges = [None] * 181
