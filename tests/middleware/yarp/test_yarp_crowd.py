@@ -6,6 +6,7 @@ import asyncio
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
+from event_loops import run_apart
 from morse.middleware.socket.listener import listen, port_of
 from morse.middleware.yarp.port import Port
 
@@ -27,5 +28,5 @@ def test_connections_that_do_not_speak_have_a_limit(caplog: pytest.LogCaptureFix
         await port.close()
         return refused
 
-    assert asyncio.run(crowd()) == b""
+    assert run_apart(crowd()) == b""
     assert "the port has 129 connections" in caplog.text
