@@ -351,6 +351,10 @@ def test_one_drives_and_hands_over(running, open_page) -> None:
     if one.get_by_text("would like to drive").is_visible():
         one.get_by_role("button", name="hand over").click()
     until(lambda: two.get_by_text("you drive").is_visible())
+    # a key that was pressed before does not drive
+    two.keyboard.down("ArrowDown")
+    until(lambda: any("ArrowDown" in keys for keys in driver.keys))
+    two.keyboard.up("ArrowDown")
     assert not any("ArrowUp" in keys for keys in driver.keys)
     two.get_by_role("button", name="Pause").click()
     until(lambda: not driver.running)

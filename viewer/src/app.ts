@@ -40,7 +40,7 @@ export class App {
   readonly session = new Session();
   readonly toasts = new Toasts();
   readonly clock = new Clock(this.connection);
-  readonly seat = new SeatPanel(this.connection);
+  readonly seat = new SeatPanel(this.connection, () => this.keyboard.release());
   readonly listener = new Listener(this.connection);
   readonly components = new Components(this.connection);
   readonly watching = new Watching(this.connection);

@@ -4,19 +4,27 @@ import { h } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { Signal } from "../ui/signal";
 
+const EMPTY: Seat = { type: "seat", driver: null, asking: [], pages: 0 };
+
 /** Shows the page that has control, requests control and hands it over. */
 export class SeatPanel {
   readonly element = h("div", { class: "seat" });
   readonly drives = new Signal(false);
   private page = 0;
-  private seat: Seat = { type: "seat", driver: null, asking: [], pages: 0 };
+  private seat = EMPTY;
 
-  constructor(private readonly connection: Connection) {
+  /** @param onTaken called when the page takes over from another one, or from nobody */
+  constructor(
+    private readonly connection: Connection,
+    onTaken: () => void,
+  ) {
     connection.on("welcome", ({ page }) => {
       this.page = page;
+      this.seat = EMPTY;
       this.render();
     });
     connection.on("seat", (seat) => {
+      if (this.seat.pages > 0 && this.seat.driver !== this.page && seat.driver === this.page) onTaken();
       this.seat = seat;
       this.render();
     });
