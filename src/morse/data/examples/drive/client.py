@@ -21,13 +21,14 @@ def turn(robot, heading):
 
 
 def straight(robot, heading):
-    """Drives one side, slower near its end."""
+    """Drives one side, slower near its end; back if a late message has let it drive too far."""
     begun = robot.odometry.get()
     left = SIDE
-    while left > 0.01:
+    while abs(left) > 0.01:
         here = robot.odometry.get()
-        left = SIDE - math.dist((here["x"], here["y"]), (begun["x"], begun["y"]))
-        robot.motion.publish({"v": min(SPEED, 2.0 * left + 0.05), "w": 2.0 * error(heading, here)})
+        driven = [here[axis] - begun[axis] for axis in "xy"]
+        left = SIDE - driven[0] * math.cos(heading) - driven[1] * math.sin(heading)
+        robot.motion.publish({"v": max(-SPEED, min(SPEED, 2.0 * left)), "w": 2.0 * error(heading, here)})
 
 
 def main():
