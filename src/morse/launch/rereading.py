@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from morse.builder.script import ScriptError, load_scene
 from morse.core.exceptions import MorseError
 from morse.core.project_imports import ProjectImports
+from morse.launch.stamps import Stamps, script_stamp, source_stamps, sources_of
 from morse.simulation.watching.files import stamp
 from morse.simulation.watching.watch import Watch
 
@@ -27,19 +28,17 @@ class Rereading:
     Args:
         options: options of the run.
         scene: the loaded scene; its project stays in the process until another project replaces it.
+        loaded: the stamps of files from the time when they were read: a file that is saved while the simulation starts
+            counts as edited.
 
     Attributes:
-        successor: the edited scene and its options; None until there is one.
+        successor: the edited scene, its options and the stamps of its files; None until there is one.
     """
 
-    def __init__(self, options: RunOptions, scene: Scene) -> None:
+    def __init__(self, options: RunOptions, scene: Scene, loaded: Stamps) -> None:
         self._options, self._scene = options, scene
-        self._stamps = {path: stamp(path) for path in [os.path.abspath(options.script), *self._sources()]}
-        self.successor: tuple[Scene, RunOptions] | None = None
-
-    def _sources(self) -> list[str]:
-        project = self._scene.project
-        return list(project.sources().values()) if isinstance(project, ProjectImports) else []
+        self._stamps = {path: stamp(path) for path in [os.path.abspath(options.script), *sources_of(scene)]} | loaded
+        self.successor: tuple[Scene, RunOptions, Stamps] | None = None
 
     def edited(self, simulation: Simulation) -> list[str]:
         """The files that were saved since the scene was loaded, except components that are already reloaded."""
@@ -59,6 +58,7 @@ class Rereading:
         project = self._scene.project
         if isinstance(project, ProjectImports):
             project.leave()
+        loaded = script_stamp(self._options)
         try:
             scene = load_scene(self._options, anew=True)
         except (ScriptError, MorseError) as error:
@@ -78,6 +78,6 @@ class Rereading:
             # open pages reconnect to the same address
             port, token = simulation.view.address
             options = replace(options, view_port=port, view_token=token, open_browser=False)
-        self.successor = scene, options
+        self.successor = scene, options, loaded | source_stamps(scene)
         simulation.stop()
         return True

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.exceptions import MorseError
 from morse.core.log import endsection, section, set_level
 from morse.core.project_imports import ProjectImports
+from morse.launch.stamps import script_stamp, source_stamps
 from morse.simulation.faults import describe
 from morse.simulation.summary import summary
 from morse.version import __version__
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from morse.launch.rereading import Rereading
+    from morse.launch.stamps import Stamps
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
     from morse.simulation.profile import Profile
@@ -49,7 +51,10 @@ def run(options: RunOptions, ready: Callable[[Simulation], object] | None = None
     logger.info("PID: %d", os.getpid())
     simulation: Simulation | None = None
     try:
+        loaded = script_stamp(options)
         next_scene = _load_scene(options)
+        if next_scene is not None:
+            loaded |= source_stamps(next_scene)
         status = 1
         while next_scene is not None:
             scene, next_scene = next_scene, None
@@ -59,11 +64,11 @@ def run(options: RunOptions, ready: Callable[[Simulation], object] | None = None
             if ready is not None:
                 ready(simulation)
                 ready = None
-            rereading = _follow(simulation, options)
+            rereading = _follow(simulation, options, loaded)
             status = _loop(simulation)
             if rereading is not None and rereading.successor is not None:
                 _finish(simulation, for_another=True)
-                next_scene, options = rereading.successor
+                next_scene, options, loaded = rereading.successor
         return status
     except KeyboardInterrupt:
         logger.info("interrupted")
@@ -164,13 +169,13 @@ def _listen_for_signals(simulation: Simulation) -> None:
         signal.signal(getattr(signal, name), stop)
 
 
-def _follow(simulation: Simulation, options: RunOptions) -> Rereading | None:
+def _follow(simulation: Simulation, options: RunOptions, loaded: Stamps) -> Rereading | None:
     """Let an edited scene replace the simulation, if the run watches its files."""
     if not options.watch:
         return None
     from morse.launch.rereading import Rereading
 
-    rereading = Rereading(options, simulation.scene)
+    rereading = Rereading(options, simulation.scene, loaded)
     simulation.reread = lambda: rereading.start_anew(simulation)
     return rereading
 
