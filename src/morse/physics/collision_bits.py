@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-#: maximum slope of a level floor, for rounding: less than a micrometre per kilometre
-LEVEL = 1e-10
 #: masks have 31 bits: one for all shapes that are not floors, the others for floors and planes
 MOST_FLOORS, MOST_PLANES = 26, 4
 #: bits of shapes that touch everything except planes

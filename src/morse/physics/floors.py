@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from morse.physics.collision_bits import LEVEL, MOST_FLOORS
+from morse.physics.collision_bits import MOST_FLOORS
 from morse.physics.layout import Motion
+from morse.physics.level import level_axis
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -60,9 +61,9 @@ def find_floors(state: EngineState) -> list[Floor]:
                 if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_BOX or not model.geom_contype[geom]:
                     continue
                 turned = data.geom_xmat[geom].reshape(3, 3)
-                up = int(np.argmax(np.abs(turned[2])))
-                sides = [i for i in range(3) if i != up]
-                if np.abs(turned[2, sides]).max() <= LEVEL:
+                up = level_axis(turned)
+                if up is not None:
+                    sides = [i for i in range(3) if i != up]
                     area = float(np.prod(model.geom_size[geom, sides]))
                     found.append((-area, geom, slot_index, turned, up))
     chosen = sorted(found, key=lambda entry: entry[:2])[:MOST_FLOORS]

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
-from morse.physics.collision_bits import FIRST_PLANE, LEVEL, MOST_PLANES
+from morse.physics.collision_bits import FIRST_PLANE, MOST_PLANES
+from morse.physics.level import level_axis
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,10 +42,12 @@ class PlaneBuilder:
         own = np.empty(9)
         mujoco.mju_quat2Mat(own, geom.quat)
         turned = rotation @ own.reshape(3, 3)
-        up = int(np.argmax(np.abs(turned[2])))
+        up = level_axis(turned)
+        if up is None:
+            return
         sides = [i for i in range(3) if i != up]
         size = np.asarray(geom.size)
-        if np.abs(turned[2, sides]).max() > LEVEL or size[sides].min() < _SMALLEST:
+        if size[sides].min() < _SMALLEST:
             return
         axis = own.reshape(3, 3)[:, up] * np.sign(turned[2, up])
         top = np.asarray(geom.pos) + axis * size[up]
