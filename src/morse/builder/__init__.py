@@ -39,6 +39,7 @@ from morse.builder.derive import installed_classes
 from morse.builder.environment import Environment
 from morse.builder.names.projects import ProjectFinder
 from morse.core.exceptions import (
+    BadSyntaxError,
     MorseBuilderBadSyntaxError,
     MorseBuilderError,
     MorseBuilderNoComponentError,
@@ -55,6 +56,8 @@ from morse.core.exceptions import (
     MorseServiceAlreadyRunningError,
     MorseServiceError,
     MorseWrongArgsError,
+    NoComponentError,
+    UnexportableError,
 )
 from morse.scene import TimeStrategies
 

@@ -121,6 +121,7 @@ from morse.builder.sensors import VelodyneRayCast as VelodyneRayCast
 from morse.builder.sensors import VelodyneZB as VelodyneZB
 from morse.builder.sensors import VideoCamera as VideoCamera
 from morse.builder.sensors import WheelEncoders as WheelEncoders
+from morse.core.exceptions import BadSyntaxError as BadSyntaxError
 from morse.core.exceptions import MorseBuilderBadSyntaxError as MorseBuilderBadSyntaxError
 from morse.core.exceptions import MorseBuilderError as MorseBuilderError
 from morse.core.exceptions import MorseBuilderNoComponentError as MorseBuilderNoComponentError
@@ -137,6 +138,8 @@ from morse.core.exceptions import MorseRPCTypeError as MorseRPCTypeError
 from morse.core.exceptions import MorseServiceAlreadyRunningError as MorseServiceAlreadyRunningError
 from morse.core.exceptions import MorseServiceError as MorseServiceError
 from morse.core.exceptions import MorseWrongArgsError as MorseWrongArgsError
+from morse.core.exceptions import NoComponentError as NoComponentError
+from morse.core.exceptions import UnexportableError as UnexportableError
 from morse.scene.settings import TimeStrategies as TimeStrategies
 import logging as logging
 import math as math
@@ -157,6 +160,7 @@ __all__ = [
     "Attitude",
     "B21",
     "BMI088",
+    "BadSyntaxError",
     "Barometer",
     "Battery",
     "Bumper",
@@ -222,6 +226,7 @@ __all__ = [
     "MotionVW",
     "MotionVWDiff",
     "MotionXYW",
+    "NoComponentError",
     "NormalCamera",
     "Odometry",
     "OpticalFlowCamera",
@@ -266,6 +271,7 @@ __all__ = [
     "TimeStrategies",
     "Torus",
     "UltrasonicRangeFinder",
+    "UnexportableError",
     "VLP16_180",
     "VN100",
     "Velocity",

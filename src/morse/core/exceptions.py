@@ -70,3 +70,9 @@ class MorseBuilderBadSyntaxError(MorseBuilderError):
 
 class MorseBuilderUnexportableError(MorseBuilderError):
     """This component has no data to export."""
+
+
+# the short names
+NoComponentError = MorseBuilderNoComponentError
+BadSyntaxError = MorseBuilderBadSyntaxError
+UnexportableError = MorseBuilderUnexportableError

@@ -40,11 +40,16 @@ class StreamDeclaration:
 
 @dataclass(eq=False, slots=True)
 class ModifierDeclaration:
-    """A modifier of a component: class path and options."""
+    """A modifier of a component: class path and options.
+
+    Attributes:
+        direction: ``IN`` or ``OUT`` if the script says so; only components that both read and publish use it.
+    """
 
     classpath: str
     options: dict[str, object] = field(default_factory=dict)
     where: SourceLine | None = None
+    direction: str | None = None
 
 
 @dataclass(eq=False, slots=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.classpath import load_class
 from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
+from morse.core.external_object import ExternalObject
 from morse.core.kinds import findings_of
 from morse.core.robot import Robot
 from morse.middleware.registry import needs_network
@@ -206,8 +207,10 @@ def make_modifier(component: Object, declaration: ComponentDeclaration, modifier
 
 def _add_modifier(component: Object, declaration: ComponentDeclaration, modifier: Any, loaded: Loaded) -> None:
     instance = make_modifier(component, declaration, modifier)
-    target = component.output_modifiers if declaration.kind == "sensor" else component.input_modifiers
-    target.append(instance)
+    direction = "OUT" if declaration.kind == "sensor" else "IN"
+    if isinstance(component, ExternalObject) and modifier.direction is not None:
+        direction = modifier.direction
+    (component.output_modifiers if direction == "OUT" else component.input_modifiers).append(instance)
     component.offer(instance)
     loaded.modifier_objects.append(instance)
     if modifier.classpath not in loaded.modifiers:

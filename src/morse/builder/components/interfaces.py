@@ -203,7 +203,8 @@ class Interfaces:
         Args:
             modifier_name: e.g. ``NED`` or ``Noise``.
             classpath: class of a modifier, instead of a name.
-            direction: accepted for old scripts; the direction depends on the component.
+            direction: ``IN`` or ``OUT`` for components that both read and publish (`ExternalObject`); the others have
+                only one direction.
             **kwargs: options of the modifier.
 
         Raises:
@@ -217,7 +218,7 @@ class Interfaces:
                 raise TypeError("alter takes the name of a modifier such as 'NED', or the classpath of one")
             classpath = find_modifier(checks.text(modifier_name, "alter(modifier_name)"), self.component_class())
         options = modifier_options(classpath, kwargs)
-        self._modifiers.append(ModifierDeclaration(classpath, options, frames.source_line()))
+        self._modifiers.append(ModifierDeclaration(classpath, options, frames.source_line(), direction))
 
     def level(self, level: str) -> None:
         """Set the abstraction level.

@@ -17,6 +17,7 @@ _VARIANTS = (
     "PosePublisher",
     "PoseWithCovarianceStampedPublisher",
     "RangePublisher",
+    "SemanticCameraPublisherLisp",
     "StaticTF2Publisher",
     "StaticTFPublisher",
     "TFPublisher",

@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.kinds import bind
+from morse.middleware.ros.lisp import as_lisp
 from morse.middleware.ros.stream import RosStream
 from morse.middleware.ros2.kinds.spatial import pose_message
 from morse.middleware.ros2.outlets import Inlet, Outlet
@@ -152,3 +153,14 @@ class Pose2DReader(RosStream):
             return super().ports(bound)
         data = self.component_instance.local_data
         return [Inlet("geometry_msgs/msg/Pose2D", lambda m: {"position": [m["x"], m["y"], data["z"]]})]
+
+
+class SemanticCameraPublisherLisp(RosStream):
+    """The recognised objects as a list of Lisp, see `as_lisp`."""
+
+    def ports(self, bound: BoundKind) -> list[Any]:
+        """See `Ros2Stream.ports`."""
+        if bound.kind.name != "detections":
+            return super().ports(bound)
+        data = self.component_instance.local_data
+        return [Outlet("std_msgs/msg/String", lambda m, f: {"data": as_lisp(data["visible_objects"])})]

@@ -1,0 +1,36 @@
+"""Recognised objects as a list of Lisp, for planners that read s-expressions."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+#: a symbol: none of the characters that the Lisp reader treats specially, and not a number
+_SYMBOL = re.compile(r"(?![+-]?[.\d])[\w.+*/<>=!?&$%^~-]+")
+
+
+def as_lisp(objects: Iterable[Mapping[str, Any]]) -> str:
+    """Return ``((name description x y z qx qy qz qw) ...)``.
+
+    An empty description is ``-``. Texts that are no symbols are strings in quotation marks.
+
+    Args:
+        objects: the ``visible_objects`` of a `SemanticCamera`: positions in m, orientations as quaternions.
+    """
+    return f"({' '.join(map(_object, objects))})"
+
+
+def _object(seen: Mapping[str, Any]) -> str:
+    turned = seen["orientation"]
+    numbers = (*seen["position"], turned.x, turned.y, turned.z, turned.w)
+    return f"({_atom(seen['name'])} {_atom(seen['description'] or '-')} {' '.join(repr(float(n)) for n in numbers)})"
+
+
+def _atom(text: str) -> str:
+    if _SYMBOL.fullmatch(text):
+        return text
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
