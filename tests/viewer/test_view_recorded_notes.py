@@ -110,8 +110,8 @@ def test_what_is_not_in_the_recording_is_said(run: Run) -> None:
     assert run.values["robot.imu"]["note"] == ""
 
 
-def test_a_robot_from_a_function_is_left_out_and_the_rest_is_shown(run: Run) -> None:
-    assert run.told == ["'visitor' was spawned by a function of a program, and is not shown."]
+def test_a_robot_from_a_function_needs_no_remark(run: Run) -> None:
+    assert run.told == []
 
 
 def test_the_recorder_names_the_function(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:

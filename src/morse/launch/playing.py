@@ -5,8 +5,11 @@ from __future__ import annotations
 import contextlib
 import signal
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
+from morse.core.exceptions import MorseError
+from morse.core.sensor import Sensor
 from morse.launch.load import described, resolve
 from morse.launch.recorded_run import inputs_of, options_of
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
@@ -18,7 +21,7 @@ from morse.simulation.timeline import Timeline
 from morse.viewer.replay_view import ReplayView
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     from morse.recording.recording import Recording
     from morse.scene import Scene
@@ -61,7 +64,8 @@ def playing(
         simulation = stack.enter_context(Simulation(recorded_scene, options))
         simulation.load()
         timeline = _timeline(simulation, recording, inputs, told)
-        view = ReplayView(simulation, timeline, recording, naming.topics(simulation))
+        made = timeline.made.topics if isinstance(timeline, RecordedTimeline) else {}
+        view = ReplayView(simulation, timeline, recording, partial(naming.topic, simulation, made))
         simulation.view = view
         simulation.observers.append(view)
         yield view
@@ -105,14 +109,20 @@ class _Naming:
             if declared.kind == "sensor"
         }
 
-    def topics(self, simulation: Simulation) -> dict[str, str]:
-        """The topic of each sensor, by the name of the sensor."""
-        sensors = {name: simulation.context.components.get(name) for name in self._streams}
-        return {
-            name: self._names.topic(sensor, {"namespace": None, "topic": None, **self._streams[name]})
-            for name, sensor in sensors.items()
-            if sensor is not None
-        }
+    def topic(self, simulation: Simulation, made: Mapping[str, Mapping[str, Any]], name: str) -> str | None:
+        """The topic of a sensor; None if there is no such sensor at present.
+
+        Args:
+            made: options that name the topics of sensors of objects that functions spawned.
+        """
+        sensor = simulation.context.components.get(name)
+        if not isinstance(sensor, Sensor):
+            return None
+        options = self._streams.get(name) or made.get(name, {})
+        try:
+            return self._names.topic(sensor, {"namespace": None, "topic": None, **options})
+        except MorseError:  # the options are those of a damaged file
+            return None
 
 
 def _close(scene: Scene) -> None:

@@ -36,10 +36,9 @@ def as_message(entry: Entry, pack: Callable[[Entry], bytes]) -> bytes:
         exact = base64.b64encode(pack(entry)).decode()
     except ValueError as error:
         logger.warning(
-            "%s: the recording cannot be simulated again, and its replay does not show '%s'. Spawn it by the name of a "
-            "robot or by a file instead",
+            "%s: the recording can be shown, but cannot be simulated again. Spawn it by the name of a robot or by a "
+            "file instead",
             error,
-            entry.name[:80],
         )
     shown = repr(entry.content)
     said = {
@@ -59,15 +58,20 @@ class Inputs:
         journal: the journal of the simulation.
         tape: receives the messages.
         pack: encodes an entry as bytes; raises ValueError for values without a representation.
+
+    Attributes:
+        count: number of recorded inputs.
     """
 
     def __init__(self, journal: Journal, tape: Tape, pack: Callable[[Entry], bytes]) -> None:
         self._journal, self._pack = journal, pack
         self._topic = tape.topic(TOPIC, TYPE, Qos(1000))
+        self.count = 0
         journal.sinks.append(self._take)
 
     def _take(self, entry: Entry) -> None:
         self._topic.publish(as_message(entry, self._pack))
+        self.count += 1
 
     def close(self) -> None:
         """Stop recording."""

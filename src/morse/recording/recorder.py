@@ -12,6 +12,7 @@ from morse.core.observer import Observer
 from morse.recording.disk import Disk
 from morse.recording.errors import RecordingError
 from morse.recording.inputs import Inputs
+from morse.recording.made.writing import MadeObjects
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.streams import RecordedStreams, Tape
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.journal import Entry
+    from morse.recording.made.writing import Made
 
 logger = logging.getLogger(__name__)
 
@@ -37,12 +39,14 @@ class Beginning(NamedTuple):
         files: by name: the scene script, modules of the project, the state at the beginning of the recording.
         pack: encodes an entry of the journal as bytes.
         ending: returns facts about the end, called when the recording stops.
+        made: returns the present objects that functions have spawned, by name.
     """
 
     facts: Mapping[str, str]
     files: Mapping[str, bytes]
     pack: Callable[[Entry], bytes]
     ending: Callable[[], Mapping[str, str]]
+    made: Callable[[], Mapping[str, Made]]
 
 
 class Recorder(Observer):
@@ -95,6 +99,7 @@ class Recorder(Observer):
             disk.other(partial(McapWriter.attachment, name=name, media_type=MEDIA_TYPE, data=data))
         self._tape = Tape(context, disk)
         self._inputs = Inputs(context.journal, self._tape, beginning.pack)
+        self._made = MadeObjects(self._tape, disk, beginning.made, lambda: self._inputs.count)
         self._streams = RecordedStreams(context, self._tape, sensors)
 
     @property
@@ -127,11 +132,13 @@ class Recorder(Observer):
     def restarted(self) -> None:
         """The components were created again."""
         self._flushed = self._context.clock.tick
+        self._made.follow()
         self._streams.follow()
 
     def rearranged(self) -> None:
         """Components were added or removed, or another state was restored."""
         self._flushed = self._context.clock.tick
+        self._made.follow()
         self._streams.follow()
 
     def stop(self) -> None:

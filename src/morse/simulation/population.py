@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -214,6 +215,20 @@ class Population:
     def makers(self) -> dict[str, Callable[[], Any]]:
         """Return the functions that created spawned objects, by name; objects with a named kind are omitted."""
         return {name: recipe.kind for name, recipe in self._recipes.items() if callable(recipe.kind)}
+
+    def made_by_functions(self) -> dict[str, tuple[object, Callable[[], Newcomer]]]:
+        """Return the present objects that functions spawned, by name: an identity, and what returns the object."""
+        return {
+            name: (recipe, partial(self._present, recipe))
+            for name, recipe in self._recipes.items()
+            if callable(recipe.kind)
+        }
+
+    def _present(self, recipe: Recipe) -> Newcomer:
+        scene = self._simulation.scene
+        roots = [root for root in scene.roots if root.name in recipe.roots]
+        nodes = {node for root in roots for node in root.walk()}
+        return Newcomer(roots, [declared for declared in scene.components if declared.node in nodes])
 
     def get_state(self) -> dict[str, Any]:
         """Return the spawned objects with their kinds and poses, and the names of the deleted objects.

@@ -6,20 +6,24 @@ import logging
 import math
 from bisect import bisect_right
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from morse.core.journal import DELETE, EDIT, RESET, RESTORE, SPAWN
+from morse.core.project_imports import ProjectImports
 from morse.mathutils import Quaternion
 from morse.physics import rigid
 from morse.physics.layout import Motion
 from morse.recording.inputs import TOPIC as INPUTS
+from morse.recording.made.reading import RecordedMade
 from morse.recording.shown import Moment, RecordedWorld
 from morse.simulation.faults import describe
+from morse.simulation.state import State
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from numpy.typing import NDArray
 
@@ -51,7 +55,8 @@ class RecordedTimeline:
         position: ticks since the beginning.
         length: the last position.
         moment: the poses.
-        lost: names of the robots that were spawned by functions of a program; they are not shown.
+        made: descriptions of the objects that functions of a program spawned.
+        lost: names of such objects without a description; they are not shown.
 
     Raises:
         StateError: the recording belongs to another scene.
@@ -68,18 +73,21 @@ class RecordedTimeline:
         (channel,) = recording.topic_numbers(INPUTS) or (-1,)
         times = [one.log_time for one in self.recorded.history.every(channel)]
         timed = list(zip(times, inputs.entries, strict=True))
-        self._events: list[tuple[int, Entry]] = [(time, entry) for time, entry in timed if entry.kind in _POPULATION]
-        self.lost = [entry.name for _, entry in self._events if entry.content is None and entry.kind == SPAWN]
+        self._events: list[tuple[int, int, Entry]] = [
+            (time, index, entry) for index, (time, entry) in enumerate(timed) if entry.kind in _POPULATION
+        ]
+        self.made = RecordedMade(recording, partial(_modules, simulation))
+        self.lost = [entry.name for _, index, entry in self._events if _is_lost(entry, self.made.after(index))]
         self._inputs_of: dict[tuple[str, str], tuple[list[int], list[Entry]]] = {}
         for time, entry in timed:
             known = self._inputs_of.setdefault((entry.kind, entry.name), ([], []))
             known[0].append(time)
             known[1].append(entry)
-        self._apply: dict[str, Callable[[Entry], object]] = {
-            RESET: lambda entry: simulation.restart(entry.content),
-            RESTORE: lambda entry: simulation.restore(entry.content),
-            SPAWN: lambda entry: simulation.spawn(entry.name, *entry.content),
-            DELETE: lambda entry: simulation.delete(entry.name),
+        self._apply: dict[str, Callable[[int, Entry], object]] = {
+            RESET: lambda _, entry: simulation.restart(entry.content),
+            RESTORE: lambda index, entry: simulation.restore(self._completed(entry.content, index)),
+            SPAWN: self._spawn,
+            DELETE: lambda _, entry: simulation.delete(entry.name),
         }
         self._applied = 0
         self._looks_until = -1
@@ -152,7 +160,7 @@ class RecordedTimeline:
         if self._inputs.start is None:
             self._simulation.restart(self._inputs.seed)
         else:
-            self._simulation.restore(self._inputs.start)
+            self._simulation.restore(self._completed(self._inputs.start, -1))
         self._applied = 0
         self._looks_until = -1
         world = self._world
@@ -166,18 +174,26 @@ class RecordedTimeline:
 
     def _populate(self, time: int) -> None:
         """Let robots come and go as before a log time: inputs of that time came after the tick."""
-        wanted = sum(1 for moment, _ in self._events if moment < time)
+        wanted = sum(1 for moment, _, _ in self._events if moment < time)
         if wanted < self._applied:
             self._begin()
-        for _, entry in self._events[self._applied : wanted]:
-            if entry.kind == SPAWN and entry.content is None:
-                continue
+        for _, index, entry in self._events[self._applied : wanted]:
             try:
-                self._apply[entry.kind](entry)
+                self._apply[entry.kind](index, entry)
             except Exception as error:  # what was refused during the recording is refused again
                 logger.debug("%s of %s: %s", entry.kind, entry.name, describe(error))
             self._looks_until = -1
         self._applied = wanted
+
+    def _spawn(self, index: int, entry: Entry) -> None:
+        if entry.content is not None:
+            self._simulation.spawn(entry.name, *entry.content)
+        elif entry.name in (made := self.made.after(index)):
+            self._simulation.spawn(entry.name, made[entry.name])
+
+    def _completed(self, state: State, index: int) -> State:
+        """A state of the recording, with what creates its objects."""
+        return State(state.parts, state.unsaved, self.made.known(index))
 
     def _paint(self, time: int) -> None:
         """Apply the changes of appearance up to a log time."""
@@ -230,6 +246,17 @@ class RecordedTimeline:
             position, rotation = obj.world_pose() if frame == "world" else obj.local_pose()
             rows.append([*position, *rigid.quaternion(rotation)])
         return np.array(rows, dtype=np.float32).reshape(-1, 7)
+
+
+def _modules(simulation: Running) -> Collection[str]:
+    """The modules of the project."""
+    project = simulation.scene.project
+    return project.sources() if isinstance(project, ProjectImports) else ()
+
+
+def _is_lost(entry: Entry, made: Collection[str]) -> bool:
+    """Whether an object was spawned by a function, and has no description; such recordings are of earlier versions."""
+    return entry.kind == SPAWN and entry.content is None and entry.name not in made
 
 
 def _rotation(turn: list[float]) -> tuple[float, ...]:

@@ -131,7 +131,8 @@ def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
             files |= _source(f"{MODULES}{module}.py", file)
     if simulation.ticks:
         files[STATE] = simulation.silent_state().to_bytes()
-    return Beginning(facts, files, entry_to_bytes, lambda: _ending(simulation))
+    made = simulation.population.made_by_functions
+    return Beginning(facts, files, entry_to_bytes, lambda: _ending(simulation), made)
 
 
 def _ending(simulation: Running) -> dict[str, str]:

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping, Sequence
 
+    from morse.builder.assembly.spawning import Newcomer
     from morse.core.clock import Clock
     from morse.core.context import Context
     from morse.core.journal import Journal
@@ -40,6 +41,9 @@ class Populated(Holder, Protocol):
 
     def makers(self) -> Mapping[str, Callable[[], Any]]:
         """Return the functions that created spawned objects."""
+
+    def made_by_functions(self) -> Mapping[str, tuple[object, Callable[[], Newcomer]]]:
+        """Return the present objects that functions spawned."""
 
     def roots_at_launch(self) -> list[str]:
         """Return the root objects of the launch."""

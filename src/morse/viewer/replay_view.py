@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morse.simulation.recorded_timeline import RecordedTimeline
@@ -16,7 +17,7 @@ from morse.viewer.requests import PageLeft
 from morse.viewer.view_messages import History, Refused
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     import numpy as np
     from numpy.typing import NDArray
@@ -53,7 +54,8 @@ class ReplayView(View):
         simulation: the simulation of the scene.
         timeline: the recorded run.
         recording: the file of the run.
-        topics: names of the topics of the sensors in the file, by the names of the sensors.
+        topic: returns the topic of a sensor in the file by the name of the sensor; None for a sensor that does not
+            exist at present.
     """
 
     changeable = False
@@ -63,7 +65,7 @@ class ReplayView(View):
         simulation: Simulation,
         timeline: Timeline | RecordedTimeline,
         recording: Recording,
-        topics: Mapping[str, str],
+        topic: Callable[[str], str | None],
     ) -> None:
         self._timeline = timeline
         self._start = simulation.clock.time
@@ -77,10 +79,10 @@ class ReplayView(View):
         self._history: Any = _NoHistory()
         self._recorded = timeline if isinstance(timeline, RecordedTimeline) else None
         if self._recorded is not None:
-            channels = {name: _channels_of(recording, topic) for name, topic in topics.items()}
+            channels = partial(_channels_of, recording, topic)
             self._feeds[0] = RecordedValuesFeed(simulation.context, self._server, self._recorded, channels)
         self._pictures = RecordedPicturesFeed(
-            simulation.context, self._server, recording, topics, self._time, looks=self._recorded is not None
+            simulation.context, self._server, recording, topic, self._time, looks=self._recorded is not None
         )
         pacer = simulation.pacer
         refused = dict.fromkeys(self._handlers, self._refuse)
@@ -220,7 +222,10 @@ class ReplayView(View):
             self._simulation.context.wait(rest)
 
 
-def _channels_of(recording: Recording, topic: str) -> list[Channel]:
+def _channels_of(recording: Recording, topic_of: Callable[[str], str | None], name: str) -> list[Channel]:
+    topic = topic_of(name)
+    if topic is None:
+        return []
     return [
         channel
         for channel in recording.channels.values()

@@ -14,6 +14,7 @@ from morse.builder.environment.environment import connect_by_default
 from morse.builder.errors import checks
 from morse.builder.names import naming
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
+from morse.core.quoting import short
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -47,7 +48,8 @@ def describe_newcomer(
     """Return the robot or object that a function of the builder describes, with a name and a pose.
 
     Args:
-        make: function that returns a robot or an object, e.g. a class of the builder.
+        make: function that returns a robot or an object, e.g. a class of the builder; or a complete newcomer, which
+            keeps its pose.
         position: x, y, z in the world, m.
         rotation: roll, pitch, yaw, rad.
         taken: nodes of the running scene; new nodes get names that do not exist there.
@@ -56,9 +58,12 @@ def describe_newcomer(
     Raises:
         MorseBuilderError: the function does not return a robot or an object, or the name already exists.
     """
+    taken = list(taken)
     with workspace.described() as described:
         described.reserve(taken)
         made = make()
+        if isinstance(made, Newcomer):
+            return _checked(made, taken)
         if not isinstance(made, AbstractComponent):
             raise MorseBuilderError(
                 f"expected a robot or an object of morse.builder, such as ATRV(), not {checks.shown(made)}"
@@ -77,6 +82,14 @@ def describe_newcomer(
             raise MorseBuilderError(f"there is already an object '{name}' in the scene")
         parts = [part for part in described.components if isinstance(part, AbstractComponent) and part.is_morseable()]
         return Newcomer(list(described.roots), [declare(part) for part in parts], list(described.models))
+
+
+def _checked(made: Newcomer, taken: Iterable[Node]) -> Newcomer:
+    present = {node.name for node in taken}
+    for node in (node for root in made.roots for node in root.walk()):
+        if node.name in present:
+            raise MorseBuilderError(f"there is already an object '{short(node.name)}' in the scene")
+    return made
 
 
 def maker_of(kind: str) -> Callable[[], Any]:

@@ -45,7 +45,8 @@ class RecordedPicturesFeed(PicturesFeed):
         context: of the simulation.
         server: the server of the pages.
         recording: the recording of the run.
-        topics: names of topics by the name of the camera, without the suffix for its images.
+        topic: returns the topic of a camera by the name of the camera, without the suffix for its images; None for a
+            camera that does not exist at present.
         time: the present time of the recording, s.
         looks: whether cameras that were not recorded have to capture images of the present world, because nothing is
             simulated.
@@ -56,7 +57,7 @@ class RecordedPicturesFeed(PicturesFeed):
         context: Context,
         server: ViewServer,
         recording: Recording,
-        topics: Mapping[str, str],
+        topic: Callable[[str], str | None],
         time: Callable[[], float],
         *,
         looks: bool = False,
@@ -64,11 +65,8 @@ class RecordedPicturesFeed(PicturesFeed):
         super().__init__(context, server)
         self._recording = recording
         self._time = time
-        self._channels: dict[str, int] = {}
-        for name, topic in topics.items():
-            for channel in recording.channels.values():
-                if channel.type == IMAGE and (channel.topic == topic or channel.topic.startswith(f"{topic}/")):
-                    self._channels.setdefault(name, channel.number)
+        self._topic = topic
+        self._channels = [channel for channel in recording.channels.values() if channel.type == IMAGE]
         self._looks = looks
         #: times at which cameras have captured images
         self._looked: dict[str, float] = {}
@@ -76,7 +74,7 @@ class RecordedPicturesFeed(PicturesFeed):
 
     def shot(self, name: str, component: Any) -> Shot | None:
         """The last image of the camera at the present time of the recording."""
-        channel = self._channels.get(name)
+        channel = self._channel(name)
         if channel is None:
             return self._present(name, component)
         now = round(self._time() * 1e9) + _ROUNDING
@@ -94,6 +92,13 @@ class RecordedPicturesFeed(PicturesFeed):
             return self._present(name, component)
         self._known[name] = (now, message.log_time, shot)
         return shot
+
+    def _channel(self, name: str) -> int | None:
+        topic = self._topic(name) if self._channels else None
+        if topic is None:
+            return None
+        found = (one for one in self._channels if one.topic == topic or one.topic.startswith(f"{topic}/"))
+        return next((one.number for one in found), None)
 
     def _present(self, name: str, component: Any) -> Shot | None:
         """The image of the present world."""

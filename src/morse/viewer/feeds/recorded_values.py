@@ -12,7 +12,7 @@ from morse.viewer.feeds.values import shown
 from morse.viewer.view_messages import Values
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable
 
     from morse.core.context import Context
     from morse.recording.mcap.reader import Channel
@@ -33,7 +33,7 @@ class RecordedValuesFeed:
         context: of the simulation.
         server: the server of the pages.
         timeline: the recorded run.
-        channels: channels of the recording by the name of the sensor.
+        channels: returns the channels of the recording by the name of the sensor.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class RecordedValuesFeed:
         context: Context,
         server: ViewServer,
         timeline: RecordedTimeline,
-        channels: Mapping[str, list[Channel]],
+        channels: Callable[[str], list[Channel]],
     ) -> None:
         self._context, self._server = context, server
         self._timeline = timeline
@@ -62,7 +62,7 @@ class RecordedValuesFeed:
                 self._server.send(Values(name, time, {field: shown(value) for field, value in data.items()}, note))
 
     def _measured(self, name: str, component: Any) -> tuple[dict[str, Any], str]:
-        channels = self._channels.get(name, ())
+        channels = self._channels(name)
         if not channels:
             return {}, "not recorded"
         data: dict[str, Any] = {}

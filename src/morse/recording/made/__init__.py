@@ -1,0 +1,1 @@
+"""Descriptions of robots and objects that functions of a program have spawned: plain data, no program."""

@@ -1,0 +1,194 @@
+"""Packs the description of an object as plain data; each mesh and image is a block of bytes of its own."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+
+from morse.core.classpath import load_class
+from morse.core.exceptions import MorseError
+from morse.middleware.ros2.datastream import Ros2DatastreamManager
+from morse.recording.made import form
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.scene import CollisionShape, ComponentDeclaration, Image, Material, Mesh, Node
+
+_encoder = msgspec.msgpack.Encoder()
+#: arrays of a mesh and of a shape, by the type of their items
+MESH_ARRAYS = {"vertices": "<f4", "triangles": "<i4", "material_index": "<i4", "uvs": "<f4", "normals": "<f4"}
+SHAPE_ARRAYS = {"vertices": "<f8", "heights": "<f8"}
+_ATOMS = (type(None), bool, int, float, str)
+
+
+class Packing:
+    """Packs one description.
+
+    Args:
+        roots: the nodes without a parent.
+        components: the declarations of the components.
+
+    Attributes:
+        blocks: the bytes of meshes, shapes and images, by their SHA-256.
+    """
+
+    def __init__(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration]) -> None:
+        self.blocks: dict[str, bytes] = {}
+        nodes = [node for root in roots for node in root.walk()]
+        self._places = {node: place for place, node in enumerate(nodes)}
+        self._known: dict[int, int] = {}
+        self._meshes: list[form.MeshForm] = []
+        self._materials: list[form.MaterialForm] = []
+        self._images: list[form.ImageForm] = []
+        self._form = form.DescriptionForm(
+            [self._node(node) for node in nodes],
+            [self._component(declared) for declared in components],
+            self._meshes,
+            self._materials,
+            self._images,
+        )
+
+    def to_bytes(self) -> bytes:
+        """The description without its blocks."""
+        return _encoder.encode(self._form)
+
+    def _block(self, data: bytes) -> str:
+        digest = hashlib.sha256(data).hexdigest()
+        self.blocks[digest] = data
+        return digest
+
+    def _arrays(self, source: Any, kinds: dict[str, str]) -> str:
+        found: dict[str, Any] = {}
+        for name, kind in kinds.items():
+            values: NDArray[Any] | None = getattr(source, name)
+            if values is not None:
+                found[name] = [list(values.shape), np.ascontiguousarray(values, dtype=kind).tobytes()]
+        return self._block(_encoder.encode(found)) if found else ""
+
+    def _node(self, node: Node) -> form.NodeForm:
+        inverse = None if node.parent_inverse is None else [v for row in node.parent_inverse for v in row]
+        return form.NodeForm(
+            name=node.name,
+            kind=node.kind,
+            parent=-1 if node.parent is None else self._places[node.parent],
+            location=_triple(node.location),
+            rotation_euler=_triple(node.rotation_euler),
+            scale=_triple(node.scale),
+            body=node.body,
+            parent_inverse=inverse,  # type: ignore[arg-type]
+            mesh=-1 if node.mesh is None else self._mesh(node.mesh),
+            materials=[self._material(one) for one in node.materials],
+            light=node.light,
+            camera=node.camera,
+            properties=_plain_items(node.properties),
+            debug=tuple(node.debug),
+            visible=node.visible,
+            color=None if node.color is None else tuple(map(float, node.color)),  # type: ignore[arg-type]
+            source_name=node.source_name,
+            shapes=None if node.shapes is None else [self._shape(shape) for shape in node.shapes],
+            bones=node.bones,
+            bone=node.bone,
+            inertial=node.inertial,
+            articulation=node.articulation,
+        )
+
+    def _mesh(self, mesh: Mesh) -> int:
+        known = self._known.get(id(mesh))
+        if known is None:
+            known = self._known[id(mesh)] = len(self._meshes)
+            slots = [self._material(one) for one in mesh.materials]
+            self._meshes.append(form.MeshForm(mesh.name, slots, self._arrays(mesh, MESH_ARRAYS)))
+        return known
+
+    def _shape(self, shape: CollisionShape) -> form.ShapeForm:
+        size = tuple(map(float, shape.size))
+        turn: Any = tuple(map(float, shape.rotation))
+        return form.ShapeForm(shape.kind, size, _triple(shape.position), turn, self._arrays(shape, SHAPE_ARRAYS))
+
+    def _material(self, material: Material | None) -> int:
+        if material is None:
+            return -1
+        known = self._known.get(id(material))
+        if known is None:
+            known = self._known[id(material)] = len(self._materials)
+            color: Any = tuple(map(float, material.color))
+            self._materials.append(
+                form.MaterialForm(
+                    material.name,
+                    color,
+                    float(material.metallic),
+                    float(material.roughness),
+                    _triple(material.emission),
+                    float(material.specular),
+                    -1 if material.image is None else self._image(material.image),
+                    bool(material.shadeless),
+                    bool(material.double_sided),
+                )
+            )
+        return known
+
+    def _image(self, image: Image) -> int:
+        known = self._known.get(id(image))
+        if known is None:
+            known = self._known[id(image)] = len(self._images)
+            self._images.append(form.ImageForm(image.name, image.mime, self._block(image.data)))
+        return known
+
+    def _component(self, declared: ComponentDeclaration) -> form.ComponentForm:
+        manager = Ros2DatastreamManager.classpath
+        topic = next((stream.options for stream in declared.streams if stream.manager == manager), {})
+        return form.ComponentForm(
+            self._places[declared.node],
+            self._places[declared.robot],
+            declared.kind,
+            _classes(declared.classpath),
+            declared.frequency,
+            declared.level,
+            _plain_items(topic),
+            [(modifier.classpath, _plain_items(modifier.options)) for modifier in declared.modifiers],
+        )
+
+
+def _classes(classpath: str) -> list[str]:
+    """The class path of a component, and those of its base classes: another machine may not have all of them."""
+    try:
+        bases = load_class(classpath).__mro__
+    except MorseError:
+        return [classpath]
+    return list(dict.fromkeys([classpath, *(f"{base.__module__}.{base.__qualname__}" for base in bases[:-1])]))
+
+
+def _triple(values: Sequence[float]) -> form.Triple:
+    x, y, z = values
+    return float(x), float(y), float(z)
+
+
+def _plain_items(values: Any) -> dict[str, Any]:
+    """The items that a file can hold; objects of a program stay behind."""
+    found = {}
+    for name, value in values.items():
+        plain = _plain(value)
+        if isinstance(name, str) and (plain is not None or value is None):
+            found[name] = plain
+    return found
+
+
+def _plain(value: Any) -> Any:
+    """A value of numbers, texts, lists and dictionaries; None for other values."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        return value.tolist()
+    if type(value) in _ATOMS:
+        return value
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    if isinstance(value, dict):
+        return _plain_items(value)
+    return None

@@ -1,0 +1,151 @@
+"""Reads descriptions of objects that functions have spawned from a recording."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+from typing import TYPE_CHECKING, Any
+
+import zstandard
+
+from morse.builder.assembly.spawning import Newcomer
+from morse.core.classpath import load_class
+from morse.core.exceptions import MorseError
+from morse.core.modifier import AbstractModifier
+from morse.core.object import Object
+from morse.core.quoting import quoted
+from morse.middleware.ros2.cdr import CdrError, decode
+from morse.recording.errors import RecordingError
+from morse.recording.made.unpacking import Unpacking
+from morse.recording.made.writing import BLOCKS, TOPIC, TYPE
+from morse.recording.mcap.reader import LARGEST
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from morse.recording.recording import Recording
+
+logger = logging.getLogger(__name__)
+
+#: packages whose classes a file may name
+_OWN = ("morse.actuators.", "morse.modifiers.", "morse.robots.", "morse.sensors.", "morse.core.")
+
+
+class Description:
+    """The description of an object; a call creates it.
+
+    Args:
+        name: of the object.
+        title: of the attachment.
+    """
+
+    def __init__(self, made: RecordedMade, name: str, title: str) -> None:
+        self._made, self.name, self.title = made, name, title
+
+    def __call__(self) -> Newcomer:
+        """Return the object.
+
+        Raises:
+            RecordingError: the description is damaged.
+        """
+        return self._made.newcomer(self)
+
+
+class RecordedMade:
+    """The descriptions in a recording.
+
+    Args:
+        recording: the recording.
+        modules: returns the modules of the project, whose classes the descriptions may name as well.
+
+    Attributes:
+        topics: options that name the topics of the components of created objects, by the name of the component.
+
+    Raises:
+        RecordingError: the names are damaged.
+    """
+
+    def __init__(self, recording: Recording, modules: Callable[[], Collection[str]]) -> None:
+        self._recording, self._modules = recording, modules
+        self._blocks: dict[str, bytes] = {}
+        self.topics: dict[str, dict[str, Any]] = {}
+        self._said: set[str] = set()
+        self._descriptions: dict[int, dict[str, Description]] = {}
+        try:
+            for one in recording.messages(recording.topic_numbers(TOPIC)):
+                said = json.loads(decode(TYPE, one.data)["data"])
+                name, title = str(said["name"]), str(said["description"])
+                self._descriptions.setdefault(int(said["input"]), {})[name] = Description(self, name, title)
+        except (CdrError, ValueError, LookupError, TypeError, RecursionError) as error:
+            raise RecordingError(f"{recording.path}: the names of spawned objects are damaged: {error}") from None
+
+    def after(self, index: int) -> dict[str, Description]:
+        """The objects that the input of this number created; -1 for those present at the beginning."""
+        return self._descriptions.get(index, {})
+
+    def known(self, index: int) -> dict[str, Description]:
+        """The latest description of each name up to an input."""
+        found: dict[str, Description] = {}
+        for number in sorted(number for number in self._descriptions if number <= index):
+            found |= self._descriptions[number]
+        return found
+
+    def newcomer(self, described: Description) -> Newcomer:
+        """Create the object of a description.
+
+        Raises:
+            RecordingError: the description is damaged.
+        """
+        try:
+            made = Unpacking(self._attached(described.title), self._block, self._class_of)
+            if described.name not in [root.name for root in made.roots]:
+                raise RecordingError("its description is that of another object")
+        except RecordingError as error:
+            self._say_once(f"{quoted(described.name)} is not shown: {error}")
+            raise
+        for name in made.omitted:
+            self._say_once(f"{quoted(name)} is not shown: its class is not a part of MORSE or of this project")
+        self.topics |= made.topics
+        return Newcomer(made.roots, made.components)
+
+    def _say_once(self, text: str) -> None:
+        if text not in self._said:
+            self._said.add(text)
+            logger.warning("%s", text)
+
+    def _attached(self, name: str) -> bytes:
+        data = self._recording.attachment(name)
+        if data is None:
+            raise RecordingError(f"{self._recording.path}: the attachment {name[:80]!r} is missing")
+        try:
+            reader = zstandard.ZstdDecompressor(max_window_size=LARGEST).stream_reader(data)
+            found = reader.read(LARGEST + 1)
+        except zstandard.ZstdError as error:
+            raise RecordingError(f"{self._recording.path}: {name[:80]} is damaged: {error}") from None
+        if len(found) > LARGEST:
+            raise RecordingError(f"{self._recording.path}: {name[:80]} is larger than {LARGEST >> 20} MiB")
+        return found
+
+    def _block(self, digest: str) -> bytes:
+        known = self._blocks.get(digest)
+        if known is None:
+            known = self._attached(f"{BLOCKS}{digest}")
+            if hashlib.sha256(known).hexdigest() != digest:
+                raise RecordingError(f"{self._recording.path}: the block {digest[:80]} is damaged")
+            self._blocks[digest] = known
+        return known
+
+    def _class_of(self, paths: list[str]) -> str | None:
+        """The first class that is one of MORSE or of the project: other modules might be programs."""
+        for path in paths:
+            module = path.rpartition(".")[0]
+            if not path.startswith(_OWN) and module not in self._modules():
+                continue
+            try:
+                found = load_class(path)
+            except (MorseError, ImportError):
+                continue
+            if issubclass(found, (Object, AbstractModifier)) and not getattr(found, "__abstractmethods__", None):
+                return path
+        return None

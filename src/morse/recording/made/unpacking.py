@@ -1,0 +1,177 @@
+"""Unpacks and checks the description of an object from a file of unknown origin."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+
+from morse.mathutils import Matrix
+from morse.recording.errors import RecordingError
+from morse.recording.made import form
+from morse.recording.made.packing import MESH_ARRAYS, SHAPE_ARRAYS
+from morse.scene import Bone, CollisionShape, ComponentDeclaration, Image, Material, Mesh, ModifierDeclaration, Node
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+_MOST_NODES, _MOST_SLOTS = 20_000, 4096
+_LONGEST_NAME = 1000
+_KINDS = ("robot", "sensor", "actuator")
+_arrays = msgspec.msgpack.Decoder(dict[str, tuple[list[int], bytes]])
+_descriptions = msgspec.msgpack.Decoder(form.DescriptionForm)
+#: errors of damaged data
+_DAMAGED = (ValueError, TypeError, LookupError, ArithmeticError, RecursionError)
+
+
+class Unpacking:
+    """Creates the nodes and the declarations of one description.
+
+    Args:
+        data: from `Packing.to_bytes`.
+        block: returns a block by its digest; raises LookupError for an unknown one.
+        class_of: returns a class path that may be loaded, of several; None if there is none.
+
+    Attributes:
+        roots, components: of the object.
+        topics: options that name the topics of a component, by its name.
+        omitted: names of components without such a class.
+
+    Raises:
+        RecordingError: the description is damaged.
+    """
+
+    def __init__(self, data: bytes, block: Callable[[str], bytes], class_of: Callable[[list[str]], str | None]) -> None:
+        self._block, self._class_of = block, class_of
+        self.topics: dict[str, dict[str, Any]] = {}
+        self.omitted: list[str] = []
+        try:
+            found = _descriptions.decode(data)
+            _check(len(found.nodes) <= _MOST_NODES, f"{len(found.nodes)} nodes")
+            self._images = [Image(one.name, block(one.data), one.mime) for one in found.images]
+            self._materials = [self._material(one) for one in found.materials]
+            self._meshes = [self._mesh(one) for one in found.meshes]
+            self._nodes: list[Node] = []
+            for one in found.nodes:
+                self._nodes.append(self._node(one))
+            _check(len({node.name for node in self._nodes}) == len(self._nodes), "two nodes of one name")
+            self.roots = [node for node in self._nodes if node.parent is None]
+            made = [self._component(one) for one in found.components]
+            self.components = [declared for declared in made if declared is not None]
+        except _DAMAGED as error:
+            raise RecordingError(f"the description of an object is damaged: {error}") from None
+
+    def _material(self, one: form.MaterialForm) -> Material:
+        _check_finite("a material", *one.color, one.metallic, one.roughness, *one.emission, one.specular)
+        values = {name: getattr(one, name) for name in one.__struct_fields__}
+        return Material(**{**values, "image": None if one.image < 0 else self._images[one.image]})
+
+    def _slots(self, places: list[int]) -> list[Material | None]:
+        _check(len(places) <= _MOST_SLOTS, f"{len(places)} materials")
+        return [None if place < 0 else self._materials[place] for place in places]
+
+    def _arrays(self, digest: str, kinds: dict[str, str]) -> dict[str, NDArray[Any]]:
+        found = {}
+        for name, (shape, data) in _arrays.decode(self._block(digest)).items() if digest else ():
+            _check(all(number >= 0 for number in shape) and len(shape) <= 3, f"an array of the shape {shape}")
+            found[name] = np.frombuffer(data, kinds[name]).reshape(shape).copy()
+            _check(bool(np.isfinite(found[name]).all()), f"numbers in {name} that are not finite")
+        return found
+
+    def _mesh(self, one: form.MeshForm) -> Mesh:
+        arrays = self._arrays(one.data, MESH_ARRAYS)
+        vertices, triangles, slots = arrays["vertices"], arrays["triangles"], arrays["material_index"]
+        count = len(triangles)
+        shapes = {"vertices": (len(vertices), 3), "triangles": (count, 3), "material_index": (count,)}
+        shapes |= {"uvs": (count, 3, 2), "normals": (count, 3, 3)}
+        for name, values in arrays.items():
+            _check(values.shape == shapes[name], f"{name} of the shape {values.shape}, expected {shapes[name]}")
+        if count:
+            _check(triangles.min() >= 0 and triangles.max() < len(vertices), "triangles without vertices")
+            _check(slots.min() >= 0 and slots.max() < _MOST_SLOTS, "triangles without a material")
+        materials = tuple(self._slots(one.materials))
+        return Mesh(one.name, vertices, triangles, slots, arrays.get("uvs"), arrays.get("normals"), materials)
+
+    def _shape(self, one: form.ShapeForm) -> CollisionShape:
+        _check_finite("a shape", *one.size, *one.position, *one.rotation)
+        arrays = self._arrays(one.data, SHAPE_ARRAYS)
+        for name, values in arrays.items():
+            fits = values.ndim == 2 and (name == "heights" or values.shape[1] == 3)
+            _check(fits, f"{name} of the shape {values.shape}")
+        return CollisionShape(
+            one.kind, one.size, one.position, one.rotation, arrays.get("vertices"), arrays.get("heights")
+        )
+
+    def _node(self, one: form.NodeForm) -> Node:
+        _check(0 < len(one.name) < _LONGEST_NAME, "a node without a name")
+        _check(-1 <= one.parent < len(self._nodes), f"the parent {one.parent} of {one.name[:80]}")
+        inverse = one.parent_inverse
+        numbers = (*one.location, *one.rotation_euler, *one.scale, *(inverse or ()), *(one.color or ()))
+        _check_finite(one.name[:80], *numbers)
+        node = Node(
+            name=one.name,
+            kind=one.kind,
+            location=list(one.location),
+            rotation_euler=list(one.rotation_euler),
+            scale=list(one.scale),
+            mesh=None if one.mesh < 0 else self._meshes[one.mesh],
+            materials=self._slots(one.materials),
+            light=one.light,
+            camera=one.camera,
+            body=one.body,
+            properties=dict(one.properties),
+            debug=one.debug,
+            visible=one.visible,
+            color=one.color,
+            source_name=one.source_name,
+            shapes=None if one.shapes is None else [self._shape(shape) for shape in one.shapes],
+            bones=tuple(_bone(bone, place, len(one.bones)) for place, bone in enumerate(one.bones)),
+            bone=one.bone,
+            inertial=one.inertial,
+            articulation=one.articulation,
+        )
+        if one.parent >= 0:
+            self._nodes[one.parent].attach(node)
+        if inverse is not None:
+            node.parent_inverse = Matrix(tuple(inverse[row : row + 4] for row in range(0, 16, 4)))
+        return node
+
+    def _component(self, one: form.ComponentForm) -> ComponentDeclaration | None:
+        _check(one.kind in _KINDS and min(one.node, one.robot) >= 0, f"a component of the kind {one.kind[:80]!r}")
+        node, robot = self._nodes[one.node], self._nodes[one.robot]
+        frequency = one.frequency
+        _check(frequency is None or 0.0 < frequency < math.inf, f"the frequency {frequency}")
+        classpath = self._class_of(one.classes)
+        if classpath is None:
+            self.omitted.append(node.name)
+            return None
+        self.topics[node.name] = one.topic
+        known = [(self._class_of([path]), options) for path, options in one.modifiers]
+        return ComponentDeclaration(
+            node,
+            one.kind,
+            classpath,
+            robot,
+            frequency,
+            one.level,
+            modifiers=[ModifierDeclaration(path, options) for path, options in known if path is not None],
+        )
+
+
+def _bone(one: Any, place: int, count: int) -> Bone:
+    _check(-1 <= one.parent < place and -1 <= one.leader < count and 0 <= one.axis < 3, f"the bone {place}")
+    _check_finite(f"the bone {place}", *one.position, *one.rotation, one.length, one.value)
+    return Bone(**{name: getattr(one, name) for name in one.__struct_fields__})
+
+
+def _check(fits: bool, what: str) -> None:
+    if not fits:
+        raise ValueError(f"it has {what}")
+
+
+def _check_finite(what: str, *numbers: float) -> None:
+    _check(all(map(math.isfinite, numbers)), f"numbers that are not finite in {what}")
