@@ -7,6 +7,7 @@ import itertools
 import json
 import logging
 import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -46,7 +47,8 @@ class Page:
     def connect(self) -> None:
         """Reconnect as a new page."""
         self.close()
-        self.socket = self._stack.enter_context(connect(self.view.url.replace("http", "ws") + "ws", max_size=None))
+        address = self.view.url.replace("http", "ws") + "ws"
+        self.socket = self._stack.enter_context(connect(address, max_size=None, ping_interval=None))
         self.send("hello", version=VERSION)
         self.expect("welcome")
 
@@ -59,7 +61,8 @@ class Page:
 
     def expect(self, kind: str, **fields: Any) -> Any:
         """The next message of a kind with these fields; the simulation runs meanwhile."""
-        for _ in range(2000):
+        end = time.monotonic() + 60.0
+        while time.monotonic() < end:
             self.simulation.tick()
             try:
                 frame = self.socket.recv(timeout=0.005)

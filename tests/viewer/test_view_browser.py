@@ -160,9 +160,17 @@ def test_time_is_shown_and_controlled(shown) -> None:
     assert len([event for event in driver.events if isinstance(event, Reset)]) == 1
     page.get_by_role("button", name="Play").click()
     until(lambda: driver.running)
-    page.get_by_label("speed").select_option("×5")
+    speed = page.get_by_label("speed")
+    speed.select_option("×5")
     until(lambda: driver.speed == 5.0)
-    page.get_by_label("speed").select_option("max")
+    # the page has to learn that another speed holds, also if it was never shown the one that it has requested
+    until(lambda: page.evaluate("morse.poses.value.speed") == 5.0)
+    driver.shown = False
+    speed.select_option("×10")
+    until(lambda: driver.speed == 10.0)
+    driver.speed, driver.shown = 5.0, True
+    until(lambda: speed.input_value() == "5")
+    speed.select_option("max")
     until(lambda: driver.speed == math.inf)
     until(lambda: page.locator(".factor").inner_text() != "paused")  # the key does the opposite of what the page knows
     page.keyboard.press("p")
@@ -192,8 +200,15 @@ def test_a_held_key_stays_held_while_the_page_draws_slowly(shown) -> None:
     page.keyboard.down("ArrowUp")
     until(lambda: driver.keys[-1] == {"ArrowUp"})
     count, tick = len(driver.keys), driver.tick
-    until(lambda: driver.tick > tick + 150)
-    assert len(driver.keys) == count
+
+    def held_for_long() -> bool:
+        # a machine that lets the page wait releases the key, too: then the time begins anew
+        nonlocal count, tick
+        if len(driver.keys) != count or driver.keys[-1] != {"ArrowUp"}:
+            count, tick = len(driver.keys), driver.tick
+        return driver.tick > tick + 150
+
+    until(held_for_long)
     page.keyboard.up("ArrowUp")
 
 
@@ -208,7 +223,7 @@ def test_keys_are_let_go_when_the_page_loses_the_focus_or_is_closed(running, ope
     page.keyboard.down("ArrowDown")
     until(lambda: driver.keys[-1] == {"ArrowDown"})
     page.close()
-    until(lambda: driver.keys[-1] == frozenset(), limit=3)
+    until(lambda: driver.keys[-1] == frozenset())
 
 
 def test_a_page_that_hangs_lets_go(running, open_page) -> None:

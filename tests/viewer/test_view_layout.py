@@ -84,13 +84,13 @@ def test_what_has_no_room_is_behind_a_button(running, open_page) -> None:
     assert page.evaluate("document.documentElement.dataset.theme") == "dark"
     assert not shot.is_visible()
     page.set_viewport_size({"width": 1200, "height": 600})
-    assert shot.is_visible()
-    assert not more.is_visible()
+    until(lambda: shot.is_visible() and not more.is_visible())
 
 
 def test_keys_are_listed_in_few_lines(shown) -> None:
     _, page = shown
     page.set_viewport_size({"width": 1280, "height": 720})
+    until(lambda: page.evaluate("innerWidth") == 1280)
     page.keyboard.press("h")
     heights = page.evaluate(LINES)
     assert len(heights) > 25

@@ -62,19 +62,26 @@ def test_pulling_is_a_force_while_time_runs_and_a_teleport_while_it_stands(shown
     assert last.node == "robot2"
     assert np.linalg.norm(last.quaternion) == pytest.approx(1.0, abs=1e-4)
     assert not events(driver, Drag)
+    # the answer to a request comes after all requests before it
+    add = "morse.connection.request({ type: 'call_service', component: 'robot0', service: 'add', arguments: [1, 2] })"
+    assert page.evaluate(add)["value"] == 3
+    count = len(events(driver, Teleport))
+    driver.pace = 0.0  # a robot that stands where it is clicked, however late
     driver.running = True
     until(lambda: page.evaluate("morse.poses.value?.running"))
-    count = len(events(driver, Teleport))
-    driver.time = 0.0
     page.keyboard.press("3")
     page.keyboard.press("0")
-    for _ in range(5):
-        x, y = place_of(page, "robot2")
+
+    def held() -> tuple[float, float] | None:
+        x, y = place_of(page, "robot2")  # the camera flies there
         page.mouse.move(x, y)
         page.mouse.down()
         if page.evaluate("morse.panels.mover.held !== null"):
-            break
+            return x, y
         page.mouse.up()
+        return None
+
+    x, y = until(held, "the robot is held")
     page.mouse.move(x + 60, y, steps=4)
     until(lambda: events(driver, Drag))
     page.mouse.up()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -35,7 +36,8 @@ Environment("empty")
 
 
 def turn_until(view: ReplayView, condition: Callable[[], Any]) -> Any:
-    for _ in range(20_000):
+    end = time.monotonic() + 60.0
+    while time.monotonic() < end:
         view.turn()
         found = condition()
         if found:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -61,7 +62,8 @@ def client(view: ReplayView) -> Iterator[Client]:
 
 
 def turn_until(view: ReplayView, condition: Callable[[], Any]) -> None:
-    for _ in range(20_000):
+    end = time.monotonic() + 60.0
+    while time.monotonic() < end:
         view.turn()
         if condition():
             return

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import socket
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from morse.core.network import Network
 from morse.scene import Scene
 from morse.viewer.page_messages import CallService, Drag, DragEnd, Pause, SetSpeed, Step
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close
+from morse.viewer.seat import DEAD_MAN
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import MovingNode, Snapshot
 from morse.viewer.view_messages import Answer, Appearance, Listening, Log, Rays, Values
@@ -30,6 +33,12 @@ def one_box() -> tuple[Scene, list[MovingNode]]:
 def snapshot(tick: int, status: str = "running") -> Snapshot:
     poses = np.array([[tick, 0, 0, 1, 0, 0, 0]], dtype=np.float32)
     return Snapshot(tick, tick / 60, 1, poses, status, 1.0, 0.97)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keys stay held although these pages send no heartbeat: on a busy machine, the test may look late."""
+    monkeypatch.setattr("morse.viewer.seat.DEAD_MAN", 1e9)
 
 
 def closing(client: Client) -> tuple[int, str]:
@@ -125,14 +134,12 @@ def test_bytes_that_are_no_http_do_no_harm(served) -> None:
         b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 500,
     ):
         with socket.create_connection(("127.0.0.1", port_of(url))) as stranger:
-            stranger.sendall(garbage)
-            stranger.shutdown(socket.SHUT_WR)
             stranger.settimeout(60)
-            try:
+            with contextlib.suppress(OSError):  # closed before all of it was sent
+                stranger.sendall(garbage)
+                stranger.shutdown(socket.SHUT_WR)
                 while stranger.recv(4096):
                     pass
-            except ConnectionResetError:
-                pass
     with Client(url) as page:
         page.expect("welcome")
         assert server.watched
@@ -255,16 +262,21 @@ def test_a_page_that_takes_nothing_at_all_is_given_up(served) -> None:
             raise AssertionError("the dead page is still there")
 
 
-def test_snapshots_faster_than_any_screen_are_left_out(served) -> None:
+def test_snapshots_faster_than_any_screen_are_left_out(served, monkeypatch) -> None:
     server, url = served
     server.set_scene(*one_box())
+    clock = SimpleNamespace(now=time.monotonic())
+    monkeypatch.setattr("morse.viewer.server.time", SimpleNamespace(monotonic=lambda: clock.now))
     with Client(url) as page:
         page.expect("world")
-        for tick in range(1, 2001):
+        for tick in range(1, 2001):  # a second
+            clock.now += 1 / 2000
+            page.send("taken", count=len(page.poses))
+            shown = server._last_shown
             server.publish(snapshot(tick))
-        server.publish(snapshot(2001, "paused"))
-        until(lambda: (page.receive(), page.poses and page.poses[-1][4] == 2001)[1])
-        assert len(page.poses) < 200
+            if server._last_shown != shown:
+                until(lambda: (page.receive(), page.poses and page.poses[-1][4] == tick)[1])  # noqa: B023
+        assert 118 <= len(page.poses) <= 126
 
 
 def test_publish_is_cheap(served) -> None:
@@ -301,7 +313,7 @@ def test_payloads_and_wishes(served) -> None:
 # control -------------------------------------------------------------------------------------------------
 
 
-def test_events_of_the_driving_page_reach_the_simulation(served) -> None:
+def test_events_of_the_driving_page_reach_the_simulation(served, patient) -> None:
     server, url = served
     with Client(url) as page:
         page.expect("welcome")
@@ -358,7 +370,7 @@ def test_answers_go_to_the_page_that_asked_under_its_own_number(served) -> None:
         one.expect("log")
 
 
-def test_keys_are_held_until_released_hidden_or_gone(served) -> None:
+def test_keys_are_held_until_released_hidden_or_gone(served, patient) -> None:
     server, url = served
     with Client(url) as page:
         page.expect("welcome")
@@ -370,11 +382,13 @@ def test_keys_are_held_until_released_hidden_or_gone(served) -> None:
         until(lambda: server.held_keys() == frozenset())
         page.send("keys", held=["ArrowUp"])
         until(lambda: server.held_keys() == {"ArrowUp"})
-    until(lambda: server.held_keys() == frozenset(), limit=0.5)
+    until(lambda: server.held_keys() == frozenset())
 
 
 def test_a_page_that_falls_silent_lets_go(served) -> None:
     server, url = served
+    now = [0.0]
+    server._hub.seat._clock = lambda: now[0]
     with Client(url) as page:
         page.expect("welcome")
         page.send("keys", held=["ArrowUp"])
@@ -384,9 +398,14 @@ def test_a_page_that_falls_silent_lets_go(served) -> None:
 
         def over() -> bool:
             events.extend(server.take_events())
-            return DragEnd() in events
+            return bool(events)
 
-        until(over, limit=10.0)
+        until(over)
+        now[0] += 0.9 * DEAD_MAN
+        over()
+        assert server.held_keys() == {"ArrowUp"}
+        now[0] += 0.2 * DEAD_MAN
+        over()
         assert events == [Drag("box", (0.0, 0.0, 0.0), (1.0, 2.0, 3.0)), DragEnd()]
         assert server.held_keys() == frozenset()
 

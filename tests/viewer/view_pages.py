@@ -53,7 +53,9 @@ class Client:
         self.url = url
         self._stack = contextlib.ExitStack()
         address = url.replace("http", "ws") + "ws" + (f"?{query}" if query else "")
-        self.socket = self._stack.enter_context(connect(address, max_size=None, **options))
+        # without pings, and with room for all messages: a test that reads late loses no connection
+        patient: Any = {"max_size": None, "max_queue": None, "ping_interval": None, **options}
+        self.socket = self._stack.enter_context(connect(address, **patient))
         self.messages: list[dict[str, Any]] = []
         self.poses: list[tuple[Any, ...]] = []
         if hello:

@@ -79,6 +79,7 @@ class CircleDriver:
         self.events: list[object] = []
         self.keys: list[frozenset[str]] = []
         self.tick = 0
+        self._ticking = threading.Lock()
         self._set_out()
         self._again = threading.Event()
         self._stop = threading.Event()
@@ -87,6 +88,8 @@ class CircleDriver:
     def _set_out(self) -> None:
         self.x, self.time = 0.0, 0.0
         self.running, self.steps, self.speed = True, 0, 1.0
+        #: simulated time in a tick, 1 being the usual one
+        self.pace = 1.0
         #: whether components have values
         self.measures = True
         #: whether pages are told what happens
@@ -99,6 +102,16 @@ class CircleDriver:
     def __exit__(self, *_: object) -> None:
         self._stop.set()
         self._thread.join(60)
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s; may be set while the simulation runs."""
+        return self._time
+
+    @time.setter
+    def time(self, value: float) -> None:
+        with self._ticking:
+            self._time = value
 
     def begin(self) -> None:
         """Go back to the beginning, as if no page had done anything; ticks are numbered on."""
@@ -228,7 +241,8 @@ class CircleDriver:
                 self._again.clear()
             if self.running or self.steps:
                 self.steps = max(0, self.steps - 1) if not self.running else 0
-                self.tick, self.time = self.tick + 1, self.time + TICK
+                with self._ticking:
+                    self.tick, self._time = self.tick + 1, self._time + TICK * self.pace
                 self.x += 0.05 * (("ArrowUp" in keys) - ("ArrowDown" in keys))
             if self.server.watched and self.shown:
                 status = "running" if self.running else "paused"

@@ -7,6 +7,8 @@ import { icons } from "../ui/icons";
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10];
 const LATE = 0.9;
+/** Time in which the simulator takes over a requested speed, ms. */
+const TAKEOVER = 1000;
 
 /** Simulated time, its speed, and its controls. */
 export class Clock {
@@ -20,7 +22,9 @@ export class Clock {
   private readonly stepButton = iconButton(icons.step, "One tick", () => this.step(), ".");
   private readonly speed = h("select", { title: "speed", "aria-label": "speed", onchange: () => this.setSpeed() });
   private readonly buttons: (HTMLButtonElement | HTMLSelectElement)[];
-  private asked = 1;
+  /** the speed of the last frame that changed the list, and when a different choice of the user counts as refused, ms */
+  private told = 1;
+  private until = Infinity;
   private pace: Pace | null = null;
 
   constructor(private readonly connection: Connection) {
@@ -53,7 +57,8 @@ export class Clock {
       this.play.title = `${this.play.ariaLabel} (P)`;
       this.showPace();
     }
-    if (Math.abs(frame.speed - this.asked) > 1e-4 || !Number.isFinite(frame.speed)) this.showSpeed(frame.speed);
+    // a speed that held for a moment only may be in no frame: then the choice of the user is shown until it is refused
+    if (frame.speed !== this.told || performance.now() > this.until) this.showSpeed(frame.speed);
   }
 
   private showFactor(factor: number | null): void {
@@ -85,10 +90,12 @@ export class Clock {
   private setSpeed(): void {
     this.connection.send({ type: "set_speed", factor: this.speed.value === "max" ? null : Number(this.speed.value) });
     this.speed.blur();
+    this.until = performance.now() + TAKEOVER;
   }
 
   private showSpeed(speed: number): void {
-    this.asked = speed;
+    this.told = speed;
+    this.until = Infinity;
     const value = Number.isFinite(speed) ? String(Number(speed.toPrecision(4))) : "max";
     if (![...this.speed.options].some((option) => option.value === value)) {
       this.speed.append(h("option", { value }, `×${value}`));
