@@ -88,8 +88,14 @@ def test_poses_and_frames(build: ctypes.CDLL, what: str, rotations: np.ndarray) 
     origin = Transformation3d()
     origin.set_pose((1.0, -2.0, 0.5), rotation_from_euler((0.2, -0.1, 2.0), "XYZ"))
     origins = np.array([[*origin.get_pose()[0], *origin.get_pose()[1]]] * 2)
-    native.rows(rows)
-    left = native.poses(rows, poses) if what == "poses" else native.frames(rows, poses, origins)
+    batch, lefts = native.batch(), [np.zeros((count, 2), dtype=np.uint8)]
+    batch.rows(rows)
+    if what == "poses":
+        batch.poses(rows, poses, lefts.append)
+    else:
+        batch.frames(rows, poses, origins, lefts.append)
+    batch.run()
+    left = lefts[-1]
     found, upright = rows.chunk.tobytes(), 0
     for row, member in product(range(count), range(2)):
         pose = world_pose(poses, positions[row], rotations[row], member)
@@ -111,7 +117,9 @@ def test_poses_and_frames(build: ctypes.CDLL, what: str, rotations: np.ndarray) 
 def test_times_of_each_record(build: ctypes.CDLL) -> None:
     native = NativeRecords(build)
     rows, *_ = rows_of(3, [0, 0])
-    native.rows(rows)
+    batch = native.batch()
+    batch.rows(rows)
+    batch.run()
     size = len(rows.templates) // 2
     for number in range(6):
         head = struct.unpack_from("<BQHIQQ", rows.chunk, number * size)
@@ -127,11 +135,13 @@ def test_scans_in_single_precision_up_to_the_reach(build: ctypes.CDLL) -> None:
     chunk = np.zeros(2 * size, dtype=np.uint8)
     begins, moments = np.array([0, size]), np.zeros((2, 3), dtype=np.int64)
     rows = Rows(begins, moments, template.bytes, template.heads, template.stamps, chunk)
-    native.rows(rows)
+    batch = native.batch()
+    batch.rows(rows)
     other = [9.0] * 5
     distances = np.array([[other, [0.1, 3.9999, 4.0, math.inf, 1.0]], [other, [1e-300, 1 / 3, math.inf, 5.0, 2.0]]])
     scans = Scans(addresses_of(distances), np.array([1]), 5, 4, np.array([4.0]), np.array([31 + 12]))
-    native.scans(rows, scans)
+    batch.scans(rows, scans)
+    batch.run()
     found = [np.frombuffer(chunk, dtype="<f4", count=4, offset=begin + 43).tolist() for begin in (0, size)]
     assert found[0] == [np.float32(0.1), np.float32(3.9999), math.inf, math.inf]
     assert found[1] == [0.0, np.float32(1 / 3), math.inf, math.inf]

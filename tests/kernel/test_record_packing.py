@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import ctypes
 
 _BLOCK = 1 << 17
+_AFTER = b"bytes that follow the frame"
 
 
 def integers(values: object) -> np.ndarray:
@@ -22,8 +23,12 @@ def integers(values: object) -> np.ndarray:
 
 
 def packed(native: NativeRecords, plain: np.ndarray, similar: Similar) -> bytes:
-    frame = np.zeros(5 * len(plain) // 4 + 1024, dtype=np.uint8)
-    return frame[: native.pack(plain, similar, frame)].tobytes()
+    frame = np.zeros(5 * len(plain) // 4 + 1024 + len(_AFTER), dtype=np.uint8)
+    batch = native.batch()
+    size = batch.pack(plain, similar, frame, np.frombuffer(_AFTER, dtype=np.uint8))
+    batch.run()
+    assert frame[size() : size() + len(_AFTER)].tobytes() == _AFTER
+    return frame[: size()].tobytes()
 
 
 def similar_of(ticks: int, size: int, spans: list[tuple[int, int, int, int]], first: int = 0) -> Similar:
@@ -74,7 +79,9 @@ def test_the_index_of_some_channels(build: ctypes.CDLL) -> None:
     begins, heads, channels = integers([0, 500, 1300]), integers([0, 70]), integers([3, 777])
     moments = integers([[1, 10**12, 5], [2, 10**12 + 7, 6], [3, 10**12 + 9, 7]])
     index = np.zeros(2 * (15 + 16 * 3), dtype=np.uint8)
-    native.index(begins, moments, heads, channels, index)
+    batch = native.batch()
+    batch.index(begins, moments, heads, channels, index)
+    batch.run()
     wanted = [
         message_index(number, np.stack((moments[:, 1], begins + head), axis=1))
         for number, head in zip(channels.tolist(), heads.tolist(), strict=True)

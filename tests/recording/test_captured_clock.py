@@ -57,9 +57,9 @@ def test_messages_are_those_of_the_streams(
     kept: list[str] = []
     encode = Capture.encode
 
-    def counted(self: Capture, begins: object, *rest: object) -> None:
+    def counted(self: Capture, batch: object, begins: object, *rest: object) -> None:
         kept.extend([type(self).__name__] * len(begins))  # type: ignore[arg-type]
-        encode(self, begins, *rest)  # type: ignore[arg-type]
+        encode(self, batch, begins, *rest)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Capture, "encode", counted)
     found = record("kept.mcap")

@@ -77,9 +77,9 @@ def test_they_are_those_of_the_streams(tmp_path: Path, monkeypatch: pytest.Monke
     ticks = {"PoseSensors": 0, "Scanners": 0}
     encode = Capture.encode
 
-    def counted(self: Capture, begins: Any, *rest: Any) -> None:
+    def counted(self: Capture, batch: Any, begins: Any, *rest: Any) -> None:
         ticks[type(self).__name__] = ticks.get(type(self).__name__, 0) + len(begins)
-        encode(self, begins, *rest)
+        encode(self, batch, begins, *rest)
 
     monkeypatch.setattr(Capture, "encode", counted)
     found, state = recorded(tmp_path, "kept.mcap")

@@ -30,7 +30,7 @@ class Rows:
         taken: number of the first rows that `take` replaces.
     """
 
-    __slots__ = ("_array", "_first", "_is_shared", "_made", "_none", "_row", "_rows", "_size")
+    __slots__ = ("_array", "_first", "_is_shared", "_made", "_none", "_place", "_row", "_rows", "_size")
 
     def __init__(self, array: NDArray[np.float64], taken: int = 0) -> None:
         self._array = array
@@ -40,8 +40,10 @@ class Rows:
         self._size = self._row.size
         self._rows: list[Sequence[float] | None] = [None] * len(array)
         self._none: list[Sequence[float] | None] = [None] * taken
-        #: copies of the array, and the first rows of each
-        self._made: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+        #: copies of the array, the first rows of each, and its address
+        self._made: list[tuple[NDArray[np.float64], NDArray[np.float64], int]] = []
+        #: address of the array; 0 if it is not known
+        self._place = 0
 
     def take(self, values: NDArray[np.float64]) -> None:
         """Set new values for the first rows."""
@@ -51,9 +53,10 @@ class Rows:
             if not made:
                 made += self._copies()
             if made:
-                self._array, self._first = made.pop()
+                self._array, self._first, self._place = made.pop()
                 self._first[...] = values
             else:
+                self._place = 0
                 count = len(self._none)
                 self._array = np.concatenate((values, self._array[count:]))
                 self._first = self._array[:count]
@@ -61,7 +64,7 @@ class Rows:
             self._first[...] = values
         self._rows[: len(self._none)] = self._none
 
-    def _copies(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    def _copies(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64], int]]:
         """Return copies for the next calls of `take`; none of a large array."""
         array, count = self._array, len(self._none)
         number = min(_MOST, _BLOCK // max(array.nbytes, 1))
@@ -69,13 +72,20 @@ class Rows:
             return []
         block = np.empty((number, *array.shape))
         block[:, count:] = array[count:]
-        return list(zip(block, block[:, :count], strict=True))[::-1]
+        begin = block.ctypes.data
+        places = range(begin, begin + block.nbytes, array.nbytes)
+        return list(zip(block, block[:, :count], places, strict=True))[::-1]
 
     def _own(self) -> None:
         if self._is_shared:
             self._array = self._array.copy()
             self._first = self._array[: len(self._none)]
-            self._is_shared = False
+            self._is_shared, self._place = False, 0
+
+    @property
+    def place(self) -> int:
+        """The address of the array that `share` returns; 0 if it is not known, because it takes a while to find out."""
+        return self._place
 
     @property
     def array(self) -> NDArray[np.float64]:

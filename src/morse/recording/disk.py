@@ -5,11 +5,10 @@ from __future__ import annotations
 import errno
 import threading
 import time
-from collections import deque
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from morse.kernel.recording import records
-from morse.recording.gathering import Encoded, Gathered, Memory, Window
+from morse.recording.gathering import Gathered, Memory, Window
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 #: wall-clock seconds between two chunks: limits the loss if the process is killed, with a margin for the writing itself
 _INTERVAL = 0.5
 #: approximate size of a chunk, bytes
-CHUNK = 8 << 20
+CHUNK = 16 << 20
 #: above this rate, bytes per wall-clock second, less time is spent on compression: the simulation runs as fast as
 #: possible, and waits if the recording cannot keep up
 _QUICK = 4e6
@@ -42,7 +41,6 @@ class _Passed(NamedTuple):
     given: int
 
 
-_ONLY_TICKS = {tuple}
 _Item: TypeAlias = "Tick | Message | Window | _Passed | Callable[[McapWriter], object]"
 
 
@@ -66,8 +64,8 @@ class Disk:
         self.error: OSError | None = None
         self.waits = 0
         self._writer = McapWriter(file)
-        # both ends of a deque may be used by different threads without a lock
-        self._items: deque[_Item] = deque()
+        # each operation on a list is atomic: other threads append, and only the thread of the disk removes
+        self._items: list[_Item] = []
         self.put: Callable[[Tick | Window], object] = self._items.append
         self._held = self._given = self._taken = 0  # bytes; only the thread writes the last one
         self._native = records()
@@ -122,6 +120,8 @@ class Disk:
                 self._wake.wait(max(due - time.monotonic(), 0.0))
                 self._wake.clear()
                 self._drain()
+                # all that was queued before a chunk is written with it
+                due = max(due, self._written + _INTERVAL)
                 if time.monotonic() >= due:
                     due = time.monotonic() + _INTERVAL
                     self._write()
@@ -133,21 +133,20 @@ class Disk:
 
     def _drain(self) -> None:
         """Take all that is queued, and write the chunks that have ended."""
-        take, items = self._items.popleft, self._items
-        while count := len(items):
-            some = [take() for _ in range(count)]
-            if set(map(type, some)) == _ONLY_TICKS:
-                self._gathered.ticks += some  # type: ignore[arg-type]
-            else:
-                for item in some:
-                    self._take(item)
+        items = self._items
+        while some := items[:]:
+            del items[: len(some)]
+            begin = 0
+            for place in [place for place, kind in enumerate(map(type, some)) if kind is not tuple]:
+                self._gathered.ticks += some[begin:place]  # type: ignore[arg-type]
+                self._take(some[place])
+                begin = place + 1
+            self._gathered.ticks += some[begin:] if begin else some  # type: ignore[arg-type]
 
     def _take(self, item: _Item) -> None:
-        gathered, kind = self._gathered, type(item)
-        if kind is tuple:
-            gathered.ticks.append(item)  # type: ignore[arg-type]
-        elif kind is Message:
-            gathered.messages.append((len(gathered.ticks), item))  # type: ignore[arg-type]
+        if type(item) is Message:
+            gathered = self._gathered
+            gathered.messages.append((len(gathered.ticks), item))
         else:
             self._write()
             if isinstance(item, Window):
@@ -169,20 +168,18 @@ class Disk:
             self._attempt(lambda: self._chunk(gathered))
 
     def _chunk(self, gathered: Gathered) -> None:
-        encoded = gathered.encoded(self._memory)
-        plain = encoded.plain
         now = time.monotonic()
-        rate, self._written = len(plain) / max(now - self._written, 1e-6), now
-        quickly = rate > _QUICK
-        frame = self._packed(encoded) if quickly else None
-        self._writer.encoded(plain.data, encoded.positions, quickly=quickly, frame=frame)
+        elapsed, self._written = now - self._written, now
 
-    def _packed(self, encoded: Encoded) -> memoryview | None:
-        """Compress records that resemble each other; None if most of them do not."""
-        if encoded.similar is None or self._native is None:
-            return None
-        frame = self._memory.of("frame", 5 * len(encoded.plain) // 4 + 1024)
-        return frame[: self._native.pack(encoded.plain, encoded.similar, frame)].data
+        def is_quick(size: int) -> bool:
+            return size > _QUICK * elapsed
+
+        encoded = gathered.encoded(self._memory, is_quick)
+        plain, index = encoded.plain, encoded.positions
+        if encoded.packed is None:
+            self._writer.encoded(plain.data, index, quickly=is_quick(len(plain)))
+        else:
+            self._writer.packed(encoded.packed.data, encoded.size, len(plain), index)
 
     def _attempt(self, write: Callable[[], object]) -> None:
         if self.error is not None:

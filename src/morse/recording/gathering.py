@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.kernel.recording import Similar
-from morse.recording.captures.poses import Groups, groups_of_arrays, groups_of_bytes
+from morse.recording.captures.poses import groups_of_arrays, groups_of_bytes
 from morse.recording.mcap.index import ChunkIndex, index_of
-from morse.recording.mcap.records import INDEX_HEAD, MESSAGE_FIXED, MESSAGE_HEAD
+from morse.recording.mcap.records import CHUNK_ROOM, INDEX_HEAD, MESSAGE_FIXED, MESSAGE_HEAD
 from morse.recording.mcap.records import MESSAGE as MESSAGE_OPCODE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from morse.recording.mcap.records import Message
 
     Poses = bytes | NDArray[np.float64]
-    #: number of a tick, its records, positions (K, 3) m and rotations (K, 9) of rigid groups, other data by capture
-    Tick = tuple[int, Layout, Poses, Poses, Sequence[tuple[Capture, Any]] | None]
+    #: number of a tick; its records; positions (K, 3) m and rotations (K, 9) of rigid groups; their addresses, 0 if
+    #: they are not known; other data by capture
+    Tick = tuple[int, Layout, Poses, Poses, int, int, Sequence[tuple[Capture, Any]] | None]
 
 #: share of a chunk above which messages that no capture encodes are compressed by the library
 _MOST_OTHERS = 0.2
@@ -67,12 +68,14 @@ class Encoded(NamedTuple):
     Attributes:
         plain: the records.
         positions: the positions of the messages.
-        similar: where they resemble each other; None if that is not known for most of them.
+        packed: `CHUNK_ROOM` bytes, the compressed records and those of the positions; None if they are not compressed.
+        size: size of the compressed records, bytes.
     """
 
     plain: NDArray[np.uint8]
     positions: ChunkIndex
-    similar: Similar | None
+    packed: NDArray[np.uint8] | None = None
+    size: int = 0
 
 
 class Gathered:
@@ -95,16 +98,22 @@ class Gathered:
     def __bool__(self) -> bool:
         return bool(self.ticks or self.messages)
 
-    def encoded(self, memory: Memory) -> Encoded:
-        """Return the records; they are valid until the next call with the same memory."""
+    def encoded(self, memory: Memory, is_quick: Callable[[int], bool]) -> Encoded:
+        """Return the records; they are valid until the next call with the same memory.
+
+        Args:
+            memory: for the records.
+            is_quick: returns for the size of the records in bytes whether to compress them here, if most of them
+                resemble each other.
+        """
         if not self.ticks:
             return self._encoded_messages(memory)
-        return _Ticks(self, memory).encoded()
+        return _Ticks(self, memory).encoded(is_quick)
 
     def _encoded_messages(self, memory: Memory) -> Encoded:
         begins = sums([MESSAGE_HEAD.size + len(one.data) for _, one in self.messages])
         chunk = memory.of("chunk", int(begins[-1]))
-        return Encoded(chunk, index_of(self.write_messages(begins[:-1], chunk)), None)
+        return Encoded(chunk, index_of(self.write_messages(begins[:-1], chunk)))
 
     def write_messages(self, begins: NDArray[np.int64], chunk: NDArray[np.uint8]) -> dict[int, Entries]:
         """Write the messages, and return their positions by channel."""
@@ -136,21 +145,24 @@ class _Ticks:
         assert gathered._native is not None
         self._gathered, self._memory = gathered, memory
         self._native, self._window = gathered._native, gathered._window
-        numbers, layouts, positions, rotations, data = zip(*gathered.ticks, strict=True)
-        make: Any = groups_of_arrays if self._window.is_whole else groups_of_bytes
-        self._groups: Groups = make(positions, rotations, self._window.first)
+        self._batch = self._native.batch()
+        numbers, layouts, positions, rotations, *places, data = zip(*gathered.ticks, strict=True)
+        first = self._window.first
+        if self._window.is_whole:
+            self._groups = groups_of_arrays(positions, rotations, first, places)
+        else:
+            self._groups = groups_of_bytes(positions, rotations, first)
         self._moments = self._window.moments.of(numbers)
         self._known: list[Layout] = list(dict.fromkeys(layouts))
         codes = {layout: code for code, layout in enumerate(self._known)}
         self._which = np.fromiter(map(codes.__getitem__, layouts), np.int64, len(layouts))
         self._data: dict[Capture, list[NDArray[np.float64]]] = {}
-        for pairs in data:
-            if pairs is not None:
-                for capture, one in pairs:
-                    self._data.setdefault(capture, []).append(one)
+        for pairs in filter(None, data):
+            for capture, one in pairs:
+                self._data.setdefault(capture, []).append(one)
 
-    def encoded(self) -> Encoded:
-        """Return the records."""
+    def encoded(self, is_quick: Callable[[int], bool]) -> Encoded:
+        """See `Gathered.encoded`."""
         messages, ticks = self._gathered.messages, np.array([layout.size for layout in self._known])[self._which]
         begins = sums(ticks)
         others = 0
@@ -166,8 +178,16 @@ class _Ticks:
         else:
             chunk = self._memory.of("chunk", int(begins[-1]))
         parts = self._encode(begins[:-1], chunk)
-        similar = self._similar(begins[:-1], parts) if others <= _MOST_OTHERS * len(chunk) else None
-        return Encoded(chunk, self._index(parts, entries), similar)
+        index = self._index(parts, entries)
+        if not is_quick(len(chunk)) or others > _MOST_OTHERS * len(chunk):
+            self._batch.run()
+            return Encoded(chunk, index)
+        positions = np.frombuffer(index.records, dtype=np.uint8)
+        packed = self._memory.of("packed", CHUNK_ROOM + 5 * len(chunk) // 4 + 1024 + len(positions))
+        similar = self._similar(begins[:-1], parts)
+        size = self._batch.pack(chunk, similar, packed[CHUNK_ROOM:], positions)
+        self._batch.run()
+        return Encoded(chunk, index, packed[: CHUNK_ROOM + size() + len(positions)], size())
 
     def _encode(self, begins: NDArray[np.int64], chunk: NDArray[np.uint8]) -> list[_Part]:
         groups = self._groups
@@ -180,7 +200,7 @@ class _Ticks:
             data: Any = self._data.get(capture)
             if data is None:
                 data = groups if is_all else groups.some(rows)
-            capture.encode(part.begins, part.moments, data, chunk)
+            capture.encode(self._batch, part.begins, part.moments, data, chunk)
             parts.append(part)
         return parts
 
@@ -198,7 +218,7 @@ class _Ticks:
         for size, (capture, begins, moments) in zip(sizes, parts, strict=True):
             template = capture.template
             end = at + size * len(template.channels)
-            self._native.index(begins, moments, template.heads, template.numbers, index[at:end])
+            self._batch.index(begins, moments, template.heads, template.numbers, index[at:end])
             places.update(zip(template.channels, range(at, end, size), strict=True))
             counts.update(dict.fromkeys(template.channels, len(begins)))
             at = end

@@ -125,10 +125,11 @@ class Captures:
                     return self._encode_all()
         fired.clear()
         if self._is_whole:
-            self._keep(layout, positions, world.rotations.share(), scans)
+            rotations = world.rotations
+            self._keep(layout, positions, rotations.share(), rows.place, rotations.place, scans)
         else:
             stored = self._stored
-            self._keep(layout, positions[stored].tobytes(), world.rotations.array[stored].tobytes(), scans)
+            self._keep(layout, positions[stored].tobytes(), world.rotations.array[stored].tobytes(), 0, 0, scans)
         self.kept = True
         if not self._has_frames:
             return False

@@ -102,20 +102,27 @@ class Tape(Backend):
         self._put(Window(first, is_whole, self._moments))
 
     def keep(
-        self, layout: Layout, positions: Poses, rotations: Poses, data: Sequence[tuple[Capture, Any]] | None
+        self,
+        layout: Layout,
+        positions: Poses,
+        rotations: Poses,
+        position_place: int,
+        rotation_place: int,
+        data: Sequence[tuple[Capture, Any]] | None,
     ) -> None:
         """Store the messages of this tick, which are encoded later.
 
         Args:
             layout: the records of the tick.
             positions, rotations: (K, 3) m and (K, 9) of rigid groups; see `Window`.
+            position_place, rotation_place: their addresses; 0 if they are not known.
             data: captures, and their other data, which never change.
         """
         tick = self._clock.tick
         if tick < self._tick:
             self._go_back(tick)
         self._tick, self._moment = tick, None
-        self._put((tick, layout, positions, rotations, data))
+        self._put((tick, layout, positions, rotations, position_place, rotation_place, data))
         held = self._held = self._held + layout.held
         if held > CHUNK:
             self._held = 0

@@ -3,32 +3,11 @@
 
 #include <math.h>
 
-#include "export.h"
-
 // Offsets in the header of a record, after the opcode (1), the length (8) and the channel (2).
 enum { SEQUENCE = 11, LOG_TIME = 15, PUBLISH_TIME = 23 };
 
-typedef double (*Unary)(double);
-typedef double (*Binary)(double, double);
-
-typedef struct {
-    Binary atan2;
-    Unary asin, sin, cos;
-} RecordFunctions;
-
-MORSE_EXPORT void morse_record_rows(const RecordRows *rows);
-MORSE_EXPORT int64_t morse_record_poses(const RecordRows *rows, const RecordPoses *all, const RecordFunctions *use,
-                                        uint8_t *left);
-MORSE_EXPORT int64_t morse_record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins,
-                                         uint8_t *left);
-MORSE_EXPORT void morse_record_index(int64_t rows, const int64_t *begins, const int64_t *moments, int64_t heads,
-                                     const int64_t *head_places, const int64_t *channels, uint8_t *index);
-MORSE_EXPORT void morse_record_scans(const RecordRows *rows, int64_t members, const int64_t *scans, int64_t rays,
-                                     int64_t kept, const double *const *distances, const double *reaches,
-                                     const int64_t *places);
-
 // Copies the templates into the chunk, and writes the time of each tick into the copies.
-void morse_record_rows(const RecordRows *rows) {
+void record_rows(const RecordRows *rows) {
     for (int64_t i = 0; i < rows->rows; i++) {
         uint8_t *begin = rows->chunk + rows->begins[i];
         const int64_t *moment = rows->moments + 3 * i;
@@ -52,7 +31,7 @@ void morse_record_rows(const RecordRows *rows) {
 
 // Poses as measured by the sensor `Pose`: the quaternion is computed from the angles, with the functions that Python
 // calls. Returns the number of messages that are left to Python; `left` (R, N) marks them.
-int64_t morse_record_poses(const RecordRows *rows, const RecordPoses *all, const RecordFunctions *use, uint8_t *left) {
+int64_t record_poses(const RecordRows *rows, const RecordPoses *all, const RecordFunctions *use, uint8_t *left) {
     int64_t count = 0;
     for (int64_t i = 0; i < rows->rows; i++) {
         for (int64_t k = 0; k < all->members; k++) {
@@ -117,7 +96,7 @@ static void quaternion_of(const double *m, double *q) {
 
 // Poses of robots relative to their initial poses: `origins` (N, 12) are positions and rotations. Returns the number of
 // messages that are left to Python; `left` (R, N) marks them.
-int64_t morse_record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, uint8_t *left) {
+int64_t record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, uint8_t *left) {
     int64_t count = 0;
     for (int64_t i = 0; i < rows->rows; i++) {
         for (int64_t k = 0; k < all->members; k++) {
@@ -141,8 +120,8 @@ int64_t morse_record_frames(const RecordRows *rows, const RecordPoses *all, cons
 
 // Distances (R) (B, rays) of scanners, in single precision; infinite at or above the range of the scanner. The first
 // `kept` rays of each scan are written. `scans` (N) are the rows of the scanners.
-void morse_record_scans(const RecordRows *rows, int64_t members, const int64_t *scans, int64_t rays, int64_t kept,
-                        const double *const *distances, const double *reaches, const int64_t *places) {
+void record_scans(const RecordRows *rows, int64_t members, const int64_t *scans, int64_t rays, int64_t kept,
+                  const double *const *distances, const double *reaches, const int64_t *places) {
     for (int64_t i = 0; i < rows->rows; i++) {
         for (int64_t k = 0; k < members; k++) {
             const double *from = distances[i] + scans[k] * rays;
@@ -157,8 +136,8 @@ void morse_record_scans(const RecordRows *rows, int64_t members, const int64_t *
 
 // Writes a record ``MessageIndex`` for each of the channels, one behind the other: log time and position of its
 // messages.
-void morse_record_index(int64_t rows, const int64_t *begins, const int64_t *moments, int64_t heads,
-                        const int64_t *head_places, const int64_t *channels, uint8_t *index) {
+void record_index(int64_t rows, const int64_t *begins, const int64_t *moments, int64_t heads,
+                  const int64_t *head_places, const int64_t *channels, uint8_t *index) {
     enum { OPCODE = 7 };
     for (int64_t k = 0; k < heads; k++) {
         const uint64_t length = (uint64_t)(6 + 16 * rows);

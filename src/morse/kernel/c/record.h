@@ -26,6 +26,34 @@ typedef struct {
     const int64_t *places;  // (N) of the seven numbers x, y, z, qx, qy, qz, qw in the templates
 } RecordPoses;
 
+typedef double (*Unary)(double);
+typedef double (*Binary)(double, double);
+
+typedef struct {
+    Binary atan2;
+    Unary asin, sin, cos;
+} RecordFunctions;
+
+typedef struct {
+    int64_t ticks;
+    const int64_t *begins;   // (ticks) position of the first record of each tick, ascending
+    const int64_t *layouts;  // (ticks) the layout of each tick
+    const int64_t *firsts;   // (layouts + 1) its first span
+    const int64_t *spans;    // (spans, 4) offset in the tick, length, distance of similar bytes, number of the column;
+                             // distance 0: the similar bytes are those of the column in the tick before
+    int64_t columns;
+    int64_t *last;  // (columns) receives the position of each column in the last tick
+} PackTicks;
+
+void record_rows(const RecordRows *rows);
+int64_t record_poses(const RecordRows *rows, const RecordPoses *all, const RecordFunctions *use, uint8_t *left);
+int64_t record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, uint8_t *left);
+void record_scans(const RecordRows *rows, int64_t members, const int64_t *scans, int64_t rays, int64_t kept,
+                  const double *const *distances, const double *reaches, const int64_t *places);
+void record_index(int64_t rows, const int64_t *begins, const int64_t *moments, int64_t heads,
+                  const int64_t *head_places, const int64_t *channels, uint8_t *index);
+int64_t record_pack(const uint8_t *plain, int64_t size, const PackTicks *ticks, uint8_t *frame, uint32_t *room);
+
 typedef struct {
     double position[3];
     double rotation[9];

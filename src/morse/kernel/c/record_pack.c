@@ -4,26 +4,12 @@
 // compared with these only, instead of being searched for: that takes a quarter of the time of the fastest level of
 // the library, for files that are a little larger.
 #include "checksum.h"
-#include "export.h"
+#include "record.h"
 #include "sequences.h"
 
 #define BLOCK (1 << 17)  // maximum size of a block, bytes
 #define LEAST 8          // minimum length of a match: one word
 #define MOST_DISTANCE (1 << 27)
-
-typedef struct {
-    int64_t ticks;
-    const int64_t *begins;   // (ticks) position of the first record of each tick, ascending
-    const int64_t *layouts;  // (ticks) the layout of each tick
-    const int64_t *firsts;   // (layouts + 1) its first span
-    const int64_t *spans;    // (spans, 4) offset in the tick, length, distance of similar bytes, number of the column;
-                             // distance 0: the similar bytes are those of the column in the tick before
-    int64_t columns;
-    int64_t *last;  // (columns) receives the position of each column in the last tick
-} PackTicks;
-
-MORSE_EXPORT int64_t morse_record_pack(const uint8_t *plain, int64_t size, const PackTicks *ticks, uint8_t *frame,
-                                       uint32_t *room);
 
 typedef struct {
     const uint8_t *plain;
@@ -123,7 +109,7 @@ static void pack_span(Packer *packer, int64_t begin, int64_t end, int64_t distan
 
 // Returns the size of the frame, which takes up to 5 / 4 of the size of the bytes, and 1024 more. `room` are 3 numbers
 // for each LEAST bytes of a block.
-int64_t morse_record_pack(const uint8_t *plain, int64_t size, const PackTicks *ticks, uint8_t *frame, uint32_t *room) {
+int64_t record_pack(const uint8_t *plain, int64_t size, const PackTicks *ticks, uint8_t *frame, uint32_t *room) {
     Packer packer = {.plain = plain, .end = size, .sequences = (Sequence *)room, .repeats = {1, 4, 8}};
     const uint32_t magic = 0xFD2FB528;
     const uint64_t content = (uint64_t)size;

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.kernel.recording import NativeRecords
+    from morse.kernel.recording import Batch, NativeRecords
     from morse.recording.captures.template import Template
 
 
@@ -35,11 +35,12 @@ class Capture(ABC):
         self.size = len(template.bytes)
 
     def encode(
-        self, begins: NDArray[np.int64], moments: NDArray[np.int64], data: Any, chunk: NDArray[np.uint8]
+        self, batch: Batch, begins: NDArray[np.int64], moments: NDArray[np.int64], data: Any, chunk: NDArray[np.uint8]
     ) -> None:
         """Write the records of R ticks.
 
         Args:
+            batch: receives the steps.
             begins: (R,) offset of the records of each tick in the chunk.
             moments: (R, 3) number of the tick, log time (ns), simulated time (ns).
             data: the stored data of R ticks.
@@ -47,12 +48,12 @@ class Capture(ABC):
         """
         template = self.template
         rows = Rows(begins, moments, template.bytes, template.heads, template.stamps, chunk)
-        self._native.rows(rows)
-        self._fill(rows, data)
+        batch.rows(rows)
+        self._fill(batch, rows, data)
 
     @abstractmethod
-    def _fill(self, rows: Rows, data: Any) -> None:
-        """Write the numbers into the records."""
+    def _fill(self, batch: Batch, rows: Rows, data: Any) -> None:
+        """Add the steps that write the numbers into the records."""
 
     def agrees(self, data: Any, wanted: Sequence[bytes]) -> bool:
         """Whether the messages of a tick are bit-identical to those of the streams.
@@ -63,7 +64,9 @@ class Capture(ABC):
         """
         chunk = np.empty(self.size, dtype=np.uint8)
         rows = self._of_template(chunk)
-        self._fill(rows, data)
+        batch = self._native.batch()
+        self._fill(batch, rows, data)
+        batch.run()
         found = chunk.tobytes()
         return all(
             found[begin : begin + len(message)] == message

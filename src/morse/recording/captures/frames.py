@@ -10,12 +10,12 @@ from morse.middleware.ros2.poses import quaternion_of
 from morse.recording.captures.poses import POSE, PosesCapture
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
     from morse.helpers.transformation import Transformation3d
-    from morse.kernel.recording import NativeRecords, Poses, Rows
+    from morse.kernel.recording import Batch, NativeRecords, Poses, Rows
     from morse.physics.snapshot import Snapshot
     from morse.recording.captures.template import Template
 
@@ -45,8 +45,8 @@ class FramesCapture(PosesCapture):
         numbers = [[*position, *rotation] for position, rotation in (start.get_pose() for start in starts)]
         self._origins = np.array(numbers, dtype=np.float64).reshape(-1, 12)
 
-    def _encoded(self, rows: Rows, poses: Poses) -> NDArray[np.uint8]:
-        return self._native.frames(rows, poses, self._origins)
+    def _encoded(self, batch: Batch, rows: Rows, poses: Poses, mend: Callable[[NDArray[np.uint8]], object]) -> None:
+        batch.frames(rows, poses, self._origins, mend)
 
     def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:
         moved = self._starts[member].transformation3d_with(pose)

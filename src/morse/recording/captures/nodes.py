@@ -12,11 +12,11 @@ from morse.recording.captures.poses import POSE, PosesCapture, groups_of
 from morse.recording.mcap.records import MESSAGE_HEAD
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
-    from morse.kernel.recording import NativeRecords, Poses, Rows
+    from morse.kernel.recording import Batch, NativeRecords, Poses, Rows
     from morse.physics.snapshot import Snapshot
     from morse.recording.captures.template import Template
 
@@ -46,11 +46,13 @@ class NodesCapture(PosesCapture):
         """
         chunk = np.empty(self.size, dtype=np.uint8)
         begins, moments = np.zeros(1, dtype=np.int64), np.array([[0, stamp, stamp]], dtype=np.int64)
-        self.encode(begins, moments, groups_of(snapshot), chunk)
+        batch = self._native.batch()
+        self.encode(batch, begins, moments, groups_of(snapshot), chunk)
+        batch.run()
         return chunk[MESSAGE_HEAD.size :].tobytes()
 
-    def _encoded(self, rows: Rows, poses: Poses) -> NDArray[np.uint8]:
-        return self._native.frames(rows, poses, self._origins)
+    def _encoded(self, batch: Batch, rows: Rows, poses: Poses, mend: Callable[[NDArray[np.uint8]], object]) -> None:
+        batch.frames(rows, poses, self._origins, mend)
 
     def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:
         moved = self._origin.transformation3d_with(pose)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.helpers.transformation import Transformation3d
+from morse.kernel.memory import address
 from morse.kernel.recording import Poses
 from morse.middleware.ros2.parts import quaternion
 from morse.recording.captures.capture import Capture
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.kernel.recording import NativeRecords, Rows
+    from morse.kernel.recording import Batch, NativeRecords, Rows
     from morse.physics.mounting import Mounting
     from morse.physics.snapshot import Snapshot
     from morse.recording.captures.template import Template
@@ -50,14 +51,26 @@ class Groups(NamedTuple):
 
 
 def groups_of_arrays(
-    positions: Sequence[NDArray[np.float64]], rotations: Sequence[NDArray[np.float64]], first: int = 0
+    positions: Sequence[NDArray[np.float64]],
+    rotations: Sequence[NDArray[np.float64]],
+    first: int = 0,
+    places: Sequence[Sequence[int]] | None = None,
 ) -> Groups:
-    """Return the poses in R ticks from arrays (K, 3) and (K, 9) of each."""
-    places = ([one.ctypes.data for one in arrays] for arrays in (positions, rotations))
-    p, r = (np.array(each, dtype=np.int64) for each in places)
+    """Return the poses in R ticks from arrays (K, 3) and (K, 9) of each, and their addresses; 0 if not known."""
+    p, r = map(_addresses, (positions, rotations), places or ((0,), (0,)))
     return Groups(
-        p, r, lambda row, group: (positions[row][group].tolist(), rotations[row][group].tolist()), first, positions
+        p,
+        r,
+        lambda row, group: (positions[row][group].tolist(), rotations[row][group].tolist()),
+        first,
+        (positions, rotations),
     )
+
+
+def _addresses(arrays: Sequence[NDArray[np.float64]], places: Sequence[int]) -> NDArray[np.int64]:
+    if 0 in places:
+        places = [place or address(array) or 0 for place, array in zip(places, arrays, strict=True)]
+    return np.array(places, dtype=np.int64)
 
 
 def groups_of_bytes(positions: Sequence[bytes], rotations: Sequence[bytes], first: int) -> Groups:
@@ -108,13 +121,15 @@ class PosesCapture(Capture):
         apart = [1 + one.is_turned if one.is_apart else 0 for one in mountings]
         self._apart = np.array(apart, dtype=np.uint8)
 
-    def _fill(self, rows: Rows, data: Any) -> None:
+    def _fill(self, batch: Batch, rows: Rows, data: Any) -> None:
         groups: Groups = data
         slots = self._slots - groups.first
         mounted = self._offsets, self._turned, self._apart
         poses = Poses(groups.positions, groups.rotations, slots, *mounted, self._places)
-        left = self._encoded(rows, poses)
-        for row, member in np.argwhere(left).tolist() if left.any() else ():
+        self._encoded(batch, rows, poses, lambda left: self._mend(rows, groups, left))
+
+    def _mend(self, rows: Rows, groups: Groups, left: NDArray[np.uint8]) -> None:
+        for row, member in np.argwhere(left).tolist():
             at = groups.read(row, self.slots[member] - groups.first)
             pose = Transformation3d()
             pose.set_pose(*self.mountings[member].carried(*at))
@@ -124,8 +139,8 @@ class PosesCapture(Capture):
             begin = int(rows.begins[row] + self._places[member])
             rows.chunk[begin : begin + POSE] = np.array(numbers, dtype=_SEVEN).view(np.uint8)
 
-    def _encoded(self, rows: Rows, poses: Poses) -> NDArray[np.uint8]:
-        """Encode with the kernel; returns (R, N) 1 for each message that is left to Python."""
+    def _encoded(self, batch: Batch, rows: Rows, poses: Poses, mend: Callable[[NDArray[np.uint8]], object]) -> None:
+        """Add the step of the kernel; `mend` writes the messages that are left to Python, (R, N) 1 for each."""
         raise NotImplementedError
 
     def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:

@@ -13,13 +13,13 @@ from morse.recording.captures.capture import Capture
 from morse.recording.captures.poses import POSE, PosesCapture
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
     from morse.core.group import Group
     from morse.helpers.transformation import Transformation3d
-    from morse.kernel.recording import NativeRecords, Poses, Rows
+    from morse.kernel.recording import Batch, NativeRecords, Poses, Rows
     from morse.physics.rays.bundle import RayBundle
     from morse.physics.snapshot import Snapshot
     from morse.recording.captures.lone import Lone
@@ -42,8 +42,8 @@ class PoseSensors(PosesCapture):
         slots, mountings = ([of[row] for row in members] for of in (snapshot.slots, snapshot.mountings))
         super().__init__(native, template, places, slots, mountings)  # type: ignore[arg-type]
 
-    def _encoded(self, rows: Rows, poses: Poses) -> NDArray[np.uint8]:
-        return self._native.poses(rows, poses)
+    def _encoded(self, batch: Batch, rows: Rows, poses: Poses, mend: Callable[[NDArray[np.uint8]], object]) -> None:
+        batch.poses(rows, poses, mend)
 
     def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:
         x, y, z, yaw, pitch, roll = pose.numbers()
@@ -100,8 +100,8 @@ class Scanners(Capture):
         distances: NDArray[np.float64] = scan.distances
         return distances
 
-    def _fill(self, rows: Rows, data: Any) -> None:
+    def _fill(self, batch: Batch, rows: Rows, data: Any) -> None:
         places = np.array([address(distances) for distances in data], dtype=np.int64)
         rays = data[0].shape[1]
         scans = Scans(places, self._members, rays, self._kept, self._reaches, self._places)
-        self._native.scans(rows, scans)
+        batch.scans(rows, scans)

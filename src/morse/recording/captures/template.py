@@ -54,7 +54,7 @@ class Template:
             self.channels.append(part.channel)
             made.append(records.message(Message(part.channel, 0, 0, 0, part.data)))
             at += len(made[-1])
-        self.bytes: NDArray[np.uint8] = np.frombuffer(b"".join(made), dtype=np.uint8)
+        self.bytes: NDArray[np.uint8] = np.frombuffer(bytearray().join(made), dtype=np.uint8)
         self.heads = np.array(heads, dtype=np.int64)
         self.numbers = np.array(self.channels, dtype=np.int64)
         self.begins = self.heads + MESSAGE_HEAD.size

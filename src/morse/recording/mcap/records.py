@@ -103,6 +103,10 @@ def chunk_head(start: int, end: int, size: int, compression: str, compressed: in
     return PREFIX.pack(CHUNK, len(content) + 8 + compressed) + content + struct.pack("<Q", compressed)
 
 
+#: size of a chunk before its compressed records: the name of the algorithm has four letters
+CHUNK_ROOM = PREFIX.size + CHUNK_HEAD.size + 4 + 4 + 8
+
+
 def message_index(number: int, entries: NDArray[np.int64]) -> bytes:
     """The positions of the messages of a channel in the preceding chunk.
 

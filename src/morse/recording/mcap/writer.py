@@ -106,32 +106,40 @@ class McapWriter:
             index = index_of({number: np.array(entry, dtype=np.int64) for number, entry in entries.items()})
             self.encoded(memoryview(plain), index)
 
-    def encoded(
-        self, plain: memoryview, index: ChunkIndex, *, quickly: bool = False, frame: memoryview | None = None
-    ) -> None:
+    def encoded(self, plain: memoryview, index: ChunkIndex, *, quickly: bool = False) -> None:
         """Write encoded messages, compressed and with an index.
 
         Args:
             plain: their records, as bytes.
             index: their positions in ``plain``.
             quickly: spend less time on compression.
-            frame: the compressed records, if they were compressed before.
         """
-        compressed: bytes | memoryview
-        if frame is None:
-            compressed = (self._quick_compressor if quickly else self._compressor).compress(plain)
-        else:
-            compressed = frame
-        start, end, entries = index.start, index.end, index.records
-        head = records.chunk_head(start, end, len(plain), _COMPRESSION, len(compressed))
-        offset = self._write(head, compressed, entries)
-        length = len(head) + len(compressed)
-        place = offset + length
+        compressed = (self._quick_compressor if quickly else self._compressor).compress(plain)
+        head = self._head(index, len(plain), len(compressed))
+        self._written(self._write(head, compressed, index.records), index, len(plain), len(compressed))
+
+    def packed(self, packed: memoryview, size: int, plain: int, index: ChunkIndex) -> None:
+        """Write compressed messages.
+
+        Args:
+            packed: `records.CHUNK_ROOM` bytes, which are replaced; the compressed records; those of the index.
+            size: of the compressed records, bytes.
+            plain: size of the records, bytes.
+            index: their positions.
+        """
+        packed[: records.CHUNK_ROOM] = self._head(index, plain, size)
+        self._written(self._write(packed), index, plain, size)
+
+    @staticmethod
+    def _head(index: ChunkIndex, plain: int, compressed: int) -> bytes:
+        return records.chunk_head(index.start, index.end, plain, _COMPRESSION, compressed)
+
+    def _written(self, offset: int, index: ChunkIndex, plain: int, compressed: int) -> None:
+        length = records.CHUNK_ROOM + compressed
+        place, size = offset + length, len(index.records)
         places = {number: place + at for number, at in index.places.items()}
         self._chunks.append(
-            records.ChunkPlace(
-                start, end, offset, length, places, len(entries), _COMPRESSION, len(compressed), len(plain)
-            )
+            records.ChunkPlace(index.start, index.end, offset, length, places, size, _COMPRESSION, compressed, plain)
         )
         counts = self._counts
         for number, count in index.counts.items():
