@@ -6,7 +6,7 @@ import numpy as np
 from kernel_worlds import rotations
 
 from morse.kernel.drawing import Drawing, Light, Poses
-from morse.kernel.drawing.arrays import CAMERA, LAMP, MATERIAL, MIRRORED, TEXTURE, VERTEX
+from morse.kernel.drawing.arrays import CAMERA, LAMP, MATERIAL, MIRRORED, SOLID, TEXTURE, VERTEX
 
 
 def pyramid(rng, size):
@@ -52,7 +52,7 @@ class RandomDrawing:
         points = vertices["p"].reshape(clusters, -1, 3)
         spheres = np.column_stack([np.zeros((clusters, 3)), np.linalg.norm(points, axis=2).max(axis=1) * 1.01])
         parts = np.column_stack([rng.integers(0, clusters, instances), np.arange(instances), np.arange(instances) * 2,
-                                 rng.integers(0, 2, instances) * MIRRORED])  # fmt: skip
+                                 rng.integers(0, 2, (instances, 2)) @ [MIRRORED, SOLID]])  # fmt: skip
         self.drawing = Drawing(
             vertices,
             np.column_stack([corners, rng.integers(0, 2, count)]).astype(np.int32),
@@ -63,11 +63,11 @@ class RandomDrawing:
             materials,
             texels,
             textures,
-            rng.integers(0, 2, count).astype(np.uint8),
+            rng.integers(0, 3, count).astype(np.uint8),
             (spheres[:, 3] * rng.uniform(1, 2, clusters)).astype(np.float32),
         )
         turns = rotations(rng, instances)
-        turns[parts[:, 3] == MIRRORED] *= -1
+        turns[parts[:, 3] & MIRRORED != 0] *= -1
         models = np.concatenate([turns, rng.normal(size=(instances, 3, 1))], axis=2)
         self.poses = Poses(models.reshape(-1, 12).astype(np.float32), turns.reshape(-1, 9).astype(np.float32))
 

@@ -14,6 +14,7 @@ from morse.kernel.drawing.arrays import (
     MIRRORED,
     MOVES,
     SHADELESS,
+    SOLID,
     VERTEX,
     Drawing,
     Poses,
@@ -84,6 +85,7 @@ class Contents:
         self._world = world
         self._textures = textures
         self._materials: dict[tuple[object, ...], int] = {}
+        self._has_holes: dict[int, bool] = {}
         self._cut: dict[int, list[int]] = {}
         self._chunks: list[Clusters] = []
         self._counts = [0, 0, 0]
@@ -106,8 +108,10 @@ class Contents:
             self.placed[number, :, :3], self.placed[number, :, 3] = rotation @ self._stretches[number], frame.position
             flags = MIRRORED * int(np.linalg.det(self._stretches[number]) < 0.0)
             flags |= MOVES * int(not world.is_fixed(self._groups[number]))
+            own = [self._material(material, node.color or material.color) for material in surfaces]
+            flags |= SOLID * int(not any(self._has_holes[material] for material in own))
             parts += [(c, number, len(slots), flags) for c in self._clusters(meshes.clusters(node.mesh, len(surfaces)))]
-            slots += [self._material(material, node.color or material.color) for material in surfaces]
+            slots += own
         self._settle(range(len(self.nodes)))
         count = len(self.nodes)
         #: the frames and poses of the last call of `poses`: most instances stand still
@@ -126,7 +130,7 @@ class Contents:
             _material_rows(table),
             texels,
             textured,
-            np.concatenate([np.zeros(0, np.uint8), *(c.convex for c in self._chunks)]),
+            np.concatenate([np.zeros(0, np.uint8), *(c.closed for c in self._chunks)]),
             np.concatenate([np.zeros(0, np.float32), *(c.guards for c in self._chunks)]),
         )
         self.moving = self.drawing.parts[:, 3] & MOVES != 0
@@ -158,7 +162,9 @@ class Contents:
         flags |= DITHERED * (not color[3] >= _OPAQUE)
         flags |= MASKED * (texture >= 0 and self._textures.has_holes(texture))
         row = (*color, *material.emission, material.metallic, material.roughness, texture, int(flags), 0)
-        return self._materials.setdefault(row, len(self._materials))
+        number = self._materials.setdefault(row, len(self._materials))
+        self._has_holes[number] = bool(flags & (MASKED | DITHERED))
+        return number
 
     # -- poses -----------------------------------------------------------------------------
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from morse.kernel.drawing.arrays import CLUSTER, VERTEX
-from morse.rendering.convex import convex_parts
+from morse.rendering.closed import closed_parts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.rendering.convex import ConvexParts
+    from morse.rendering.closed import ClosedParts
     from morse.scene import Mesh
 
 #: largest valid coordinate of a mesh, m
@@ -31,7 +31,7 @@ class Clusters(NamedTuple):
         triangles: (T, 4) int32, three vertices, relative to the first of the cluster, and the material slot.
         clusters: (C, 4) int32, first vertex, number of vertices, first triangle, number of triangles.
         spheres: (C, 4) float32, centre and radius.
-        convex: (T,) uint8, 1 for triangles of closed convex parts.
+        closed: (T,) uint8, 0, `CLOSED` or `MIXED`; see `morse.kernel.drawing.Drawing`.
         guards: (C,) float32, radius of the sphere around the same centre that contains these parts.
     """
 
@@ -39,7 +39,7 @@ class Clusters(NamedTuple):
     triangles: NDArray[np.int32]
     clusters: NDArray[np.int32]
     spheres: NDArray[np.float32]
-    convex: NDArray[np.uint8]
+    closed: NDArray[np.uint8]
     guards: NDArray[np.float32]
 
 
@@ -51,7 +51,7 @@ def clusters_of(mesh: Mesh, slots: int, at_once: int = _AT_ONCE) -> Clusters:
     Args:
         slots: number of material slots; triangles of other slots get the last one.
         at_once: number of triangles that are processed at once, a multiple of `CLUSTER`, which bounds the temporary
-            memory. Larger meshes are not searched for convex parts; nothing else depends on it.
+            memory. Larger meshes are not searched for closed parts; nothing else depends on it.
     """
     index = np.asarray(mesh.triangles).reshape(-1, 3)
     points = np.asarray(mesh.vertices, dtype=np.float32).reshape(-1, 3)
@@ -66,7 +66,7 @@ def clusters_of(mesh: Mesh, slots: int, at_once: int = _AT_ONCE) -> Clusters:
     slot = np.clip(_column(mesh.material_index, len(index)), 0, slots - 1)
     ordered = [order[part] for part in _parts(len(order), at_once)] or [order]
     stacked = _stacked([_joined(_rows(mesh, points, index, part), slot[part]) for part in ordered])
-    return stacked if len(order) > at_once else _guarded(stacked, convex_parts(points, index[order], slot[order]))
+    return stacked if len(order) > at_once else _guarded(stacked, closed_parts(points, index[order], slot[order]))
 
 
 def _parts(count: int, at_once: int) -> list[slice]:
@@ -107,14 +107,14 @@ def _stacked(parts: list[Clusters]) -> Clusters:
         np.concatenate([part.triangles for part in parts]),
         np.concatenate(numbers),
         np.concatenate([part.spheres for part in parts]),
-        np.concatenate([part.convex for part in parts]),
+        np.concatenate([part.closed for part in parts]),
         np.concatenate([part.guards for part in parts]),
     )
 
 
-def _guarded(made: Clusters, solids: ConvexParts) -> Clusters:
-    """Return the clusters of a mesh with its convex parts."""
-    part, spheres = solids
+def _guarded(made: Clusters, solids: ClosedParts) -> Clusters:
+    """Return the clusters of a mesh with its closed parts."""
+    part, kind, spheres = solids
     guards = made.spheres[:, 3].copy()
     owner = np.repeat(np.arange(len(made.clusters)), made.clusters[:, 3])
     inside = part >= 0
@@ -123,7 +123,7 @@ def _guarded(made: Clusters, solids: ConvexParts) -> Clusters:
         apart = np.linalg.norm(own[:, :3] - made.spheres[owner, :3], axis=1) + own[:, 3]
         # slightly enlarged, because the kernel uses single precision
         np.maximum.at(guards, owner, (apart * 1.0001 + 1e-6).astype(np.float32))
-    return made._replace(convex=inside.astype(np.uint8), guards=guards)
+    return made._replace(closed=kind, guards=guards)
 
 
 def _column(values: NDArray[np.int32] | None, count: int) -> NDArray[np.int64]:

@@ -62,7 +62,7 @@ static inline void store(float *to, D4 from) {
 }
 
 // The planes of a triangle; 0 if it is not visible from this side.
-static inline int planes(const Frame *f, const Part *part, const Corner *const *q, int convex, Seen *s) {
+static inline int planes(const Frame *f, const Part *part, const Corner *const *q, int closed, Seen *s) {
     const D4 e[3] = {cross(q[1]->at, q[2]->at), cross(q[2]->at, q[0]->at), cross(q[0]->at, q[1]->at)};
     const D4 terms = q[0]->at * e[0];
     const double volume = terms[0] + terms[1] + terms[2];
@@ -70,7 +70,7 @@ static inline int planes(const Frame *f, const Part *part, const Corner *const *
     // y points down: the volume of a front face is negative
     const int back = (volume > 0) != ((part->flags & MIRRORED) != 0);
     const int flags = f->materials[s->material].flags;
-    if (back && (!(flags & DOUBLE_SIDED) || (convex && !(flags & (MASKED | DITHERED))))) return 0;
+    if (back && (!(flags & DOUBLE_SIDED) || (closed && !(flags & (MASKED | DITHERED))))) return 0;
     const D4 sign = all_four(volume > 0 ? 1 : -1);
     // each of them writes one number too many, which the next one replaces
     EACH(i, 3) store(s->e[i], sign * e[i]);
@@ -104,7 +104,7 @@ static int reaches_samples(const Seen *s, const Bounds *b, const Grid *g) {
     return 0;
 }
 
-// Whether the convex parts of a cluster are beyond the near plane.
+// Whether the closed parts of a cluster are beyond the near plane.
 static int is_outside(const Frame *f, const Camera *k, const Part *part) {
     const float *m = f->models[part->instance], *s = f->spheres[part->cluster], *r = k->axes;
     float x[3];
@@ -122,7 +122,7 @@ static int64_t project_part(const Frame *f, const Camera *k, const Grid *g, int3
     projection(k, f->models[part->instance], a);
     if (!is_finite(a, f->spheres[part->cluster])) return to;
     const float (*points)[3] = (const float (*)[3])(f->points + cluster->vertex);
-    const int outside = is_outside(f, k, part),
+    const int closed = is_outside(f, k, part) ? (part->flags & SOLID ? CLOSED | MIXED : CLOSED) : 0,
               between = project_corners(k, a, points, f->point_counts[part->cluster], corners);
     for (int t = cluster->triangle; t < cluster->triangle + cluster->triangles; t++) {
         const uint16_t *c = f->corners[t];
@@ -130,7 +130,7 @@ static int64_t project_part(const Frame *f, const Camera *k, const Grid *g, int3
         Seen *s = f->seen + to;
         if (!bounds(g, between ? lowest(q) : lowest_visible(q, k), f->bounds + to)) continue;
         s->material = f->slots[part->slots + f->triangles[t][3]];
-        if (!planes(f, part, q, outside & f->convex[t], s) || !reaches_samples(s, f->bounds + to, g)) continue;
+        if (!planes(f, part, q, closed & f->closed[t], s) || !reaches_samples(s, f->bounds + to, g)) continue;
         s->triangle = t, s->part = number;
         add_to_tiles(f, k, to++, share, NULL);
     }

@@ -10,7 +10,9 @@
 
 enum { SUN_LAMP, POINT_LAMP, SPOT_LAMP, HEMISPHERE_LAMP };
 enum { SHADELESS = 1, DOUBLE_SIDED = 2, MASKED = 4, DITHERED = 8 };
-enum { MIRRORED = 2 };
+enum { MIRRORED = 2, SOLID = 4 };
+// Closed parts of a mesh: of one material, and of several.
+enum { CLOSED = 1, MIXED = 2 };
 
 // A pinhole camera. Axes are rows: right, down, forward. `pixel` is its first pixel, `tile` its first tile.
 typedef struct {
@@ -89,7 +91,7 @@ typedef struct {
     const Lamp *lamps;
     const float *sky, *samples;
     const uint8_t *encoded;     // 4096 steps of linear light as sRGB
-    const uint8_t *convex;      // whether triangles belong to closed convex parts
+    const uint8_t *closed;      // CLOSED or MIXED for triangles of closed parts
     const float *guards;        // radii of spheres around these parts, with the centres of `spheres`
     const float (*models)[12];  // mesh to world, of each instance
     const float (*turns)[9];    // the same for normals

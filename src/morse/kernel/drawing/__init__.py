@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from morse.kernel.drawing.native import NativeDrawer
     from morse.kernel.drawing.reference import ReferenceDrawer
 
-__all__ = ["Drawing", "Light", "Pictures", "Poses", "convex_labels", "drawer"]
+__all__ = ["Drawing", "Light", "Pictures", "Poses", "closed_labels", "drawer"]
 
 
 def drawer(drawing: Drawing) -> NativeDrawer | ReferenceDrawer:
@@ -29,13 +29,13 @@ def drawer(drawing: Drawing) -> NativeDrawer | ReferenceDrawer:
     return NativeDrawer(native, drawing)
 
 
-def convex_labels(points: NDArray[np.float32], index: NDArray[np.int32], slot: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The closed convex parts of a mesh; see `morse.kernel.drawing.reference_convex.convex_labels`."""
+def closed_labels(points: NDArray[np.float32], index: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The closed parts of a mesh; see `morse.kernel.drawing.reference_closed.closed_labels`."""
     native = library()
     if native is None:
-        from morse.kernel.drawing.reference_convex import convex_labels as of_numpy
+        from morse.kernel.drawing.reference_closed import closed_labels as of_numpy
 
-        return of_numpy(points, index, slot)
-    from morse.kernel.drawing.native_convex import convex_labels as of_kernel
+        return of_numpy(points, index)
+    from morse.kernel.drawing.native_closed import closed_labels as of_kernel
 
-    return of_kernel(native, points, index, slot)
+    return of_kernel(native, points, index)

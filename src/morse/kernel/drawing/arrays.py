@@ -18,7 +18,9 @@ CLUSTER = 256
 #: flags of a material
 SHADELESS, DOUBLE_SIDED, MASKED, DITHERED = 1, 2, 4, 8
 #: flags of a part
-MOVES, MIRRORED = 1, 2
+MOVES, MIRRORED, SOLID = 1, 2, 4
+#: closed parts of a mesh: of one material slot, and of several
+CLOSED, MIXED = 1, 2
 #: kinds of lamps
 SUN, POINT, SPOT, HEMISPHERE = range(4)
 #: larger than the distance of any surface from the sun
@@ -94,12 +96,13 @@ class Drawing(NamedTuple):
         triangles: (T, 4) int32, three vertices, relative to the first of the cluster, and the material slot.
         clusters: (C, 4) int32, first vertex, number of vertices, first triangle, number of triangles.
         spheres: (C, 4) float32, centre and radius.
-        parts: (P, 4) int32: cluster, instance, first entry in `slots`, flags (`MOVES`, `MIRRORED`).
+        parts: (P, 4) int32: cluster, instance, first entry in `slots`, flags (`MOVES`, `MIRRORED`, `SOLID` if no
+            material of the instance has holes).
         slots: (S,) int32, the material of each slot of each instance.
         materials: (M,) `MATERIAL`.
         texels: (N,) int32, all levels of all textures; each row ends with a copy of its first texel.
         textures: (X,) `TEXTURE`.
-        convex: (T,) uint8, 1 for triangles of closed convex parts of a mesh, of one material. Their back faces are not
+        closed: (T,) uint8, `CLOSED` or `MIXED` for triangles of closed parts of a mesh. Their back faces are not
             visible from outside, and are left out unless the surface has holes.
         guards: (C,) float32, radius of the sphere around the centre of the cluster that contains these parts.
     """
@@ -113,7 +116,7 @@ class Drawing(NamedTuple):
     materials: NDArray[Any]
     texels: NDArray[np.int32]
     textures: NDArray[Any]
-    convex: NDArray[np.uint8]
+    closed: NDArray[np.uint8]
     guards: NDArray[np.float32]
 
 

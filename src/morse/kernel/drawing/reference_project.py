@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.kernel.drawing.arrays import DITHERED, DOUBLE_SIDED, MASKED, MIRRORED
+from morse.kernel.drawing.arrays import CLOSED, DITHERED, DOUBLE_SIDED, MASKED, MIRRORED, MIXED, SOLID
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -97,7 +97,7 @@ def _may_be_seen(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> 
 
 
 def _is_outside(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> bool:
-    """Whether the convex parts of a cluster are beyond the near plane."""
+    """Whether the closed parts of a cluster are beyond the near plane."""
     cluster, instance = drawing.parts[part, :2]
     s, m, r = drawing.spheres[cluster], poses.models[instance].reshape(3, 4), k["axes"]
     x = [m[i, 0] * s[0] + m[i, 1] * s[1] + m[i, 2] * s[2] + m[i, 3] - k["eye"][i] for i in range(3)]
@@ -132,7 +132,8 @@ def _part(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int, reach: flo
     chosen = near & inside & ((volume > 0) | (volume < 0)) & (two_sided | ~back)
     if _is_outside(drawing, k, poses, part):
         holes = drawing.materials["flags"][material] & (MASKED | DITHERED) != 0
-        chosen &= ~back | holes | (drawing.convex[first : first + count] == 0)
+        kinds = CLOSED | MIXED if flags & SOLID else CLOSED
+        chosen &= ~back | holes | (drawing.closed[first : first + count] & kinds == 0)
     edges = np.where((volume > 0)[:, None, None], e, -e).astype(np.float32)
     inverse = ((e[:, 0] + e[:, 1] + e[:, 2]) / volume[:, None]).astype(np.float32)
     sizes = np.abs(inverse)

@@ -1,4 +1,4 @@
-"""Finds the closed convex parts of a mesh in numpy; the twin of ``c/draw_convex.c``."""
+"""Finds the closed parts of a mesh in numpy; the twin of ``c/draw_closed.c``."""
 
 from __future__ import annotations
 
@@ -9,33 +9,27 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: height of a neighbour above the plane of a triangle that counts as level, relative to the largest coordinate of the
-#: mesh, which is rounded to single precision, and to the size of the neighbour
-_ROUNDING, _LEVEL = 2e-6, 1e-5
 
-
-def convex_labels(points: NDArray[np.float32], index: NDArray[np.int32], slot: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Find the closed convex parts of a mesh.
+def closed_labels(points: NDArray[np.float32], index: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Find the closed parts of a mesh.
 
     Args:
         points: (V, 3) positions of the vertices, without -0.
         index: (T, 3) vertices of the triangles, at least one triangle.
-        slot: (T,) material of the triangles.
 
     Returns:
-        (T,) the first triangle of the part of each triangle, -1 if the part is not closed and convex.
+        (T,) the first triangle of the part of each triangle, -1 if the part is not closed.
     """
     count = len(index)
     corners = points[index].astype(np.float64)
     beside, is_paired = _neighbours(_welded(points[index].reshape(-1, 3)).reshape(-1, 3))
     triangle = np.repeat(np.arange(count), 3)
-    is_level = _is_below(corners, beside) & (slot[beside // 3] == slot[triangle]) & is_paired
     label = _labels(np.where(is_paired, beside // 3, triangle).reshape(-1, 3))
     # six times the volumes between the triangles and a point
     apart = corners - corners[0, 0]
     volume = _dot(apart[:, 0], np.cross(apart[:, 1], apart[:, 2]))
-    is_convex = (np.bincount(label[triangle], ~is_level, count) == 0) & (np.bincount(label, volume, count) > 0)
-    return np.where(is_convex[label], label, -1).astype(np.int32)
+    is_closed = (np.bincount(label[triangle], ~is_paired, count) == 0) & (np.bincount(label, volume, count) > 0)
+    return np.where(is_closed[label], label, -1).astype(np.int32)
 
 
 def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -79,18 +73,6 @@ def _neighbours(index: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.
     beside[one], beside[other] = other, one
     is_paired[one] = is_paired[other] = True
     return beside, is_paired
-
-
-def _is_below(corners: NDArray[np.float64], beside: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Whether the vertex opposite to the neighbouring edge (3 T,) is not in front of the plane of the triangle."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    length = np.maximum(np.sqrt(_dot(normal, normal)), 1e-300)
-    flat = corners.reshape(-1, 3)
-    edge = np.arange(len(flat))
-    apart = flat[beside - beside % 3 + (beside + 2) % 3] - flat
-    height = _dot(apart, normal[edge // 3]) / length[edge // 3]
-    allowed = _ROUNDING * np.abs(flat).max() + _LEVEL * np.sqrt(_dot(apart, apart))
-    return np.asarray(height <= allowed)
 
 
 def _labels(beside: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -1,4 +1,4 @@
-"""Finds the closed convex parts of a mesh by a C function."""
+"""Finds the closed parts of a mesh by a C function."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from morse.kernel.memory import addresses
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_ADDRESSES = "points triangles slots points_table edges_table welded beside labels volumes"
+_ADDRESSES = "points triangles points_table edges_table welded beside labels volumes"
 _SIZES = "points_size edges_size vertex_count triangle_count"
 
 
 class _Search(ctypes.Structure):
-    """``ConvexSearch`` of ``c/draw_convex.c``."""
+    """``ClosedSearch`` of ``c/draw_closed.c``."""
 
     _fields_ = (
         *[(name, ctypes.c_void_p) for name in _ADDRESSES.split()],
@@ -25,17 +25,14 @@ class _Search(ctypes.Structure):
     )
 
 
-def convex_labels(
-    library: ctypes.CDLL, points: NDArray[np.float32], index: NDArray[np.int32], slot: NDArray[np.int32]
-) -> NDArray[np.int32]:
-    """See `morse.kernel.drawing.reference_convex.convex_labels`."""
+def closed_labels(library: ctypes.CDLL, points: NDArray[np.float32], index: NDArray[np.int32]) -> NDArray[np.int32]:
+    """See `morse.kernel.drawing.reference_closed.closed_labels`."""
     vertices, triangles = len(points), len(index)
     # at most half of a table is filled
     points_size, edges_size = (1 << (2 * count).bit_length() for count in (vertices, 3 * triangles))
     arrays = (
         np.ascontiguousarray(points, np.float32),
         np.ascontiguousarray(index, np.int32),
-        np.ascontiguousarray(slot, np.int32),
         np.empty(points_size, np.int32),
         np.empty(edges_size, np.int32),
         np.empty(vertices, np.int32),
@@ -44,5 +41,5 @@ def convex_labels(
         np.empty(triangles, np.float64),
     )
     search = _Search(*addresses(*arrays), points_size, edges_size, vertices, triangles)
-    library.morse_draw_convex(ctypes.byref(search))
-    return arrays[7]
+    library.morse_draw_closed(ctypes.byref(search))
+    return arrays[6]

@@ -1,4 +1,4 @@
-// Finds the closed convex parts of a mesh; the twin of morse/kernel/drawing/reference_convex.py.
+// Finds the closed parts of a mesh; the twin of morse/kernel/drawing/reference_closed.py.
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -6,34 +6,29 @@
 #include "drawing.h"
 #include "export.h"
 
-// Height of a neighbour above the plane of a triangle that counts as level, relative to the largest coordinate of the
-// mesh, which is rounded to single precision, and to the size of the neighbour.
-#define ROUNDED 2e-6
-#define LEVEL 1e-5
-
 // A mesh, and memory for the search. The sizes of the tables are powers of two, at least twice the number of vertices
 // and of edges. Edge 3 t + i of triangle t is that from its vertex i to the next one.
 typedef struct {
     const float (*points)[3];
-    const int32_t (*triangles)[3], *slots;
+    const int32_t (*triangles)[3];
     int32_t *points_table, *edges_table;
     int32_t *welded;  // the first vertex with the same position, of each vertex
     int32_t *beside;  // the other edge of each edge
-    int32_t *labels;  // the first triangle of the part of each triangle; the result: -1 if it is not closed and convex
+    int32_t *labels;  // the first triangle of the part of each triangle; the result: -1 if it is not closed
     double *volumes;
     int64_t points_size, edges_size, vertex_count, triangle_count;
-} ConvexSearch;
+} ClosedSearch;
 
 enum { NONE = -1, SEVERAL = -2 };
 
-MORSE_EXPORT void morse_draw_convex(ConvexSearch *s);
+MORSE_EXPORT void morse_draw_closed(ClosedSearch *s);
 
 static uint64_t mixed(uint64_t a) {
     a *= 0x9E3779B97F4A7C15u;
     return a ^ a >> 32;
 }
 
-static void weld(const ConvexSearch *s) {
+static void weld(const ClosedSearch *s) {
     for (int64_t i = 0; i < s->points_size; i++) s->points_table[i] = NONE;
     for (int32_t v = 0; v < s->vertex_count; v++) {
         uint32_t bits[3];
@@ -49,11 +44,11 @@ static void weld(const ConvexSearch *s) {
     }
 }
 
-static int32_t start_of(const ConvexSearch *s, int32_t edge) { return s->welded[s->triangles[edge / 3][edge % 3]]; }
-static int32_t end_of(const ConvexSearch *s, int32_t edge) { return s->welded[s->triangles[edge / 3][(edge + 1) % 3]]; }
+static int32_t start_of(const ClosedSearch *s, int32_t edge) { return s->welded[s->triangles[edge / 3][edge % 3]]; }
+static int32_t end_of(const ClosedSearch *s, int32_t edge) { return s->welded[s->triangles[edge / 3][(edge + 1) % 3]]; }
 
 // The other edge with the same ends, if it is the only one and has the opposite direction.
-static void pair(const ConvexSearch *s) {
+static void pair(const ClosedSearch *s) {
     const int32_t edges = (int32_t)(3 * s->triangle_count);
     for (int64_t i = 0; i < s->edges_size; i++) s->edges_table[i] = NONE;
     for (int32_t e = 0; e < edges; e++) {
@@ -84,22 +79,8 @@ static int32_t root_of(int32_t *labels, int32_t t) {
     return t;
 }
 
-// Whether a neighbour is not in front of the plane of a triangle.
-static int is_below(const ConvexSearch *s, int32_t edge, double most) {
-    const int32_t *c = s->triangles[edge / 3], other = s->beside[edge];
-    const float *p[3] = {s->points[c[0]], s->points[c[1]], s->points[c[2]]};
-    const float *from = p[edge % 3], *to = s->points[s->triangles[other / 3][(other + 2) % 3]];
-    double a[3], b[3], d[3];
-    EACH(i, 3) { a[i] = (double)p[1][i] - p[0][i], b[i] = (double)p[2][i] - p[0][i], d[i] = (double)to[i] - from[i]; }
-    const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    const double size = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    const double height = (d[0] * n[0] + d[1] * n[1] + d[2] * n[2]) / (length > 1e-300 ? length : 1e-300);
-    return height <= ROUNDED * most + LEVEL * size;
-}
-
 // Six times the volume between a triangle and a point.
-static double volume_of(const ConvexSearch *s, int32_t t, const float *origin) {
+static double volume_of(const ClosedSearch *s, int32_t t, const float *origin) {
     double p[3][3];
     EACH(n, 3) EACH(i, 3) p[n][i] = (double)s->points[s->triangles[t][n]][i] - origin[i];
     return p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
@@ -107,14 +88,10 @@ static double volume_of(const ConvexSearch *s, int32_t t, const float *origin) {
 }
 
 // Sets the labels. The vertices of triangles exist, and are finite.
-void morse_draw_convex(ConvexSearch *s) {
+void morse_draw_closed(ClosedSearch *s) {
     const int32_t count = (int32_t)s->triangle_count;
-    double most = 0;
     weld(s), pair(s);
-    for (int32_t t = 0; t < count; t++) {
-        s->labels[t] = t, s->volumes[t] = 0;
-        EACH(n, 3) EACH(i, 3) most = fmax(most, fabs((double)s->points[s->triangles[t][n]][i]));
-    }
+    for (int32_t t = 0; t < count; t++) s->labels[t] = t, s->volumes[t] = 0;
     for (int32_t e = 0; e < 3 * count; e++) {
         if (s->beside[e] < 0) continue;
         const int32_t a = root_of(s->labels, e / 3), b = root_of(s->labels, s->beside[e] / 3);
@@ -122,11 +99,8 @@ void morse_draw_convex(ConvexSearch *s) {
     }
     for (int32_t t = 0; t < count; t++)
         s->volumes[root_of(s->labels, t)] += volume_of(s, t, s->points[s->triangles[0][0]]);
-    for (int32_t e = 0; e < 3 * count; e++) {
-        const int32_t other = s->beside[e];
-        if (other < 0 || s->slots[e / 3] != s->slots[other / 3] || !is_below(s, e, most))
-            s->volumes[root_of(s->labels, e / 3)] = -INFINITY;
-    }
+    for (int32_t e = 0; e < 3 * count; e++)
+        if (s->beside[e] < 0) s->volumes[root_of(s->labels, e / 3)] = -INFINITY;
     for (int32_t t = 0; t < count; t++) s->labels[t] = root_of(s->labels, t);
     for (int32_t t = 0; t < count; t++)
         if (!(s->volumes[s->labels[t]] > 0)) s->labels[t] = NONE;

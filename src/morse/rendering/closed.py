@@ -1,4 +1,4 @@
-"""Finds the closed convex parts of meshes: from outside, only their front faces are visible."""
+"""Finds the closed parts of meshes: from outside, only their front faces are visible."""
 
 from __future__ import annotations
 
@@ -6,45 +6,50 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from morse.kernel.drawing import convex_labels
+from morse.kernel.drawing import closed_labels
+from morse.kernel.drawing.arrays import CLOSED, MIXED
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-class ConvexParts(NamedTuple):
-    """The closed convex parts of a mesh.
+class ClosedParts(NamedTuple):
+    """The closed parts of a mesh.
 
     Attributes:
         part: (T,) the part of each triangle, -1 for none.
+        kind: (T,) uint8, 0 for none, `CLOSED` for parts of one material slot, `MIXED` for parts of several slots.
         spheres: (N, 4) around the parts: centre and radius.
     """
 
     part: NDArray[np.intp]
+    kind: NDArray[np.uint8]
     spheres: NDArray[np.float64]
 
 
-def convex_parts(points: NDArray[np.float32], index: NDArray[np.integer], slot: NDArray[np.integer]) -> ConvexParts:
-    """Find the closed convex parts of a mesh.
+def closed_parts(points: NDArray[np.float32], index: NDArray[np.integer], slot: NDArray[np.integer]) -> ClosedParts:
+    """Find the closed parts of a mesh.
 
     A part is the triangles that share edges. It is closed if each of its edges belongs to two triangles, which face the
-    same side. It is convex if no triangle is in front of the plane of a neighbour. The triangles face outward.
+    same side. The triangles face outward: the volume is positive.
 
     Args:
         points: (V, 3) positions of the vertices.
         index: (T, 3) vertices of the triangles, counterclockwise seen from the front.
-        slot: (T,) material of the triangles; a part has only one.
+        slot: (T,) material slot of the triangles.
     """
-    none = ConvexParts(np.full(len(index), -1), np.zeros((0, 4)))
+    none = ClosedParts(np.full(len(index), -1), np.zeros(len(index), np.uint8), np.zeros((0, 4)))
     if not len(index):
         return none
     # the sum converts -0 to 0
-    labels = convex_labels(points + np.float32(0.0), index.astype(np.int32), slot.astype(np.int32))
+    labels = closed_labels(points + np.float32(0.0), index.astype(np.int32))
     chosen = np.flatnonzero(labels >= 0)
     if not len(chosen):
         return none
-    first, none.part[chosen] = np.unique(labels[chosen], return_inverse=True)
-    return ConvexParts(none.part, _spheres(points[index[chosen]].astype(np.float64), none.part[chosen], len(first)))
+    first, part = np.unique(labels[chosen], return_inverse=True)
+    mixed = np.bincount(part, slot[chosen] != slot[first[part]], len(first)) > 0
+    none.part[chosen], none.kind[chosen] = part, np.where(mixed[part], MIXED, CLOSED)
+    return none._replace(spheres=_spheres(points[index[chosen]].astype(np.float64), part, len(first)))
 
 
 def _spheres(corners: NDArray[np.float64], part: NDArray[np.intp], count: int) -> NDArray[np.float64]:
