@@ -200,3 +200,17 @@ def test_every_component_of_morse_can_be_put_on_a_robot(package: str, base: type
     assert {node.body.type for node in component.own_nodes()} - bodies.get(name, set()) <= {PhysicsType.NO_COLLISION}
     component.add_interface("socket")
     assert bool(component._declaration(robot).streams) == component.is_exportable()
+
+
+def test_scanners_of_1_4_have_a_base_class_with_their_name(load):
+    scene = load(
+        "from morse.builder import *\n"
+        "class Short(LaserSensorWithArc):\n"
+        "    _classpath = 'morse.sensors.laserscanner.LaserScanner'\n"
+        "    def __init__(self, name=None):\n"
+        "        LaserSensorWithArc.__init__(self, name)\n"
+        "        self.properties(laser_range=3.0, scan_window=90.0)\n"
+        "        self.create_laser_arc()\n"
+        "robot = ATRV()\nfront = Short()\nrobot.append(front)\nenv = Environment('empty')"
+    )
+    assert scene.find("robot.front").properties["laser_range"] == 3.0

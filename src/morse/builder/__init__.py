@@ -31,6 +31,7 @@ from morse.builder.blenderobjects import (
     Torus,
 )
 from morse.builder.components.component import Component
+from morse.builder.components.lasers import LaserSensorWithArc
 from morse.builder.components.passive import PassiveObject, Zone
 from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator

@@ -49,7 +49,9 @@ from morse.builder.components.furnished import LedArray as LedArray
 from morse.builder.components.furnished import Light as Light
 from morse.builder.components.furnished import PTU as PTU
 from morse.builder.components.furnished import Sound as Sound
+from morse.builder.components.human import Human as Human
 from morse.builder.components.joystick import Joystick as Joystick
+from morse.builder.components.lasers import LaserSensorWithArc as LaserSensorWithArc
 from morse.builder.components.morsy import Morsy as Morsy
 from morse.builder.components.passive import PassiveObject as PassiveObject
 from morse.builder.components.passive import Zone as Zone
@@ -191,6 +193,7 @@ __all__ = [
     "GroundRobot",
     "Gyroscope",
     "Hokuyo",
+    "Human",
     "Hummer",
     "Hydrodynamics",
     "IMU",
@@ -202,6 +205,7 @@ __all__ = [
     "Kinect",
     "KukaLWR",
     "LaserScanner",
+    "LaserSensorWithArc",
     "LedArray",
     "Light",
     "Magnetometer",

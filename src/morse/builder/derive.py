@@ -11,6 +11,7 @@ from morse.builder.components.cameras import VLP16_180, CameraCreator, Kinect
 from morse.builder.components.compound import CompoundSensor
 from morse.builder.components.contact_sensors import ContactSensor
 from morse.builder.components.declared import DRIVES, DeclaredRobot, robot_defaults
+from morse.builder.components.human import Human
 from morse.builder.components.joystick import Joystick
 from morse.builder.components.lasers import LaserSensorWithArc
 from morse.builder.components.morsy import Morsy
@@ -54,6 +55,7 @@ _BY_HAND: Mapping[str, type[Component]] = {
     "morse.actuators.light.Light": furnished.Light,
     "morse.actuators.ptu.PTU": furnished.PTU,
     "morse.actuators.sound.Sound": furnished.Sound,
+    "morse.robots.human.Human": Human,
     "morse.robots.morsy.Morsy": Morsy,
     "morse.sensors.compound.CompoundSensor": CompoundSensor,
     "morse.sensors.kinect.Kinect": Kinect,

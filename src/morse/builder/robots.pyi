@@ -2,6 +2,7 @@
 
 from typing import Any
 from morse.builder.components.declared import DeclaredRobot as DeclaredRobot
+from morse.builder.components.human import Human as Human
 from morse.builder.components.morsy import Morsy as Morsy
 from morse.builder.components.robot import GroundRobot as GroundRobot
 from morse.builder.components.robot import Robot as Robot
@@ -11,6 +12,7 @@ __all__ = [
     "ATRV",
     "B21",
     "FakeRobot",
+    "Human",
     "Hummer",
     "Jido",
     "Morsy",

@@ -15,8 +15,10 @@ class Joint(NamedTuple):
     Attributes:
         head, tail: metres, in the armature.
         z_axis: direction of the Z axis of the bone; its Y axis points along the bone.
-        axis: ``x``, ``y`` or ``z`` of the bone.
-        limit: radians in both directions.
+        axis: ``x``, ``y`` or ``z`` of the bone; empty for a bone that does not turn.
+        limit: radians in both directions, or the largest angle if there is a ``low``.
+        low: smallest angle, radians.
+        parent: name of the bone above; None for the bone before, whose tail is then the head of this one.
     """
 
     name: str
@@ -24,11 +26,13 @@ class Joint(NamedTuple):
     tail: tuple[float, float, float]
     z_axis: tuple[float, float, float]
     axis: str
-    limit: float
+    limit: float = 0.0
+    low: float | None = None
+    parent: str | None = None
 
 
 def armature(name: str, joints: list[Joint], **properties: object) -> bpy.types.Object:
-    """An armature whose bones follow each other."""
+    """An armature whose bones follow each other, or branch."""
     data = bpy.data.armatures.new(name)
     data.display_type = "STICK"
     result = bpy.data.objects.new(name, data)
@@ -42,15 +46,19 @@ def armature(name: str, joints: list[Joint], **properties: object) -> bpy.types.
         bone = data.edit_bones.new(joint.name)
         bone.head, bone.tail = joint.head, joint.tail
         bone.align_roll(Vector(joint.z_axis))
+        if joint.parent is not None:
+            above = data.edit_bones[joint.parent]
         bone.parent, above = above, bone
-        bone.use_connect = bone.parent is not None
+        bone.use_connect = bone.parent is not None and joint.parent is None
     bpy.ops.object.mode_set(mode="OBJECT")
     for joint in joints:
         channel = result.pose.bones[joint.name]
         for axis in "xyz":
             setattr(channel, f"lock_ik_{axis}", axis != joint.axis)
+        if not joint.axis:
+            continue
         setattr(channel, f"use_ik_limit_{joint.axis}", True)
-        setattr(channel, f"ik_min_{joint.axis}", -joint.limit)
+        setattr(channel, f"ik_min_{joint.axis}", -joint.limit if joint.low is None else joint.low)
         setattr(channel, f"ik_max_{joint.axis}", joint.limit)
     bpy.context.view_layer.update()
     return result
