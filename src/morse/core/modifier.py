@@ -78,6 +78,10 @@ class AbstractModifier(ABC):
                 fields,
             )
 
+    def origin(self) -> tuple[float, float, float] | None:
+        """Origin of the frame in `changes`, in the world, m; None for a frame with other axes than the world."""
+        return None
+
     def initialize(self) -> None:
         """Called once before the first tick."""
 

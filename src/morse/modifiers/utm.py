@@ -14,6 +14,8 @@ from morse.core.quoting import shown
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.mathutils.rotations import Triple
+
 _PROPERTIES = {"x": "UTMXOffset", "y": "UTMYOffset", "z": "UTMZOffset"}
 
 
@@ -55,6 +57,10 @@ class UTMModifier(AbstractModifier):
         if not math.isfinite(offset):
             raise MorseBuilderError(f"{_PROPERTIES[axis]}, or {axis}_offset, is a number of metres, not {shown(given)}")
         return offset
+
+    def origin(self) -> Triple:
+        """See `AbstractModifier.origin`."""
+        return -self._offsets["x"], -self._offsets["y"], -self._offsets["z"]
 
     def modify(self) -> None:
         """Shift the coordinates."""

@@ -33,11 +33,11 @@ def need_ros() -> None:
         (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)
 
 
-def environment(uri: str) -> dict[str, str]:
-    """Environment variables that append the packages of Debian to the path of this Python."""
+def environment(uri: str, *folders: Path) -> dict[str, str]:
+    """Environment variables that append the packages of Debian, and other folders, to the path of this Python."""
     import morse
 
-    paths = [str(Path(morse.__file__).parents[1]), sysconfig.get_path("purelib"), DEBIAN]
+    paths = [*map(str, folders), str(Path(morse.__file__).parents[1]), sysconfig.get_path("purelib"), DEBIAN]
     return {
         **os.environ,
         "PYTHONPATH": os.pathsep.join(paths),
@@ -85,24 +85,24 @@ def master(port: int | None = None) -> Iterator[str]:
                 process.terminate()
 
 
-def run(script: Path, uri: str, *arguments: str, limit: float = 100.0) -> str:
+def run(script: Path, uri: str, *arguments: str, limit: float = 100.0, folders: tuple[Path, ...] = ()) -> str:
     """The last line of the output of a script."""
     done = subprocess.run(
         [sys.executable, str(script), *arguments],
-        env=environment(uri), capture_output=True, text=True, timeout=limit, check=False,
+        env=environment(uri, *folders), capture_output=True, text=True, timeout=limit, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
     return done.stdout.splitlines()[-1]
 
 
 @contextmanager
-def simulation(scene: Path, uri: str, *options: str) -> Iterator[Path]:
+def simulation(scene: Path, uri: str, *options: str, folders: tuple[Path, ...] = ()) -> Iterator[Path]:
     """``morse run`` in a separate process; the path of its log file."""
     log = scene.with_suffix(".log")
     with log.open("w") as file:
         command = [sys.executable, "-m", "morse", "run", "--headless", *options, str(scene)]
         with subprocess.Popen(
-            command, env=environment(uri), stdout=file, stderr=subprocess.STDOUT, cwd=scene.parent
+            command, env=environment(uri, *folders), stdout=file, stderr=subprocess.STDOUT, cwd=scene.parent
         ) as process:
             try:
                 end = time.monotonic() + _LIMIT

@@ -70,5 +70,5 @@ def test_a_trajectory_for_other_joints_is_refused(given, reason):
 
 
 def test_a_missing_package_of_messages_is_named():
-    with pytest.raises(MorseMiddlewareError, match="sudo apt install python3-no-such-msgs"):
+    with pytest.raises(MorseMiddlewareError, match="sudo apt install ros-noetic-no-such-msgs"):
         action_type("AnyAction", "no_such_msgs")

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros.kinds import Ros1Kinds
 from morse.middleware.ros.mapping import MANAGER_OPTIONS
 from morse.middleware.ros.node import RospyBackend
 from morse.middleware.ros.old_names import class_path
 from morse.middleware.ros.transforms import TransformsOf14
+from morse.middleware.ros2.backends.backend import Qos
 from morse.middleware.ros2.datastream import TF, Ros2DatastreamManager
 
 if TYPE_CHECKING:
@@ -17,8 +19,13 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.object import Object
-    from morse.middleware.ros2.backends.backend import Backend
+    from morse.middleware.ros.own_classes import ROSPublisher, ROSSubscriber
+    from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
     from morse.scene import StreamDeclaration
+
+
+#: queue of topics of streams with classes of their own
+_OWN = Qos(10)
 
 
 class ROSDatastreamManager(Ros1Kinds, Ros2DatastreamManager):
@@ -30,6 +37,7 @@ class ROSDatastreamManager(Ros1Kinds, Ros2DatastreamManager):
     classpath = "morse.middleware.ros_datastream.ROSDatastreamManager"
     manager_options = MANAGER_OPTIONS
     title = "ros"
+    backend: RospyBackend
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
@@ -44,6 +52,53 @@ class ROSDatastreamManager(Ros1Kinds, Ros2DatastreamManager):
         """See `DatastreamManager.make_stream`; the class may have its name in 1.4."""
         stream = class_path(declaration.stream, component.name())
         return super().make_stream(component, replace(declaration, stream=stream))
+
+    # -- streams with classes of their own ------------------------------------------------------
+
+    def publisher_of(self, stream: ROSPublisher, kind: Any) -> tuple[str, Publisher]:
+        """The topic of a stream that publishes messages of a class, and its publisher.
+
+        Raises:
+            MorseMiddlewareError: the topic is that of another component.
+        """
+        topic = self._topic_of(stream)
+        owner = self._claims.get(topic)
+        if owner is not None:
+            raise MorseMiddlewareError(
+                f"{stream.component_name}: the topic {topic} is that of {owner[1]}; set another one: topic='...'"
+            )
+        self._claims[topic] = (kind._type, stream.component_name)
+        key = (topic, kind._type, _OWN)
+        if key not in self._publishers:
+            self._publishers[key] = self.backend.publisher_of(topic, kind, _OWN)
+        return topic, self._publishers[key]
+
+    def subscription_of(self, stream: ROSSubscriber, kind: Any) -> tuple[str, Subscription]:
+        """The topic of a stream that receives messages of a class, and its subscription.
+
+        Raises:
+            MorseMiddlewareError: another component uses the topic with another message.
+        """
+        topic = self._topic_of(stream)
+        known = self._claims.setdefault(topic, (kind._type, stream.component_name))
+        if known[0] != kind._type:
+            raise MorseMiddlewareError(
+                f"{stream.component_name}: the topic {topic} has the type {known[0]} for {known[1]}, and cannot have "
+                f"{kind._type} as well; set another one: topic='...'"
+            )
+        key = (f"{stream.component_name} {topic}", kind._type, _OWN)
+        if key not in self._subscriptions:
+            self._subscriptions[key] = self.backend.subscription_of(topic, kind)
+        self._subscriptions[key].take()  # discard messages to a former component
+        return topic, self._subscriptions[key]
+
+    def _topic_of(self, stream: Any) -> str:
+        return self.names.topic(stream.component_instance, {"namespace": None, "topic": None, **stream.kwargs})
+
+    def send_transform(self, transform: dict[str, Any]) -> None:
+        """Publish a transform on ``/tf``, unless the scene has switched it off."""
+        if self.wants_transforms():
+            self._publish(self._tf, TF, {"transforms": [transform]})
 
     def _make_backend(self) -> Backend:
         # rospy has its own /rosout; descriptions of robots are parameters in ROS 1

@@ -142,15 +142,21 @@ class RospyBackend(Backend):
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`."""
         kind = message_class(type_name)
-        if kind is None:
-            return None
+        return None if kind is None else self.publisher_of(topic, kind, qos)
+
+    def publisher_of(self, topic: str, kind: Any, qos: Qos) -> Publisher:
+        """A topic with messages of a class of rospy."""
         made = self._rospy.Publisher(topic, kind, queue_size=qos.depth, latch=qos.latched)
         return _Latched(made) if qos.latched else _Publisher(made)
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
         """See `Backend.subscription`."""
         kind = message_class(type_name)
-        return None if kind is None else _Subscription(self._rospy, topic, kind)
+        return None if kind is None else self.subscription_of(topic, kind)
+
+    def subscription_of(self, topic: str, kind: Any) -> Subscription:
+        """Receives messages of a class of rospy."""
+        return _Subscription(self._rospy, topic, kind)
 
     def close(self) -> None:
         """See `Backend.close`; a process remains a rospy node until it ends."""

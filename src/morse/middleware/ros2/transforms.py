@@ -7,12 +7,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.helpers.geodesy import angle_against_north
+from morse.helpers.geodesy import LocalPlane, angle_against_north
 from morse.helpers.transformation import Transformation3d
 from morse.middleware.ros2.moving import joints_of, poses_of
 from morse.middleware.ros2.names import MAP, OF_WORLD
 from morse.middleware.ros2.parts import quaternion, time, xyz
-from morse.middleware.ros2.poses import OPTICAL_TURN, between, pose_of, product, quaternion_of
+from morse.middleware.ros2.poses import OPTICAL_TURN, between, inverse, pose_of, product, quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -192,6 +192,23 @@ class Transforms:
         for frame, rotation in (("enu", _NO_TURN), ("ned", _NED)):
             if frame in frames_of_world:
                 yield MAP, OF_WORLD[frame], product(east, pose_of((0.0, 0.0, 0.0), rotation))
+        if "earth" in frames_of_world:
+            earth = Transformation3d()
+            earth.set_pose(*LocalPlane.of(properties).pose_of_earth())
+            # by REP 105 the earth is the parent of the map
+            yield OF_WORLD["earth"], MAP, inverse(earth)
+        origin = self._origin_of_grid() if "utm" in frames_of_world else None
+        if origin is not None:
+            yield MAP, OF_WORLD["utm"], pose_of(origin, _NO_TURN)
+
+    def _origin_of_grid(self) -> tuple[float, float, float] | None:
+        """The origin of the frame ``utm`` in the world, m, of the first stream with such coordinates."""
+        for stream in (one for frames in self._robots.values() for one in frames.streams if "utm" in one.frames()):
+            for modifier in stream.component_instance.output_modifiers:
+                origin: tuple[float, float, float] | None = modifier.origin()
+                if origin is not None:
+                    return origin
+        return None
 
     def _moving(self) -> Iterator[tuple[str, str, Transformation3d]]:
         """All frames that move, except the bases of the robots."""

@@ -7,6 +7,8 @@ from typing import Any
 
 from morse.core.exceptions import MorseMiddlewareError
 
+_OF_DEBIAN = ("move_base_msgs",)
+
 
 def action_type(name: str, *packages: str) -> Any:
     """The class of an action, from the first of some packages of messages that is installed.
@@ -21,5 +23,11 @@ def action_type(name: str, *packages: str) -> Any:
             continue
     raise MorseMiddlewareError(
         f"ros: the action {name} is in {' and in '.join(packages)}, which cannot be imported. Install one of them: "
-        + " or ".join(f"sudo apt install python3-{package.replace('_', '-')}" for package in packages)
+        + " or ".join(map(_install, packages))
     )
+
+
+def _install(package: str) -> str:
+    name = package.replace("_", "-")
+    # Debian has only a few packages of messages; the others come with ROS
+    return f"sudo apt install {'python3' if package in _OF_DEBIAN else 'ros-noetic'}-{name}"
