@@ -172,3 +172,11 @@ def test_what_a_field_holds_counts_more_than_its_default() -> None:
     assert motion.local_data["mode"] == 2.5
     with pytest.raises(CommandError):
         Commands(motion).take({"mode": "fast"})
+
+
+def test_fields_that_are_too_large_are_logged_once() -> None:
+    commands = Commands(Plain())  # type: ignore[arg-type]
+    remarks = [commands.take({f"field{number}": "x" * 2_000_000}) for number in range(10)]
+    assert remarks[0] is not None
+    assert "too large" in remarks[0]
+    assert remarks[1:] == [None] * 9

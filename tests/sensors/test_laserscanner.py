@@ -308,3 +308,14 @@ def test_fans_are_inclusive_in_spite_of_rounding():
 def test_a_fan_of_too_many_rays():
     with pytest.raises(ValueError, match="too many rays"):
         fan(360, 360 / MOST_RAYS)
+
+
+def test_clients_set_no_more_rays_than_a_tick_casts(simulate):
+    scene = simulate(in_room("Hokuyo"))
+    laser = scene["robot.laser"]
+    with pytest.raises(MorseRPCTypeError, match="at most 50000 rays, not 270001"):
+        laser.set_property("resolution", 0.001)
+    assert laser.resolution == 0.25
+    laser.set_property("resolution", 0.01)
+    scene.run(0.1)
+    assert len(laser.local_data["range_list"]) == 27001

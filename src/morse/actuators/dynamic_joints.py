@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.scene import JointDynamics
-
-logger = logging.getLogger(__name__)
 
 _UNITS = {
     Control.POSITION: ("rad", "m"),
@@ -70,7 +67,8 @@ class DynamicJoints(JointServices):
             names = ", ".join(
                 f"'{self.chain.bones[index].name}' ({self.chain.bones[index].kind})" for index in self.chain.loose
             )
-            logger.warning("%s: %s stay fixed, because the property Dynamic is False", self.name(), names)
+            text = f"{self.name()}: {names} stay fixed, because the property Dynamic is False"
+            self.context.complaints.warn(f"{self.name()}: fixed", text)
         if self._motors is not None:
             controls = controls_of(obj.node)
             self._controls = {name: controls[name] for name in self.joints if controls[name] is not Control.POSITION}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from typing import Annotated, Any
 
 import numpy as np
@@ -12,8 +11,6 @@ from morse.core.exceptions import MorseRPCTypeError
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_kind, add_property, scaled
-
-logger = logging.getLogger(__name__)
 
 Share = Annotated[float, Range(0.0, 1.0)]
 Picture = Annotated[list[float], Range(0.0, 1.0, shape=(None, None, 3))]
@@ -131,7 +128,8 @@ class LedArray(Actuator):
             self._warned = False
             self._shown = np.asarray(picture)
         elif not self._warned:
-            logger.warning("%s: %s; the last pattern stays", self.name(), self._wrong_shape(np.shape(picture)))
+            text = f"{self.name()}: {self._wrong_shape(np.shape(picture))}; the last pattern stays"
+            self.context.complaints.warn(f"{self.name()}: pattern", text)
             self._warned = True
         return self._shown
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from dataclasses import replace
 from typing import Any
 
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCTypeError
+from morse.core.quoting import shown
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
-
-logger = logging.getLogger(__name__)
 
 _BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 
@@ -46,7 +44,8 @@ class Light(Actuator):
         self.local_data["emit"] = bool(self._emit)
         self._lamp = next((part for part in obj.children if part.node.light is not None), None)
         if self._lamp is None:
-            logger.warning("%s has no lamp: nothing will shine", self.name())
+            text = f"{self.name()} has no lamp: nothing will shine"
+            self.context.complaints.warn(text, text)
             return
         self._shine()
 
@@ -107,8 +106,8 @@ def _color(text: str) -> tuple[float, float, float]:
         r, g, b = (float(part) for part in str(text).strip().strip("()[]").split(","))
     except ValueError:
         raise ValueError(
-            f"the property color is '(red, green, blue)', three numbers from 0 to 1, not {text!r}"
+            f"the property color is '(red, green, blue)', three numbers from 0 to 1, not {shown(text)}"
         ) from None
     if not all(0.0 <= part <= 1.0 for part in (r, g, b)):
-        raise ValueError(f"the numbers of the property color go from 0 to 1, not {text!r}")
+        raise ValueError(f"the numbers of the property color go from 0 to 1, not {shown(text)}")
     return _WHITE if (r, g, b) == _BLACK else (r, g, b)

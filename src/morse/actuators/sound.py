@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import logging
-
 from morse.core.actuator import Actuator
 from morse.core.quoting import shown
 from morse.helpers.components import add_data, add_kind, add_property
-
-logger = logging.getLogger(__name__)
 
 _MODES = ("play", "pause", "stop")
 
@@ -51,7 +47,8 @@ class Sound(Actuator):
             if wanted in _MODES:
                 self._mode = wanted
             else:
-                logger.warning("%s: mode %s is none of %s", self.name(), shown(wanted), ", ".join(_MODES))
+                text = f"{self.name()}: mode {shown(wanted)} is none of {', '.join(_MODES)}"
+                self.context.complaints.warn(f"{self.name()}: mode", text)
                 self.local_data["mode"] = self._mode
         if self._mode == "play":
             self.played += 1.0 / self.frequency

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from functools import cached_property
 from typing import Any
@@ -12,10 +11,9 @@ from morse.actuators.obstacle_radars import REACH, ObstacleRadars
 from morse.core.hints import nearest
 from morse.core.limits import LENGTH, AbsoluteSpeed, Length, Position
 from morse.core.progress import of_distance
+from morse.core.quoting import quoted
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property
-
-logger = logging.getLogger(__name__)
 
 _SPEED: dict[str, Any] = {"unit": "m/s", "low": 0.0, "high": 1e4}
 #: heading error above which the robot turns on the spot
@@ -87,7 +85,8 @@ class Waypoint(Going):
         self._marked: tuple[float, float, float] | None = None
         if self._target and marker(self, self._target) is None:
             known = nearest(self._target, sorted(self.context.world.objects_by_name))
-            logger.warning("%s: there is no object '%s' (Target)%s", self.name(), self._target, known)
+            text = f"{self.name()}: there is no object {quoted(self._target)} (Target){known}"
+            self.context.complaints.warn(text, text)
 
     @cached_property
     def radars(self) -> ObstacleRadars:

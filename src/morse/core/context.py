@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 import threading
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from weakref import WeakSet
 
+from morse.core.complaints import Complaints
 from morse.core.journal import Journal
 
 if TYPE_CHECKING:
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.request_manager import MorseServices
     from morse.scene import Scene
+
+logger = logging.getLogger("morse.simulation")
 
 _S = TypeVar("_S")
 
@@ -69,6 +73,7 @@ class Context:
         paused: whether no time passes except for the ticks that a client requests.
         paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
+        complaints: warnings of components that clients may cause any number of times, by commands or by resets.
     """
 
     scene: Scene
@@ -92,6 +97,7 @@ class Context:
     stopping: Any = _not_stopping
     paused: Any = _not_stopping
     paced: Any = _not_stopping
+    complaints: Complaints = field(default_factory=lambda: Complaints(logger))
     _servers: dict[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import logging
 import uuid
 from abc import ABC, abstractmethod
+from types import FunctionType, MethodType
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from weakref import WeakKeyDictionary
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
@@ -51,7 +53,22 @@ class OfferedService(NamedTuple):
         """A service from the method behind it."""
         declaration = getattr(callback, "_morse_service", None)
         changes = declaration.changes if isinstance(declaration, ServiceDeclaration) else True
-        return cls(callback, is_async, Arguments(callback, name), changes)
+        return cls(callback, is_async, _accepted_by(callback, name), changes)
+
+
+#: validation of the arguments of methods, by function and name of the service: signatures are read once, not whenever a
+#: robot is spawned or the simulation is reset
+_known_arguments: WeakKeyDictionary[FunctionType, dict[str, Arguments]] = WeakKeyDictionary()
+
+
+def _accepted_by(callback: Callable[..., Any], name: str) -> Arguments:
+    function = callback.__func__ if isinstance(callback, MethodType) else None
+    if not isinstance(function, FunctionType):
+        return Arguments(callback, name)
+    known = _known_arguments.setdefault(function, {})
+    if name not in known:
+        known[name] = Arguments(callback, name)
+    return known[name]
 
 
 class Journaling(Protocol):

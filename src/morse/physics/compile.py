@@ -131,13 +131,12 @@ def _compile(scene: Scene) -> Compiled:
     _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
     # shown only by the viewer of MuJoCo
     spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
-    builder = _Builder(spec)
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
+    builder = _Builder(spec, has_wheels=any(frame.motion is Motion.HINGE for frame in frames))
     slots = [builder.add(frame) for frame in frames]
     builder.articulated.finish(spec.option.timestep)
     couplings = builder.couple(slots)
-    if any(frame.motion is Motion.HINGE for frame in frames):
-        builder.planes.finish()
+    builder.planes.finish()
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
         spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
@@ -172,8 +171,9 @@ def _set_options(spec: Any, gravity: float, step: float) -> None:
 
 
 class _Builder:
-    def __init__(self, spec: Any) -> None:
+    def __init__(self, spec: Any, *, has_wheels: bool) -> None:
         self._spec = spec
+        self._has_wheels = has_wheels
         self.articulated = Articulated(spec)
         self.planes = PlaneBuilder()
         self._bodies: dict[Frame, Any] = {}
@@ -220,6 +220,9 @@ class _Builder:
         total = sum(volume(shape) for node in heavy or frame.solid for shape in node.shapes or ()) or 1.0
         mass = frame.node.body.mass if frame.motion is Motion.FREE and not has_links else 0.0
         lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
+        is_robot = frame.robot is not None and frame.motion is Motion.FREE and not has_links
+        gets_planes = self._has_wheels and frame.motion is Motion.FIXED
+        turned = as_array(slot.pose.rotation)
         stand, floor = self._stance(frame, slot), caster_floor(frame, slot.pose)
         for node in frame.solid:
             position, rotation = relative_pose(node, slot.pose)
@@ -234,12 +237,14 @@ class _Builder:
                 geom.mass = mass * volume(shape) / total
                 self._set_surface(geom, node, frame)
                 self._geoms.append((geom, node, slot))
-                if frame.motion is Motion.FIXED:
+                if gets_planes and shape.kind is ShapeKind.BOX:
                     surface = partial(self._set_surface, node=node, frame=frame)
-                    self.planes.note(body, geom, as_array(slot.pose.rotation), surface)
-                low, high = bounding_box(shape, position, rotation)
-                lower, upper = np.minimum(lower, low), np.maximum(upper, high)
-        if frame.robot is not None and frame.motion is Motion.FREE and not has_links:
+                    self.planes.note(body, geom, turned, surface)
+                if is_robot:
+                    low, high = bounding_box(shape, position, rotation)
+                    lower, upper = np.minimum(lower, low), np.maximum(upper, high)
+        if is_robot:
+            assert frame.robot is not None
             body.explicitinertial = True
             body.mass = mass
             body.ipos, body.inertia = robot_inertia(mass, lower, upper)

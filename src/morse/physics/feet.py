@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,9 +48,17 @@ class Stance:
 def stance(points: NDArray[np.float64]) -> Stance | None:
     """Return the stance of a hull, given its corners (P, 3) in the frame of the robot.
 
+    The last stances are kept, because those of all robots are asked for again whenever an object is spawned or deleted.
+
     Returns:
         None for a hull without a flat underside, e.g. a sphere or a blade.
     """
+    return _stance(np.ascontiguousarray(points, dtype=np.float64).tobytes())
+
+
+@lru_cache(maxsize=64)
+def _stance(corners: bytes) -> Stance | None:
+    points = np.frombuffer(corners).reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
     height = float(high[2] - low[2])
     clearance = min(_TRIM * height, _TRIM_LIMIT)

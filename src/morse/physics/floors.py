@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import mujoco
-import numpy as np
 
 from morse.physics.collision_bits import MOST_FLOORS
 from morse.physics.layout import Motion
@@ -15,6 +14,7 @@ from morse.physics.level import level_axis
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from morse.physics.engine_state import EngineState
@@ -52,19 +52,23 @@ class Floor:
 def find_floors(state: EngineState) -> list[Floor]:
     """Return the largest level top faces of the static boxes of a world."""
     model, data = state.model, state.data
+    # thousands of boxes are looked at: single elements of arrays of the engine are slow
+    kinds, bits, sizes = model.geom_type.tolist(), model.geom_contype.tolist(), model.geom_size.tolist()
+    rotations = data.geom_xmat.reshape(-1, 3, 3)
+    box = int(mujoco.mjtGeom.mjGEOM_BOX)
     found: list[tuple[float, int, int, NDArray[np.float64], int]] = []
     for slot_index, slot in enumerate(state.slots):
         if slot.frame.motion is not Motion.FIXED or slot.body < 0:
             continue
         for geoms in slot.geoms.values():
             for geom in geoms:
-                if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_BOX or not model.geom_contype[geom]:
+                if kinds[geom] != box or not bits[geom]:
                     continue
-                turned = data.geom_xmat[geom].reshape(3, 3)
+                turned = rotations[geom]
                 up = level_axis(turned)
                 if up is not None:
-                    sides = [i for i in range(3) if i != up]
-                    area = float(np.prod(model.geom_size[geom, sides]))
+                    first, second = (sizes[geom][i] for i in range(3) if i != up)
+                    area = first * second
                     found.append((-area, geom, slot_index, turned, up))
     chosen = sorted(found, key=lambda entry: entry[:2])[:MOST_FLOORS]
     return [

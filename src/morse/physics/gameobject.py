@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from morse.physics.object_world import ObjectWorld
     from morse.physics.saved import SavedObject
     from morse.scene import Node
+    from morse.scene.frames import RigidFrame
 
 _ORIGIN = (0.0, 0.0, 0.0)
 _Pose = tuple["Sequence[float]", "Sequence[float]"]
@@ -64,6 +65,9 @@ class GameObject(LegacyNames):
         self._local: _Pose = (_ORIGIN, rigid.IDENTITY)
         self.mounting = Mounting.of(None)
         self._stamp = -1
+        self._frames: tuple[RigidFrame, RigidFrame, RigidFrame] | None = None
+        self._start_local: _Pose
+        self._start_offset: _Pose | None
         self._pose: _Pose = (_ORIGIN, rigid.IDENTITY)
         self._is_displaced = False
         self.visible = node.visible
@@ -75,7 +79,7 @@ class GameObject(LegacyNames):
         self.slot = slot
         self._leads = self._world.slots[slot].frame.node is node
         self._moved_along: tuple[list[GameObject], list[GameObject]] | None = None
-        self._start_local, self._start_offset = self._poses_of_scene()
+        self._take_poses_of_scene()
 
     def remove(self) -> None:
         """Mark the object as removed from the world: further use of it raises an error."""
@@ -86,18 +90,22 @@ class GameObject(LegacyNames):
         """Whether it has been removed from the world."""
         return isinstance(self._world, Gone)
 
-    def _poses_of_scene(self) -> tuple[_Pose, _Pose | None]:
-        """Return the pose in the frame of the parent, and the pose in the rigid group (None for its first node)."""
+    def _take_poses_of_scene(self) -> None:
+        """Compute the pose in the frame of the parent, and the pose in the rigid group (None for its first node)."""
         frame = self._world.slots[self.slot]
         if frame.frame.node is self.node:
-            return (_ORIGIN, rigid.IDENTITY), None
+            self._frames = None
+            self._start_local, self._start_offset = (_ORIGIN, rigid.IDENTITY), None
+            return
         own, parent = rigid_frame(self.node), self.node.parent
         outer = frame.pose if parent is None or parent is frame.frame.node else rigid_frame(parent)
+        before = self._frames
+        if before is not None and before[0] is own and before[1] is outer and before[2] is frame.pose:
+            return  # another object has come or gone
+        self._frames = own, outer, frame.pose
         pose = (tuple(own.position), _flat(own.rotation))
-        return (
-            rigid.relative(tuple(outer.position), _flat(outer.rotation), *pose),
-            rigid.relative(tuple(frame.pose.position), _flat(frame.pose.rotation), *pose),
-        )
+        self._start_local = rigid.relative(tuple(outer.position), _flat(outer.rotation), *pose)
+        self._start_offset = rigid.relative(tuple(frame.pose.position), _flat(frame.pose.rotation), *pose)
 
     def restore(self) -> None:
         """Restore the values of the scene; called by the reset of the world."""

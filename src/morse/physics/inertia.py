@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 #: height of the centre of mass of a driven robot as a share of its height; it is low because batteries and motors are
 #: mounted low, and because the robot would topple too easily otherwise
 ROBOT_CENTRE_HEIGHT = 0.2
+
+
+#: volumes of convex hulls, which are asked for again whenever an object is spawned or deleted
+_volumes: WeakKeyDictionary[CollisionShape, float] = WeakKeyDictionary()
 
 
 def volume(shape: CollisionShape) -> float:
@@ -36,8 +41,11 @@ def volume(shape: CollisionShape) -> float:
         case ShapeKind.HEIGHT_FIELD:
             return 4 * s[0] * s[1] * (s[2] / 2 + s[3])
         case ShapeKind.CONVEX:
-            assert shape.vertices is not None
-            return float(np.prod(np.maximum(np.ptp(shape.vertices, axis=0), 1e-3)))
+            found = _volumes.get(shape)
+            if found is None:
+                assert shape.vertices is not None
+                found = _volumes[shape] = float(np.prod(np.maximum(np.ptp(shape.vertices, axis=0), 1e-3)))
+            return found
 
 
 def bounding_box(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 #: maximum slope of a level face, for rounding: less than a micrometre per kilometre
@@ -19,5 +18,7 @@ def level_axis(rotation: NDArray[np.float64]) -> int | None:
     Args:
         rotation: (3, 3) of the box in the world.
     """
-    up = int(np.argmax(np.abs(rotation[2])))
-    return up if np.abs(np.delete(rotation[2], up)).max() <= _LEVEL else None
+    heights = [abs(height) for height in rotation[2].tolist()]
+    up = heights.index(max(heights))
+    del heights[up]
+    return up if max(heights) <= _LEVEL else None

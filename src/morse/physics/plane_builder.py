@@ -37,6 +37,9 @@ class PlaneBuilder:
             rotation: (3, 3) of the body in the world.
             set_surface: sets the same friction and restitution for the plane.
         """
+        size = np.asarray(geom.size)
+        if sorted(size.tolist())[1] < _SMALLEST:  # no face is large enough
+            return
         if geom.type != mujoco.mjtGeom.mjGEOM_BOX or not geom.contype:
             return
         own = np.empty(9)
@@ -46,7 +49,6 @@ class PlaneBuilder:
         if up is None:
             return
         sides = [i for i in range(3) if i != up]
-        size = np.asarray(geom.size)
         if size[sides].min() < _SMALLEST:
             return
         axis = own.reshape(3, 3)[:, up] * np.sign(turned[2, up])

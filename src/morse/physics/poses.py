@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -20,8 +21,22 @@ def as_array(matrix: Any) -> NDArray[np.float64]:
     return np.array([list(row) for row in matrix], dtype=np.float64)
 
 
+#: for each node the two frames of the last call, and the result: whenever an object is spawned or deleted, the poses of
+#: all other nodes are asked for again
+_known: WeakKeyDictionary[Node, tuple[RigidFrame, RigidFrame, NDArray[np.float64], NDArray[np.float64]]] = (
+    WeakKeyDictionary()
+)
+
+
 def relative_pose(node: Node, frame: RigidFrame) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the position (3,) and rotation (3, 3) of a node in a frame."""
+    """Return the position (3,) and rotation (3, 3) of a node in a frame; the arrays are read-only."""
     own = rigid_frame(node)
+    known = _known.get(node)
+    if known is not None and known[0] is own and known[1] is frame:
+        return known[2], known[3]
     turned = as_array(frame.rotation).T
-    return turned @ (np.array(own.position) - np.array(frame.position)), turned @ as_array(own.rotation)
+    position = turned @ (np.array(own.position) - np.array(frame.position))
+    rotation = turned @ as_array(own.rotation)
+    position.flags.writeable = rotation.flags.writeable = False
+    _known[node] = own, frame, position, rotation
+    return position, rotation

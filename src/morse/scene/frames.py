@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 from morse.mathutils import Matrix, Quaternion, Vector, rotations
 
@@ -39,13 +40,53 @@ class RigidFrame:
         return all(abs(self.stretch[i][j] - (i == j)) < 1e-9 for i in range(3) for j in range(3))
 
 
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """The frame of a node, and the numbers from which it was computed."""
+
+    numbers: tuple[object, ...]
+    parent: _Known | None
+    world: Matrix
+    frame: RigidFrame
+
+
+#: frames of nodes: whenever an object is spawned or deleted, the frames of all other nodes are asked for again
+_known_frames: WeakKeyDictionary[Node, _Known] = WeakKeyDictionary()
+
+
 def rigid_frame(node: Node) -> RigidFrame:
     """The rigid frame of a node, from its world matrix.
 
-    The rotation consists of the orthonormalised columns of the matrix, as in Blender. The function computes with plain
-    numbers: a simulation asks for the frames of all nodes several times while it starts.
+    The rotation consists of the orthonormalised columns of the matrix, as in Blender. The frame is computed again only
+    if the pose of the node or of a node above it has changed. It must not be modified.
     """
-    (a, b, c, px), (d, e, f, py), (g, h, i, pz) = (tuple(row) for row in node.world_matrix()[:3])
+    chain = [node, *node.ancestors()]
+    known: _Known | None = None
+    for one in reversed(chain):
+        known = _known(one, known)
+    assert known is not None
+    return known.frame
+
+
+def _known(node: Node, parent: _Known | None) -> _Known:
+    inverse = node.parent_inverse
+    numbers = (
+        *node.location,
+        *node.rotation_euler,
+        *node.scale,
+        None if inverse is None else tuple(tuple(row) for row in inverse),
+    )
+    known = _known_frames.get(node)
+    if known is None or known.parent is not parent or known.numbers != numbers:
+        local = node.local_matrix()
+        world = local if parent is None else parent.world @ local
+        known = _known_frames[node] = _Known(numbers, parent, world, _frame_of(world))
+    return known
+
+
+def _frame_of(world: Matrix) -> RigidFrame:
+    # plain numbers are faster than vectors
+    (a, b, c, px), (d, e, f, py), (g, h, i, pz) = (tuple(row) for row in world[:3])
     x0, x1, x2 = _unit(a, d, g, (1.0, 0.0, 0.0))
     along = b * x0 + e * x1 + h * x2
     fallback = (0.0, 1.0, 0.0) if abs(x1) < 0.9 else (0.0, 0.0, 1.0)

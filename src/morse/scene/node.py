@@ -32,7 +32,7 @@ class NodeKind(StrEnum):
     ARMATURE = "ARMATURE"
 
 
-@dataclass(eq=False, slots=True)
+@dataclass(eq=False, slots=True, weakref_slot=True)
 class Node:
     """One object of the scene.
 

@@ -25,7 +25,7 @@ class ShapeKind(StrEnum):
     HEIGHT_FIELD = "height field"
 
 
-@dataclass(eq=False, slots=True)
+@dataclass(eq=False, slots=True, weakref_slot=True)
 class CollisionShape:
     """One convex piece of a body, or a height field.
 

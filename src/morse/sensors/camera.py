@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
     from morse.core.watched_space import WatchedSpace
     from morse.rendering import CameraRequest, Lens, Picture
     from morse.scene.realism import RealismModel
-
-logger = logging.getLogger(__name__)
 
 #: properties that determine the lens
 _OF_LENS = (
@@ -166,7 +163,8 @@ class Camera(Sensor):
         self.add_request(self.request)
         if self.context.scene.settings.fastmode and self.capturing:
             self.capturing = False
-            logger.warning("%s captures no images: the environment is in fastmode", self.name())
+            text = f"{self.name()} captures no images: the environment is in fastmode"
+            self.context.complaints.warn(text, text)
 
     def _look(self) -> None:
         """Create the lens from the properties.

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 #: downward tilt of the fan of a rotating scanner
 _TILT = math.radians(12.0)
+#: maximum number of rays that a client may set: casting and sending more of them takes longer than a tick
+_MOST_SET = 50_000
 
 
 def _is_flat(scanner: LaserScanner) -> bool:
@@ -234,11 +236,15 @@ class LaserScanner(Sensor):
 
     @service
     def set_property(self, name: str, value: Any) -> None:
-        """Change a property while the simulation runs."""
+        """Change a property while the simulation runs; to at most 50,000 rays, or as many as it has already."""
         before = dict(self.__dict__)
         super().set_property(name, value)
         try:
-            self._directions()
+            count = len(self._directions())
+            if count > max(_MOST_SET, len(self.rays)):
+                raise ValueError(
+                    f"a running scanner takes at most {_MOST_SET} rays, not {count}; the scene script may set more"
+                )
         except ValueError as error:
             self.__dict__.update(before)
             raise MorseRPCTypeError(f"{self.name()}: {error}") from None

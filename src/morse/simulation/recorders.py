@@ -7,6 +7,7 @@ import json
 import os
 import platform
 from contextlib import suppress
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -152,6 +153,7 @@ def _source(name: str, path: str) -> dict[str, bytes]:
         return {}
 
 
+@cache
 def _version(package: str) -> str:
     try:
         return version(package)

@@ -42,6 +42,7 @@ class Commands:
             name: spec_of_field(declared.get(name), value).check() for name, value in component.local_data.items()
         }
         self._extra: dict[str, int] = {}
+        self._is_full = False
 
     def fitting(self, message: Any) -> dict[str, Any]:
         """Return the fields of a message as they would be stored; undeclared fields are refused.
@@ -108,7 +109,9 @@ class Commands:
             if new and len(self._extra) >= _MOST_EXTRA:
                 continue
             if sum(self._extra.values()) - self._extra.get(name, 0) + size > _MOST_BYTES:
-                remarks.append(f"the field {shown(name)}, which it does not declare, is too large and left out")
+                if not self._is_full:  # logged once, because each message may have such a field
+                    remarks.append(f"the field {shown(name)}, which it does not declare, is too large and left out")
+                self._is_full = True
                 continue
             if new:
                 remarks.append(self._remark(name))

@@ -11,6 +11,7 @@ from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import FAILED, SUCCESS
+from morse.core.time_share import TimeShare
 from morse.middleware.ros.actions import ActionServer
 from morse.middleware.ros.messages import message, message_class
 from morse.middleware.ros.node import join
@@ -64,6 +65,7 @@ class RosRequestManager(RequestManager):
         self._queue: deque[_Waiting] = deque()
         self._ends: dict[uuid.UUID, Callable[[Outcome], object]] = {}
         self._complaints = Complaints(logger)
+        self._share = TimeShare()
         self._closed = False
 
     def initialization(self) -> bool:
@@ -134,9 +136,13 @@ class RosRequestManager(RequestManager):
 
     def main(self) -> None:
         """See `RequestManager.main`."""
-        for _ in range(min(len(self._queue), _EACH_TICK)):
-            waiting = self._queue.popleft()
-            waiting.begin(waiting.end)
+        if self._queue and self._share.begin():
+            for _ in range(min(len(self._queue), _EACH_TICK)):
+                waiting = self._queue.popleft()
+                waiting.begin(waiting.end)
+                self._share.spend()
+                if self._share.is_used():
+                    break
         for action in list(self._actions.values()):
             action.act(self._context.clock)
 

@@ -9,6 +9,7 @@ from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import FAILED, SUCCESS
+from morse.core.time_share import TimeShare
 from morse.middleware.ros2.actions import ActionServer
 from morse.middleware.ros2.calls import Call
 from morse.middleware.ros2.cdr import CdrError
@@ -53,6 +54,8 @@ class Ros2RequestManager(RequestManager):
         self._actions: dict[tuple[str, str], Any] = {}
         self._pending: dict[uuid.UUID, Callable[[Outcome], object]] = {}
         self._complaints = Complaints(logger)
+        self._share = TimeShare()
+        self._turn = self._next_offer = 0
         self._backend: Backend | None = None
         self._simulation: SimulationInterfaces | None = None
 
@@ -141,14 +144,6 @@ class Ros2RequestManager(RequestManager):
             if known is not None:
                 known.close()
 
-    def _serve_typed(self) -> None:
-        for (component, service), server in list(self._typed.items()):
-            for caller, request in server.take_messages(_EACH_TICK):
-                arguments = [getattr(request, name) for name in request.get_fields_and_field_types()]
-                self.call(component, service, arguments, _typed_answer(server, caller))
-        for action in list(self._actions.values()):
-            action.act(self._context.clock)
-
     def _base(self, component: str) -> str:
         found = self._context.component(component)
         if found is None:
@@ -168,13 +163,51 @@ class Ros2RequestManager(RequestManager):
     # -- the tick ----------------------------------------------------------------------------
 
     def main(self) -> None:
-        """See `RequestManager.main`."""
-        for (component, service), offer in list(self._offers.items()):
-            for caller, request in offer.server.take(_EACH_TICK):
-                self._handle(component, service, offer, caller, request)
-        self._serve_typed()
-        if self._simulation is not None:
-            self._simulation.serve()
+        """Serve the received requests within the time share of a tick; actions always continue."""
+        if self._share.begin():
+            kinds = (self._serve_offers, self._serve_typed, self._serve_simulation)
+            for number in range(self._turn, self._turn + len(kinds)):
+                if kinds[number % len(kinds)]():
+                    # a flood of one kind must not hold up the other kinds
+                    self._turn = (number + 1) % len(kinds)
+                    break
+        for action in list(self._actions.values()):
+            action.act(self._context.clock)
+
+    def _is_used(self) -> bool:
+        self._share.spend()
+        return self._share.is_used()
+
+    def _serve_offers(self) -> bool:
+        """Serve services of components; return whether the share of this tick is used."""
+        offers = list(self._offers.items())
+        first = self._next_offer % len(offers) if offers else 0
+        for number, ((component, service), offer) in enumerate(offers[first:] + offers[:first], first + 1):
+            for _ in range(_EACH_TICK):
+                taken = offer.server.take(1)
+                if not taken:
+                    break
+                self._handle(component, service, offer, *taken[0])
+                if self._is_used():
+                    self._next_offer = number
+                    return True
+        return False
+
+    def _serve_typed(self) -> bool:
+        for (component, service), server in list(self._typed.items()):
+            for _ in range(_EACH_TICK):
+                taken = server.take_messages(1)
+                if not taken:
+                    break
+                caller, request = taken[0]
+                arguments = [getattr(request, name) for name in request.get_fields_and_field_types()]
+                self.call(component, service, arguments, _typed_answer(server, caller))
+                if self._is_used():
+                    return True
+        return False
+
+    def _serve_simulation(self) -> bool:
+        return self._simulation is not None and self._simulation.serve(self._is_used)
 
     def _handle(self, component: str, service: str, offer: _Offer, caller: Any, request: dict[str, Any]) -> None:
         def answer(outcome: Outcome) -> None:

@@ -7,6 +7,7 @@ installed; each is implemented by services of the simulation, so that the journa
 from __future__ import annotations
 
 import re
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from morse.core import status
@@ -43,6 +44,8 @@ _WORLDS = ("", "map", "world")
 #: a filter of names without constructs with exponential time
 _HARMLESS, _MOST_STARS = re.compile(r"[^(){}+?\\*]*(?:\*[^(){}+?\\*]*){0,3}"), 3
 _LONGEST = 200
+#: s
+_LONGEST_SEARCH = 0.02
 _EACH_TICK = 16
 
 
@@ -75,11 +78,25 @@ class SimulationInterfaces:
             if server is not None:
                 self._servers.append((server, handler))
 
-    def serve(self) -> None:
-        """Answer the received calls."""
+    def serve(self, is_used: Callable[[], bool] = lambda: False) -> bool:
+        """Answer the received calls.
+
+        Args:
+            is_used: called after each call; returns whether the time for calls is used.
+
+        Returns:
+            Whether the time for calls is used.
+        """
         for server, handler in self._servers:
-            for caller, request in server.take(_EACH_TICK):
+            for _ in range(_EACH_TICK):
+                taken = server.take(1)
+                if not taken:
+                    break
+                caller, request = taken[0]
                 handler(request, lambda answer, server=server, caller=caller: server.answer(caller, answer))  # type: ignore[misc]
+                if is_used():
+                    return True
+        return False
 
     def close(self) -> None:
         """Remove all services."""
@@ -145,7 +162,14 @@ class SimulationInterfaces:
             expression = re.compile(pattern)
         except re.error as error:
             return [], _result(_FAILED, f"the filter is not a regular expression: {error}")
-        return [name for name in names if expression.search(name)], _result()
+        # names are chosen by clients as well: some expressions take tens of milliseconds for some names
+        chosen, until = [], perf_counter() + _LONGEST_SEARCH
+        for name in names:
+            if expression.search(name):
+                chosen.append(name)
+            if perf_counter() > until:
+                return [], _result(_FAILED, "the filter takes too long: use fewer *")
+        return chosen, _result()
 
     def _entities(self, request: dict[str, Any], reply: _Reply) -> None:
         names, result = self._chosen(request)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import logging
 import os
 from collections import deque
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseError, MorseMiddlewareError, MorseRPCNbArgsError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import SUCCESS
+from morse.core.time_share import TimeShare
 from morse.middleware.socket.calls import Calls
 from morse.middleware.socket.listener import listen, port_of
 from morse.middleware.socket.local import listen_locally, remove, wanted_path
@@ -37,10 +37,6 @@ _PORT_VARIABLE = "MORSE_SOCKET_PORT"
 #: limits of the requests that a tick takes from its clients; the rest waits for the next tick
 _REQUESTS_PER_TICK = 512
 _REPLIES_PER_TICK = 4 << 20
-#: share of the wall-clock time for services if clients request more
-_SHARE = 1 / 3
-#: minimum and maximum time for services in each tick, seconds
-_LEAST, _MOST = 0.0003, 0.05
 #: maximum number of active asynchronous calls of one client
 _MAX_CALLS = 1024
 #: the service whose reply can contain the number of messages sent to each client of a stream
@@ -67,7 +63,7 @@ class SocketRequestManager(RequestManager):
     def __init__(self, context: Context) -> None:
         super().__init__(context)
         self._context = context
-        self._inbox = Turns()
+        self._inbox: Turns[ServiceClient, bytes] = Turns()
         self._arriving: list[tuple[ServiceClient, bytes]] = []
         self._left: deque[tuple[ServiceClient, bool]] = deque()
         self._outbox: list[tuple[ServiceClient, _Reply]] = []
@@ -78,8 +74,7 @@ class SocketRequestManager(RequestManager):
         self._server: LineServer | None = None
         self._local: tuple[LineServer, str] | None = None
         self._complaints = Complaints(logger)
-        self._debt = 0.0
-        self._rested = perf_counter()
+        self._share = TimeShare()
         self.port = 0
 
     def initialization(self) -> bool:
@@ -157,15 +152,9 @@ class SocketRequestManager(RequestManager):
             self._forget(*self._left.popleft())
 
     def _serve(self) -> None:
-        begin = perf_counter()
-        idle = begin - self._rested
-        self._debt -= _SHARE * idle
-        if self._debt > 0.0:
-            self._rested = begin
+        share = self._share
+        if not share.begin():
             return
-        allowed = begin + max(_LEAST, min(_MOST, _SHARE * idle))
-        self._debt = 0.0
-        now = begin
         for _ in range(_REQUESTS_PER_TICK):
             taken = self._inbox.next()
             if taken is None:
@@ -174,13 +163,10 @@ class SocketRequestManager(RequestManager):
             count, size = self._consumed.get(client, (0, 0))
             self._consumed[client] = (count + 1, size + len(line))
             self._handle(client, line)
-            before, now = now, perf_counter()
-            self._inbox.served(client, now - before)
-            if now > allowed or self._outbox_size > _REPLIES_PER_TICK:
-                self._debt = max(0.0, now - allowed)
+            self._inbox.served(client, share.spend())
+            if share.is_used() or self._outbox_size > _REPLIES_PER_TICK:
                 break
-        self._rested = now
-        if self._inbox and self._debt <= 0.0:
+        if self._inbox and not share.is_owing:
             self._context.wake()
 
     def _forget(self, client: ServiceClient, broken: bool) -> None:

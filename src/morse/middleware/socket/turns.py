@@ -6,18 +6,19 @@ import heapq
 import itertools
 import threading
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.middleware.socket.service_client import ServiceClient
+_Client = TypeVar("_Client")
+_Request = TypeVar("_Request")
 
 #: seconds: clients whose used times differ by less are served in the order of their requests
 _GRAIN = 0.005
 
 
-class Turns:
+class Turns(Generic[_Client, _Request]):
     """The queue of requests. The client that has used the least time is served next.
 
     Among clients with about the same used time, the request that arrived first is served next, so that clients with
@@ -28,16 +29,16 @@ class Turns:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._numbers = itertools.count()
-        self._waiting: dict[ServiceClient, deque[tuple[int, bytes]]] = {}
-        self._taken: dict[ServiceClient, float] = {}
-        self._order: list[tuple[int, int, ServiceClient]] = []
+        self._waiting: dict[_Client, deque[tuple[int, _Request]]] = {}
+        self._taken: dict[_Client, float] = {}
+        self._order: list[tuple[int, int, _Client]] = []
         self._now = 0.0
         self._count = 0
 
     def __len__(self) -> int:
         return self._count
 
-    def extend(self, requests: Iterable[tuple[ServiceClient, bytes]]) -> None:
+    def extend(self, requests: Iterable[tuple[_Client, _Request]]) -> None:
         """Add received requests."""
         with self._lock:
             for client, line in requests:
@@ -50,7 +51,7 @@ class Turns:
                 queue.append((number, line))
                 self._count += 1
 
-    def next(self) -> tuple[ServiceClient, bytes] | None:
+    def next(self) -> tuple[_Client, _Request] | None:
         """The next request, or None; must be followed by `served`."""
         with self._lock:
             while self._order:
@@ -62,7 +63,7 @@ class Turns:
                     return client, queue.popleft()[1]
             return None
 
-    def served(self, client: ServiceClient, seconds: float) -> None:
+    def served(self, client: _Client, seconds: float) -> None:
         """Account for the time of a request of that client."""
         with self._lock:
             queue = self._waiting.get(client)
@@ -76,7 +77,7 @@ class Turns:
                 if self._taken[client] <= self._now:
                     del self._taken[client]
 
-    def forget(self, client: ServiceClient, *, with_requests: bool) -> int:
+    def forget(self, client: _Client, *, with_requests: bool) -> int:
         """Remove a disconnected client; returns the number of its dropped requests."""
         with self._lock:
             dropped = 0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import re
 from collections import deque
-from time import perf_counter
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import msgspec
@@ -17,7 +16,9 @@ from morse.core.hints import nearest
 from morse.core.quoting import short
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.services import signature_of
+from morse.core.time_share import TimeShare
 from morse.middleware.socket.encoding import plain
+from morse.middleware.socket.turns import Turns
 from morse.middleware.web.hub import hub_of
 
 if TYPE_CHECKING:
@@ -33,9 +34,6 @@ logger = logging.getLogger(__name__)
 
 MOST_CALLS = 256
 """Maximum number of active or waiting calls of one client."""
-
-#: time that a tick takes for its clients, s; the rest waits for the next tick
-_LONGEST = 0.005
 
 _encoder = msgspec.json.Encoder(enc_hook=plain)
 
@@ -55,7 +53,8 @@ class WebRequestManager(RequestManager):
         self.title = self._hub.name
         #: component and service by name; replaced, never modified, because the network thread reads it
         self.paths: dict[str, tuple[str, str]] = {}
-        self._inbox: deque[tuple[HubClient, Any, str, Any]] = deque()
+        self._inbox: Turns[HubClient, tuple[Any, str, Any]] = Turns()
+        self._share = TimeShare()
         self._gone: deque[HubClient] = deque()
         self._cancelled: deque[tuple[HubClient, Any]] = deque()
         self._outbox: list[_Answer] = []
@@ -106,7 +105,7 @@ class WebRequestManager(RequestManager):
             client.answer(call, f"{MOST_CALLS} calls of this client are active: wait until they end", b"")
             return
         client.calls += 1
-        self._inbox.append((client, call, path, arguments))
+        self._inbox.extend([(client, (call, path, arguments))])
         self._context.wake()
 
     def cancel(self, client: HubClient, call: Any) -> None:
@@ -132,13 +131,14 @@ class WebRequestManager(RequestManager):
         self._hand_over()
 
     def main(self) -> None:
-        """Process the received requests, for a few milliseconds at most."""
-        begin = perf_counter()
-        while self._inbox:
-            self._handle(*self._inbox.popleft())
-            if perf_counter() - begin > _LONGEST:
-                self._context.wake()
-                break
+        """Process the received requests within the time share of a tick."""
+        if self._inbox and self._share.begin():
+            while (taken := self._inbox.next()) is not None:
+                client, request = taken
+                self._handle(client, *request)
+                self._inbox.served(client, self._share.spend())
+                if self._share.is_used():
+                    break
         while self._cancelled:
             client, wanted = self._cancelled.popleft()
             for number, (caller, call) in list(self._calls.items()):
@@ -146,6 +146,7 @@ class WebRequestManager(RequestManager):
                     self.abort_request(number)
         while self._gone:
             client = self._gone.popleft()
+            self._inbox.forget(client, with_requests=False)
             for number, (caller, _) in list(self._calls.items()):
                 if caller is client:
                     self.abandon(number)

@@ -12,6 +12,7 @@ from morse.core.exceptions import MorseError
 from morse.core.quoting import shown
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import FAILED
+from morse.core.time_share import TimeShare
 from morse.middleware.text.values import written
 from morse.middleware.yarp.bottle import encode
 from morse.middleware.yarp.ports import Ports, ports_of
@@ -48,6 +49,7 @@ class YarpRequestManager(RequestManager):
         self._arrived: deque[tuple[str, list[Any]]] = deque(maxlen=_MOST_WAITING)
         self._pending: dict[uuid.UUID, tuple[str, str]] = {}
         self._complaints = Complaints(logger)
+        self._share = TimeShare()
 
     def initialization(self) -> bool:
         """Share the ports of the simulation."""
@@ -96,9 +98,15 @@ class YarpRequestManager(RequestManager):
 
     def main(self) -> None:
         """See `RequestManager.main`."""
+        share = self._share
+        if not self._arrived or not share.begin():
+            return
         for _ in range(min(len(self._arrived), _EACH_TICK)):
             component, values = self._arrived.popleft()
             self._handle(component, values)
+            share.spend()
+            if share.is_used():
+                return
         if self._arrived:
             self._context.wake()
 

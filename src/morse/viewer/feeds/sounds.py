@@ -71,14 +71,16 @@ class SoundsFeed:
     def _address(self, name: str, file: str) -> str | None:
         if not file:
             return None
+        if file not in self._permitted:
+            # clients may set any number of long names: none of them is kept
+            text = f"{name}: the scene script does not name {shown(file)}: pages play a tone"
+            self._context.complaints.warn(f"{name}: sound", text)
+            return None
         if file not in self._addresses:
             self._addresses[file] = self._offered(name, file)
         return self._addresses[file]
 
     def _offered(self, name: str, file: str) -> str | None:
-        if file not in self._permitted:
-            logger.warning("%s: the scene script does not name %s: pages play a tone", name, shown(file))
-            return None
         try:
             kind, data = read_sound(Path(file))
         except (OSError, ValueError) as error:
