@@ -10,11 +10,21 @@ from kernel_drawings import RandomDrawing
 
 from effort import examples
 from morse.kernel import threads
-from morse.kernel.drawing.arrays import NO_SURFACE
+from morse.kernel.drawing.arrays import NO_SURFACE, bounds_for
 from morse.kernel.drawing.native import NativeDrawer
 from morse.kernel.drawing.reference import ReferenceDrawer
 
 some = settings(max_examples=examples(25), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+def bounded(drawer, light):
+    """The light with bounds of all shadow maps."""
+    maps = {"shadow_bounds": light.shadow, "near_bounds": light.near_shadow, "lamp_bounds": light.lamp_shadow}
+    made = {name: bounds_for(texels) for name, texels in maps.items() if texels is not None}
+    for name, bounds in made.items():
+        height, width = maps[name].shape
+        drawer.bound_shadows(maps[name], bounds, np.array([[0, 0, width, height]], np.int32))
+    return light._replace(**made)
 
 
 def drawn(drawer, made, cameras, light, samples):
@@ -26,6 +36,7 @@ def drawn(drawer, made, cameras, light, samples):
         near = light._replace(sun=light.near_sun, shadow=np.full_like(light.near_shadow, NO_SURFACE))
         drawer.cast_shadows(parts, made.poses, near)
         lit = lit._replace(near_shadow=near.shadow)
+    lit = bounded(drawer, lit)
     return drawer.draw(cameras.copy(), made.poses, lit, samples), lit.shadow, touched
 
 

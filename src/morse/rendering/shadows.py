@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.drawing.arrays import NO_SURFACE, Light, Poses
+from morse.kernel.drawing.arrays import NO_SURFACE, Light, Poses, bounds_for
 
 if TYPE_CHECKING:
     from typing import Protocol
@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 
         def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
             """The texels that parts may have filled."""
+
+        def bound_shadows(
+            self, shadow: NDArray[np.float32], bounds: NDArray[np.float32], rectangles: NDArray[np.int32]
+        ) -> None:
+            """Set the bounds of the map after changes in rectangles."""
 
 
 #: minimum size of a texel, m
@@ -64,7 +69,9 @@ class Shadows:
         self.light = self._maps[-1].light
         if len(self._maps) > 1:
             finer = self._maps[0].light
-            self.light = self.light._replace(near_sun=finer.sun, near_shadow=finer.shadow)
+            self.light = self.light._replace(
+                near_sun=finer.sun, near_shadow=finer.shadow, near_bounds=finer.shadow_bounds
+            )
 
     def update(self, poses: Poses) -> None:
         """Update the shadows of moved objects."""
@@ -91,7 +98,8 @@ class ShadowMap:
         self, contents: Contents, drawer: Caster, light: Light, frame: NDArray[np.float64], shape: tuple[int, int]
     ) -> None:
         self._drawer = drawer
-        self.light = light._replace(sun=frame.astype(np.float32), shadow=np.full(shape, NO_SURFACE, np.float32))
+        shadow = np.full(shape, NO_SURFACE, np.float32)
+        self.light = light._replace(sun=frame.astype(np.float32), shadow=shadow, shadow_bounds=bounds_for(shadow))
         moving = contents.moving
         self._still, self._movers = np.flatnonzero(~moving), np.flatnonzero(moving)
         parts = contents.drawing.parts
@@ -133,6 +141,7 @@ class ShadowMap:
             self._base, self._stood, self._models = shadow.copy(), stands, now
             self._touched = np.zeros((len(now), 4), np.int32)
             self._touched[drawn] = self._drawer.cast_shadows(self._movers[drawn], poses, self.light)
+            self._bound(np.array([[0, 0, shadow.shape[1], shadow.shape[0]]], np.int32))
             return
         moved = (now != self._models).any(axis=1)
         if not moved.any():
@@ -151,6 +160,14 @@ class ShadowMap:
         moved &= drawn
         if moved.any():
             self._touched[moved] = self._drawer.cast_shadows(self._movers[moved], poses, self.light)
+        self._bound(np.concatenate([left, self._touched[moved]]))
+
+    def _bound(self, changed: NDArray[np.int32]) -> None:
+        """Set the bounds of the map after changes in rectangles (N, 4)."""
+        shadow, bounds = self.light.shadow, self.light.shadow_bounds
+        assert shadow is not None
+        if bounds is not None:
+            self._drawer.bound_shadows(shadow, bounds, changed)
 
 
 def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.drawing.arrays import CAMERA, NO_SURFACE, Light, Poses
+from morse.kernel.drawing.arrays import CAMERA, NO_SURFACE, Light, Poses, bounds_for
 
 if TYPE_CHECKING:
     from typing import Protocol
@@ -23,6 +23,11 @@ if TYPE_CHECKING:
         def draw(self, cameras: NDArray[np.void], poses: Poses, light: Light, samples: int) -> Pictures:
             """The images of cameras."""
 
+        def bound_shadows(
+            self, shadow: NDArray[np.float32], bounds: NDArray[np.float32], rectangles: NDArray[np.int32]
+        ) -> None:
+            """Set the bounds of a map after changes in rectangles."""
+
 
 #: texels along a side, and texels outside the cone on each side
 _SIZE, _BORDER = 512, 4
@@ -36,15 +41,16 @@ class SpotShadows:
     def __init__(self) -> None:
         self._of: tuple[Spot, NDArray[np.float32]] | None = None
         self._frame = self._map = np.zeros(0, np.float32)
+        self._bounds: NDArray[np.float32] | None = None
 
     def update(self, light: Light, spot: Spot | None, poses: Poses, drawer: Drawer) -> Light:
         """Return the lamps with the shadows of the spot lamp at the present poses."""
         if spot is None or not np.isfinite((*spot.position, *spot.rotation)).all():
-            return light._replace(lamp_frame=None, lamp_shadow=None)
+            return light._replace(lamp_frame=None, lamp_shadow=None, lamp_bounds=None)
         if self._of is None or self._of[0] != spot or not np.array_equal(self._of[1], poses.models):
             self._render(light, spot, poses, drawer)
             self._of = spot, poses.models
-        return light._replace(lamp_frame=self._frame, lamp_shadow=self._map)
+        return light._replace(lamp_frame=self._frame, lamp_shadow=self._map, lamp_bounds=self._bounds)
 
     def _render(self, light: Light, spot: Spot, poses: Poses, drawer: Drawer) -> None:
         # its axes: right, down, and forward, which is -Z
@@ -58,6 +64,9 @@ class SpotShadows:
         camera["axes"], camera["eye"], camera["exposure"] = axes.ravel(), spot.position, 1.0
         depth = drawer.draw(camera, poses, light, 1).depth.reshape(_SIZE, _SIZE)
         self._map = np.where(depth > 0.0, -depth, np.float32(NO_SURFACE)).astype(np.float32)
+        self._bounds = bounds_for(self._map)
+        assert self._bounds is not None
+        drawer.bound_shadows(self._map, self._bounds, np.array([[0, 0, _SIZE, _SIZE]], np.int32))
         matrix = np.array([[focal, 0, _SIZE / 2], [0, focal, _SIZE / 2], [0, 0, 1]]) @ axes
         frame = np.zeros(16)
         frame[:12] = np.column_stack([matrix, -matrix @ np.array(spot.position)]).ravel()

@@ -1,5 +1,7 @@
 // Shading of surfaces by lamps, as in the live view (three.js): metallic-roughness with GGX, ACES filmic tone mapping.
 #pragma once
+#include <string.h>
+
 #include "drawing.h"
 #include "simd.h"
 
@@ -32,8 +34,12 @@ static inline V3 tone(V3 c) {
 
 typedef struct {
     const float *texels, *sun;
+    const ShadowBlock *bounds;
     int32_t width, height;
 } ShadowMap;
+
+// A share that differs from 1 by rounding only.
+#define WHOLLY_LIT 0.9999f
 
 // Share of the sun's light that reaches a point in a shadow map: 4 x 4 texels, weighted by a tent; `row` is the first
 // one.
@@ -41,17 +47,53 @@ static inline float sunlit(const float *row, int64_t width, float au, float av, 
     const float across[4] = {1 - au, 1, 1, au}, down[4] = {1 - av, 1, 1, av};
     float lit[4] = {0, 0, 0, 0};
     EACH(j, 4) EACH(i, 4) lit[i] += (row[j * width + i] <= d ? across[i] : 0.0f) * down[j];
-    return (lit[0] + lit[1] + lit[2] + lit[3]) * (1 / 9.0f);
+    const float share = (lit[0] + lit[1] + lit[2] + lit[3]) * (1 / 9.0f);
+    return share > WHOLLY_LIT ? 1 : share;
+}
+
+// The bounds of the texels that are read for eight points.
+static inline void bounds_at(const ShadowMap *m, I8 column, I8 row, F8 *low, F8 *high) {
+    const int32_t wide = (m->width + (1 << SHADOW_SHIFT) - 1) >> SHADOW_SHIFT, part = (1 << SHADOW_SHIFT) - 1;
+    const I8 at = (row >> SHADOW_SHIFT) * wide + (column >> SHADOW_SHIFT);
+    const F8 right = to_float(column & part), down = to_float(row & part);
+    if (!any(at != splat_int(at[0]))) {
+        const ShadowBlock *b = m->bounds + at[0];
+        const F8 rise = right * b->across + down * b->down;
+        *low = rise + b->low, *high = rise + b->high;
+        return;
+    }
+    F4 rows[LANES];
+    EACH_LANE(j) memcpy(rows + j, m->bounds + at[j], sizeof *rows);
+    F8 a[4], b[4];
+    EACH(i, 4) a[i] = __builtin_shufflevector(rows[i], rows[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    EACH(i, 2) {
+        b[2 * i] = __builtin_shufflevector(a[2 * i], a[2 * i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        b[2 * i + 1] = __builtin_shufflevector(a[2 * i], a[2 * i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    EACH(i, 2) {
+        a[2 * i] = __builtin_shufflevector(b[i], b[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+        a[2 * i + 1] = __builtin_shufflevector(b[i], b[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+    const F8 rise = right * a[0] + down * a[1];
+    *low = rise + a[2], *high = rise + a[3];
 }
 
 // Reads the shares of eight points that have no share yet; points outside the map get none.
 static inline void read_map(const ShadowMap *m, F8 u, F8 v, F8 d, F8 *share) {
     const float *rows[LANES];
     const F8 fu = whole(u), fv = whole(v), au = u - fu, av = v - fv;
-    const I8 on = (*share < splat(0)) & (fu >= splat(1)) & (fv >= splat(1)) & (fu < splat((float)(m->width - 2))) &
-                  (fv < splat((float)(m->height - 2)));
+    I8 on = (*share < splat(0)) & (fu >= splat(1)) & (fv >= splat(1)) & (fu < splat((float)(m->width - 2))) &
+            (fv < splat((float)(m->height - 2)));
     if (!any(on)) return;
     const I8 iu = to_int(pick(on, fu, splat(1))) - 1, iv = to_int(pick(on, fv, splat(1))) - 1;
+    if (m->bounds) {
+        F8 low, high;
+        bounds_at(m, iu, iv, &low, &high);
+        const I8 lit = high <= d, dark = low > d;
+        *share = pick(on & lit, splat(1), pick(on & dark, splat(0), *share));
+        on &= ~(lit | dark);
+        if (!any(on)) return;
+    }
     // the texels are far apart in memory: all are prefetched before the first is read
     EACH_LANE(j) {
         rows[j] = m->texels + (int64_t)iv[j] * m->width + iu[j];
@@ -75,7 +117,7 @@ static inline void look_up(const ShadowMap *m, V3 place, V3 n, F8 *share) {
 // The share of a spot lamp's light that reaches eight points; its map is in perspective, so that texels grow with
 // depth.
 static inline F8 past_things(const Frame *f, V3 place, V3 n, F8 nl) {
-    const ShadowMap m = {f->lamp_shadow, f->lamp_frame, f->lamp_width, f->lamp_height};
+    const ShadowMap m = {f->lamp_shadow, f->lamp_frame, f->lamp_bounds, f->lamp_width, f->lamp_height};
     const float *s = m.sun;
     const F8 texel = greater(along(s + 8, place, 0), splat(1e-3f)) * s[12];
     const V3 p = sum(place, scaled(n, texel * 1.3f));
@@ -87,8 +129,8 @@ static inline F8 past_things(const Frame *f, V3 place, V3 n, F8 nl) {
 
 // The share of the sun's light that reaches eight points: from the finer map if it covers them, else from the other.
 static inline F8 in_sun(const Frame *f, V3 place, V3 n, F8 nl) {
-    const ShadowMap near = {f->near_shadow, f->near_sun, f->near_width, f->near_height};
-    const ShadowMap far = {f->shadow, f->sun, f->shadow_width, f->shadow_height};
+    const ShadowMap near = {f->near_shadow, f->near_sun, f->near_bounds, f->near_width, f->near_height};
+    const ShadowMap far = {f->shadow, f->sun, f->shadow_bounds, f->shadow_width, f->shadow_height};
     F8 share = pick(nl > splat(0), splat(-1), splat(0));
     if (near.width) look_up(&near, place, n, &share);
     if (any(share < splat(0))) look_up(&far, place, n, &share);
@@ -98,7 +140,8 @@ static inline F8 in_sun(const Frame *f, V3 place, V3 n, F8 nl) {
 // Light of all lamps that surfaces reflect to the camera.
 static inline V3 lit(const Frame *f, V3 place, V3 n, V3 v, V3 base, F8 metallic, F8 roughness) {
     const F8 zero = splat(0), one = splat(1), rough = greater(roughness, splat(0.0525f)), alpha = rough * rough;
-    const F8 a2 = alpha * alpha, nv = greater(dot(n, v), splat(1e-4f));
+    const F8 a2 = alpha * alpha, rest = 1 - a2, toward = dot(n, v), nv = greater(toward, splat(1e-4f));
+    const F8 seen = root(a2 + rest * nv * nv);
     const V3 f0 = mixed(grey(SPECULAR), base, metallic);
     V3 diffuse = grey(0), shine = diffuse;
     EACH(i, f->lamp_count) {
@@ -120,17 +163,17 @@ static inline V3 lit(const Frame *f, V3 place, V3 n, V3 v, V3 base, F8 metallic,
             }
             to = way;
         }
-        const F8 nl = greater(dot(n, to), zero);
+        const F8 facing = dot(n, to), nl = greater(facing, zero);
         if (!any(nl > zero)) continue;
         if (kind == SUN_LAMP && k->outer > 0 && f->shadow_width) fade = in_sun(f, place, n, nl);
         if (kind == SPOT_LAMP && k->ground[0] > 0 && f->lamp_width) fade *= past_things(f, place, n, nl);
         light = scaled(light, fade * nl), diffuse = sum(diffuse, light);
-        const V3 h = unit(sum(to, v));
-        const F8 nh = dot(n, h), t = nh * nh * (a2 - 1) + 1, q = 1 - lesser(dot(v, h), one), q2 = q * q;
-        const F8 both = nl * root(a2 + (1 - a2) * nv * nv) + nv * root(a2 + (1 - a2) * nl * nl);
-        const F8 seen = 0.5f / greater(both, splat(1e-6f));
+        // the half vector is h = (to + v) / sqrt(s): nh * nh = both * both / s, vh = sqrt(s) / 2
+        const F8 s = greater(2 + 2 * dot(v, to), splat(1e-6f)), both = facing + toward;
+        const F8 t = s - both * both * rest, q = greater(1 - 0.5f * root(s), zero), q2 = q * q;
+        const F8 shadowed = greater(nl * seen + nv * root(a2 + rest * nl * nl), splat(1e-6f));
         const V3 mirrored = product(light, mixed(f0, grey(1), q2 * q2 * q));
-        shine = sum(shine, scaled(mirrored, a2 / (PI_F * t * t) * seen));
+        shine = sum(shine, scaled(mirrored, a2 * (s * s) * (0.5f / PI_F) / (t * t * shadowed)));
     }
     return sum(scaled(product(base, diffuse), (1 - metallic) * (1 / PI_F)), shine);
 }

@@ -19,126 +19,177 @@
 #define ALIKE 0.95f
 #define APART 0.125f
 
+// Light is added up in integers, so that the result does not depend on the order: ONE_LIGHT of them are 1.
+#define LIGHT_SHIFT 16
+#define ONE_LIGHT (4095.0f * (1 << LIGHT_SHIFT))
+
+// Samples are shaded with others of their kind.
+enum { NO_SURFACES, PLAIN_SURFACES, TEXTURED_SURFACES, KINDS };
+
+// Samples that wait.
+typedef struct {
+    Points groups[MOST_GROUPS];
+    int32_t count;
+} Queue;
+
 // What a thread needs for a tile.
 typedef struct {
     Tile tile;
-    Looks one;                 // samples of the same triangle
-    Points some[MOST_GROUPS];  // samples of different triangles
-    int32_t some_count;
-    F8 total[3][COLUMNS * LANES * BLOCK_ROWS];  // colours of the pixels of rows with different triangles
+    Looks one;              // samples of the same triangle
+    Queue queues[KINDS];    // samples of different triangles
+    I4 total[TILE * TILE];  // red, green and blue of the pixels of rows with different triangles
     uint8_t mixed[COLUMNS * LANES * BLOCK_ROWS];
     int32_t mixed_count;
     Planes planes[MOST_PLANES];
 } __attribute__((aligned(64))) Work;
 
-// The light of eight samples, 0 to 1.
+// The samples of a triangle, or of several that are alike, in a pixel.
+typedef struct {
+    F8 value, across, down;
+    float x, y;
+    int32_t material, textured, shares;
+} Spot;
+
+static inline V3 shown(V3 c) { return (V3){within(c.x, 0, 1), within(c.y, 0, 1), within(c.z, 0, 1)}; }
+
+// The directions of eight samples, for a depth of 1.
+static inline V3 ray_of(const Camera *k, F8 x, F8 y) {
+    const float *r = k->axes;
+    const F8 cx = (x - k->cx) * (1 / k->fx), cy = (y - k->cy) * (1 / k->fy);
+    return (V3){r[0] * cx + r[3] * cy + r[6], r[1] * cx + r[4] * cy + r[7], r[2] * cx + r[5] * cy + r[8]};
+}
+
+// The light of the sky in eight samples, 0 to 1.
+static __attribute__((noinline)) V3 shade_sky(const Frame *f, const Camera *k, F8 x, F8 y) {
+    return shown(tone(scaled(sky_in(f->sky, unit(ray_of(k, x, y))), splat(k->exposure))));
+}
+
+// The light of surfaces in eight samples, 0 to 1.
 static __attribute__((noinline)) V3 shade(const Frame *f, const Camera *k, Looks *l) {
-    const float *r = k->axes, *sky = f->sky;
-    const F8 cx = (l->x - k->cx) * (1 / k->fx), cy = (l->y - k->cy) * (1 / k->fy), depth = 1 / l->inverse;
-    const V3 ray = {r[0] * cx + r[3] * cy + r[6], r[1] * cx + r[4] * cy + r[7], r[2] * cx + r[5] * cy + r[8]};
-    const V3 d = unit(ray);
+    const float *sky = f->sky;
+    const V3 ray = ray_of(k, l->x, l->y);
     add_textures(f, l);
     const V3 base = {l->r, l->g, l->b};
-    V3 c = base;
-    if (any(~l->none & ~l->plain)) {
-        const V3 place = sum(everywhere(k->eye), scaled(ray, depth)), n = unit((V3){l->nx, l->ny, l->nz});
-        c = lit(f, place, n, scaled(d, splat(-1)), base, l->metallic, l->roughness);
-        c = sum(c, (V3){l->er, l->eg, l->eb});
-        if (sky[16] > 0) {
-            const F8 t = within((depth - sky[15]) * (1 / sky[16]), 0, 1);
-            c = mixed(c, everywhere(sky), t * t * (3 - 2 * t));
-        }
+    if (!any(~l->plain)) return shown(base);
+    const F8 depth = 1 / l->inverse;
+    const V3 place = sum(everywhere(k->eye), scaled(ray, depth)), n = unit((V3){l->nx, l->ny, l->nz});
+    V3 c = lit(f, place, n, scaled(unit(ray), splat(-1)), base, l->metallic, l->roughness);
+    c = sum(c, (V3){l->er, l->eg, l->eb});
+    if (sky[16] > 0) {
+        const F8 t = within((depth - sky[15]) * (1 / sky[16]), 0, 1);
+        c = mixed(c, everywhere(sky), t * t * (3 - 2 * t));
     }
-    if (any(l->none)) c = chosen(l->none, sky_in(sky, d), c);
-    c = chosen(l->plain, base, tone(scaled(c, splat(k->exposure))));
-    return (V3){within(c.x, 0, 1), within(c.y, 0, 1), within(c.z, 0, 1)};
+    return shown(chosen(l->plain, base, tone(scaled(c, splat(k->exposure)))));
+}
+
+// A step of the table of sRGB.
+static inline I8 step_of(F8 light) { return (to_int(light * ONE_LIGHT) + (1 << (LIGHT_SHIFT - 1))) >> LIGHT_SHIFT; }
+
+static inline void write_pixel(const Frame *f, int32_t r, int32_t g, int32_t b, uint8_t *to) {
+    const uint8_t pixel[4] = {f->encoded[r], f->encoded[g], f->encoded[b], 255};
+    memcpy(to, pixel, sizeof pixel);
 }
 
 // Eight pixels as sRGB, opaque.
 static inline void write_colours(const Frame *f, V3 c, int count, uint8_t (*to)[4]) {
-    const I8 r = to_int(c.x * 4095.0f + 0.5f), g = to_int(c.y * 4095.0f + 0.5f), b = to_int(c.z * 4095.0f + 0.5f);
-    EACH(j, count) {
-        const uint8_t pixel[4] = {f->encoded[r[j]], f->encoded[g[j]], f->encoded[b[j]], 255};
-        memcpy(to[j], pixel, sizeof pixel);
-    }
+    const I8 r = step_of(c.x), g = step_of(c.y), b = step_of(c.z);
+    EACH(j, count) write_pixel(f, r[j], g[j], b[j], to[j]);
 }
 
-// The attributes of a sample.
-static inline void set_point(const Frame *f, Work *w, int number, int32_t who, float x, float y) {
-    Points *p = w->some + number / LANES;
-    const int j = number % LANES;
-    p->x[j] = x, p->y[j] = y;
-    if (who < 0) {
-        p->value[j] = NO_ATTRIBUTES, p->across[j] = p->down[j] = splat(0);
-        p->material[j] = -1;
-        return;
-    }
-    const Planes *plane = planes_of(f, w->planes, who);
-    p->value[j] = at_point(plane, x, y), p->across[j] = plane->across, p->down[j] = plane->down;
-    p->material[j] = plane->material;
+// Adds the light of eight samples to their pixels.
+static inline void add_light(Work *w, const Points *p, V3 c, int count) {
+    const I8 r = to_int(c.x * p->share), g = to_int(c.y * p->share), b = to_int(c.z * p->share);
+    EACH(j, count) w->total[p->pixel[j]] += (I4){r[j], g[j], b[j], 0};
 }
 
-// Shades the collected samples, and adds them to their pixels.
-static void finish(const Frame *f, const Camera *k, Work *w) {
-    const int count = w->some_count;
-    for (int j = count; j % LANES; j++) set_point(f, w, j, -1, w->some[j / LANES].x[0], w->some[j / LANES].y[0]);
+// Shades the samples of a queue, and adds them to their pixels.
+static void finish(const Frame *f, const Camera *k, Work *w, int kind) {
+    Queue *q = w->queues + kind;
+    const int count = q->count;
+    for (int j = count; j % LANES; j++) repeat_point(q->groups + j / LANES, j % LANES);
     for (int i = 0; i < count; i += LANES) {
-        const Points *p = w->some + i / LANES;
-        Looks l;
-        look_at_points(f, &l, p);
-        const V3 c = shade(f, k, &l);
-        EACH(j, count - i < LANES ? count - i : LANES) {
-            const int row = p->pixel[j] / LANES, lane = p->pixel[j] % LANES;
-            const float share = p->share[j];
-            w->total[0][row][lane] += c.x[j] * share, w->total[1][row][lane] += c.y[j] * share;
-            w->total[2][row][lane] += c.z[j] * share;
+        const Points *p = q->groups + i / LANES;
+        V3 c;
+        if (kind == NO_SURFACES) {
+            c = shade_sky(f, k, p->x, p->y);
+        } else {
+            Looks l;
+            look_at_points(f, &l, p, kind == TEXTURED_SURFACES);
+            c = shade(f, k, &l);
         }
+        add_light(w, p, c, count - i < LANES ? count - i : LANES);
     }
-    w->some_count = 0;
+    q->count = 0;
 }
 
 // Whether two samples of a material are nearly on one plane.
-static inline int alike(const float *a, const float *b) {
+static inline int on_a_plane(const float *a, const float *b) {
     const float cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     const float most = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
     return cosine > 0 && cosine * cosine > ALIKE * ALIKE * most && fabsf(a[INVERSE] - b[INVERSE]) < APART * a[INVERSE];
 }
 
-// The first of the samples from `first` to `end` with which the sample at `end` is shaded; `end` if none is.
-static int shaded_with(const Frame *f, const Work *w, int first, int end) {
-    const int32_t material = w->some[end / LANES].material[end % LANES];
-    if (material < 0 || f->materials[material].texture >= 0) return end;
-    const float *mine = (const float *)&w->some[end / LANES].value[end % LANES];
-    for (int n = first; n < end; n++) {
-        const Points *p = w->some + n / LANES;
-        if (p->material[n % LANES] == material && alike((const float *)&p->value[n % LANES], mine)) return n;
+// Whether a coordinate of a texture continues from one triangle to another: it changes by less than in a pixel.
+static inline int continues(const Spot *one, const float *a, const float *b, int which) {
+    const float at = a[which] / a[WHOLE];
+    const float right = one->across[which] - at * one->across[WHOLE], down = one->down[which] - at * one->down[WHOLE];
+    return fabsf(b[which] / b[WHOLE] - at) * fabsf(a[WHOLE]) <= fabsf(right) + fabsf(down);
+}
+
+// Whether a sample can be shaded with another one.
+static inline int alike(const Spot *one, const Spot *other) {
+    if (one->material != other->material || one->material < 0) return 0;
+    const float *a = (const float *)&one->value, *b = (const float *)&other->value;
+    if (!on_a_plane(a, b)) return 0;
+    return !one->textured || (continues(one, a, b, TEXTURE_U) && continues(one, a, b, TEXTURE_V));
+}
+
+// A sample of a triangle.
+static inline void set_spot(const Frame *f, Work *w, int32_t who, float x, float y, Spot *s) {
+    s->x = x, s->y = y, s->shares = 0;
+    if (who < 0) {
+        s->material = -1, s->textured = 0;
+        return;
     }
-    return end;
+    const Planes *plane = planes_of(f, w->planes, who);
+    s->value = at_point(plane, x, y), s->material = plane->material;
+    s->textured = f->materials[s->material].texture >= 0;
+    if (s->textured) s->across = plane->across, s->down = plane->down;
+}
+
+// Adds a sample to its queue.
+static inline void add_spot(const Frame *f, const Camera *k, Work *w, const Spot *s, int pixel, float share) {
+    const int kind = s->material < 0 ? NO_SURFACES : s->textured ? TEXTURED_SURFACES : PLAIN_SURFACES;
+    Queue *q = w->queues + kind;
+    if (q->count == MOST_GROUPS * LANES) finish(f, k, w, kind);
+    Points *p = q->groups + q->count / LANES;
+    const int j = q->count++ % LANES;
+    p->x[j] = s->x, p->y[j] = s->y, p->pixel[j] = pixel, p->share[j] = share * ONE_LIGHT;
+    if (kind == NO_SURFACES) return;
+    p->value[j] = s->value, p->material[j] = s->material;
+    if (kind == TEXTURED_SURFACES) p->across[j] = s->across, p->down[j] = s->down;
 }
 
 // Collects the samples of a pixel that shows different triangles.
-static void collect_pixel(const Frame *f, Work *w, int pixel, float x, float y, const int32_t *who) {
-    int32_t kinds[MOST_SAMPLES], shares[MOST_SAMPLES];
-    const int first = w->some_count, samples = f->sample_count;
-    int end = first;
+static void collect_pixel(const Frame *f, const Camera *k, Work *w, int pixel, float x, float y, const int32_t *who) {
+    Spot spots[MOST_SAMPLES];
+    int32_t firsts[MOST_SAMPLES];  // the sample with which each one is shaded
+    const int samples = f->sample_count;
     EACH(n, samples) {
-        int at = first;
-        while (at < end && kinds[at - first] != who[n]) at++;
-        if (at == end) {
+        int at = 0;
+        while (at < n && who[at] != who[n]) at++;
+        if (at < n) {
+            at = firsts[at];
+        } else {
             const float *by = f->samples + 2 * n;
-            set_point(f, w, end, who[n], x + by[0], y + by[1]);
-            at = shaded_with(f, w, first, end);
+            set_spot(f, w, who[n], x + by[0], y + by[1], spots + n);
+            at = 0;
+            while (at < n && !(firsts[at] == at && alike(spots + at, spots + n))) at++;
         }
-        if (at < end)
-            shares[at - first]++;
-        else
-            kinds[end - first] = who[n], shares[end - first] = 1, end++;
+        firsts[n] = at, spots[at].shares++;
     }
-    for (int n = first; n < end; n++) {
-        Points *p = w->some + n / LANES;
-        p->pixel[n % LANES] = pixel, p->share[n % LANES] = (float)shares[n - first] / (float)samples;
-    }
-    w->some_count = end;
+    EACH(n, samples)
+    if (firsts[n] == n) add_spot(f, k, w, spots + n, pixel, (float)spots[n].shares / (float)samples);
 }
 
 // Eight pixels of different triangles.
@@ -146,22 +197,21 @@ static void collect(const Frame *f, const Camera *k, Work *w, int block, int r, 
     const Tile *t = &w->tile;
     const int row = block * BLOCK_ROWS + r, samples = t->samples;
     w->mixed[w->mixed_count++] = (uint8_t)row;
-    EACH(i, 3) w->total[i][row] = splat(0);
     I8 other = splat_int(0);
     for (int n = 1; n < samples; n++) other |= t->shown[block][n][r] ^ t->shown[block][0][r];
     EACH(j, count) {
+        const int pixel = row * LANES + j;
         const float px = (float)(x + j) + 0.5f, py = (float)y + 0.5f;
-        if (w->some_count + MOST_SAMPLES > MOST_GROUPS * LANES) finish(f, k, w);
-        int32_t who[MOST_SAMPLES];
-        EACH(n, samples) who[n] = t->shown[block][n][r][j];
+        w->total[pixel] = (I4){0, 0, 0, 0};
         if (other[j]) {
-            collect_pixel(f, w, row * LANES + j, px, py, who);
-            continue;
+            int32_t who[MOST_SAMPLES];
+            EACH(n, samples) who[n] = t->shown[block][n][r][j];
+            collect_pixel(f, k, w, pixel, px, py, who);
+        } else {
+            Spot s;
+            set_spot(f, w, t->shown[block][0][r][j], px + f->samples[0], py + f->samples[1], &s);
+            add_spot(f, k, w, &s, pixel, 1);
         }
-        const int at = w->some_count++;
-        set_point(f, w, at, who[0], px + f->samples[0], py + f->samples[1]);
-        Points *p = w->some + at / LANES;
-        p->pixel[at % LANES] = row * LANES + j, p->share[at % LANES] = 1;
     }
 }
 
@@ -170,11 +220,12 @@ static inline void draw_same(const Frame *f, const Camera *k, Work *w, int32_t w
                              uint8_t (*to)[4]) {
     Looks *l = &w->one;
     l->x = STEPS + ((float)x + 0.5f + f->samples[0]), l->y = splat((float)y + 0.5f + f->samples[1]);
-    if (who < 0)
-        look_at_nothing(l);
-    else
+    if (who < 0) {
+        write_colours(f, shade_sky(f, k, l->x, l->y), count, to);
+    } else {
         look_at_triangle(f, w->planes, l, who);
-    write_colours(f, shade(f, k, l), count, to);
+        write_colours(f, shade(f, k, l), count, to);
+    }
 }
 
 // The unit normals of eight pixels along the axes of the camera; 0 without a surface.
@@ -240,6 +291,18 @@ static void draw_row(const Frame *f, const Camera *k, Work *w, int column, int b
         collect(f, k, w, block, r, x, y, count);
 }
 
+// Eight pixels of different triangles, from their light.
+static void write_mixed(const Frame *f, const Camera *k, const Work *w, int row) {
+    const int block = row / BLOCK_ROWS, x = w->tile.left + block / LANES * LANES;
+    const int y = w->tile.top + block % LANES * BLOCK_ROWS + row % BLOCK_ROWS;
+    const int count = k->width - x < LANES ? k->width - x : LANES;
+    uint8_t (*to)[4] = f->rgba + (k->pixel + (int64_t)y * k->width + x);
+    EACH(j, count) {
+        const I4 c = (w->total[row * LANES + j] + (1 << (LIGHT_SHIFT - 1))) >> LIGHT_SHIFT;
+        write_pixel(f, c[0], c[1], c[2], to[j]);
+    }
+}
+
 static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
     Tile *t = &w->tile;
     const int left = f->tiles[tile][1], top = f->tiles[tile][2], samples = k->color ? f->sample_count : 1;
@@ -249,17 +312,12 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
         __builtin_prefetch(f->seen + ahead), __builtin_prefetch(f->bounds + ahead);
         cover(f, k, f->members[m], t);
     }
-    w->mixed_count = w->some_count = 0;
+    w->mixed_count = 0;
+    EACH(i, KINDS) w->queues[i].count = 0;
     for (int c = 0; c < COLUMNS && left + c * LANES < k->width; c++)
         for (int y = 0; y < TILE && top + y < k->height; y++) draw_row(f, k, w, c, y / BLOCK_ROWS, y % BLOCK_ROWS);
-    finish(f, k, w);
-    EACH(i, w->mixed_count) {
-        const int row = w->mixed[i], block = row / BLOCK_ROWS;
-        const int x = left + block / LANES * LANES, y = top + block % LANES * BLOCK_ROWS + row % BLOCK_ROWS;
-        const V3 c = {w->total[0][row], w->total[1][row], w->total[2][row]};
-        const int count = k->width - x < LANES ? k->width - x : LANES;
-        write_colours(f, c, count, f->rgba + (k->pixel + (int64_t)y * k->width + x));
-    }
+    EACH(i, KINDS) finish(f, k, w, i);
+    EACH(i, w->mixed_count) write_mixed(f, k, w, w->mixed[i]);
 }
 
 // All pixels of all tiles, shared by the threads.

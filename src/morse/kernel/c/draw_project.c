@@ -10,8 +10,6 @@
 #include "draw_corners.h"
 #include "simd.h"
 
-typedef float F4 __attribute__((vector_size(16)));
-
 // Limit of the coefficients of 1 / depth, so that the values at all pixels are finite.
 #define LARGEST 1e30f
 

@@ -4,10 +4,6 @@
 
 #include "draw_looks.h"
 
-// What samples without a surface have: the normal Z, 1 / depth = 1, and a material.
-static const F8 NO_ATTRIBUTES = {0, 0, 1, 0, 0, 1, 1};
-static const Surface NO_SURFACE = {.roughness = 1, .texture = -1};
-
 // The attributes of a vertex, with the normal in the world.
 static inline F8 attributes_of(const Vertex *v, F8 x, F8 y, F8 z, float facing) {
     F8 a = (x * v->n[0] + y * v->n[1] + z * v->n[2]) * facing;
@@ -36,13 +32,6 @@ static inline const Planes *planes_of(const Frame *f, Planes *cache, int32_t who
     return p;
 }
 
-// Eight samples without a surface; their positions are set already.
-static inline void look_at_nothing(Looks *l) {
-    l->nx = l->ny = l->r = l->g = l->b = l->er = l->eg = l->eb = l->metallic = splat(0);
-    l->nz = l->inverse = l->roughness = splat(1);
-    l->none = l->texture = splat_int(-1), l->plain = splat_int(0);
-}
-
 // Eight samples of the same material.
 static inline void set_surface(Looks *l, const Surface *m) {
     l->r = splat(m->color[0]), l->g = splat(m->color[1]), l->b = splat(m->color[2]);
@@ -58,7 +47,6 @@ static inline void look_at_triangle(const Frame *f, Planes *cache, Looks *l, int
     const F8 x = l->x, y = l->y;
     l->inverse = at_points(p, INVERSE, x, y);
     l->nx = at_points(p, NORMAL_X, x, y), l->ny = at_points(p, NORMAL_Y, x, y), l->nz = at_points(p, NORMAL_Z, x, y);
-    l->none = splat_int(0);
     set_surface(l, m);
     if (m->texture < 0) return;
     const F8 w = 1 / at_points(p, WHOLE, x, y), u = at_points(p, TEXTURE_U, x, y) * w,
@@ -86,15 +74,12 @@ static inline void transpose(const F8 *from, F8 *to) {
     }
 }
 
-// The materials of eight samples, -1 for none.
+// The materials of eight samples.
 static inline void set_surfaces(const Frame *f, Looks *l, const int32_t *materials) {
     const Surface *m[LANES];
     int same = 1;
     EACH_LANE(j) same &= materials[j] == materials[0];
-    EACH_LANE(j) {
-        m[j] = materials[j] < 0 ? &NO_SURFACE : f->materials + materials[j];
-        l->none[j] = materials[j] < 0 ? -1 : 0;
-    }
+    EACH_LANE(j) m[j] = f->materials + materials[j];
     if (same) {
         set_surface(l, m[0]);
         return;
@@ -112,13 +97,13 @@ static inline void set_surfaces(const Frame *f, Looks *l, const int32_t *materia
 }
 
 // Eight samples of different triangles.
-static inline void look_at_points(const Frame *f, Looks *l, const Points *p) {
+static inline void look_at_points(const Frame *f, Looks *l, const Points *p, int textured) {
     F8 at[LANES], across[LANES], down[LANES];
     transpose(p->value, at);
     l->x = p->x, l->y = p->y;
     l->inverse = at[INVERSE], l->nx = at[NORMAL_X], l->ny = at[NORMAL_Y], l->nz = at[NORMAL_Z];
     set_surfaces(f, l, p->material);
-    if (!any(l->texture >= 0)) return;
+    if (!textured) return;
     transpose(p->across, across), transpose(p->down, down);
     const F8 w = 1 / at[WHOLE], u = at[TEXTURE_U] * w, v = at[TEXTURE_V] * w;
     l->u = u, l->ux = (across[TEXTURE_U] - u * across[WHOLE]) * w, l->uy = (down[TEXTURE_U] - u * down[WHOLE]) * w;

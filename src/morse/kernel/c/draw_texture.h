@@ -7,8 +7,7 @@
 
 // Larger texture coordinates have no accurate fraction.
 #define FARTHEST_TEXEL 8e6f
-
-typedef int64_t L4 __attribute__((vector_size(32)));
+#define SQUARED_TEXEL (1 / (1023.0f * 1023.0f))
 
 // Texels contain the square roots of linear light, 10 bits each, and 2 bits of alpha in the highest bits.
 static inline void add_texels(I8 t, F8 share, F8 *total) {
@@ -70,11 +69,29 @@ static inline I8 first_of(const Textures *t, I8 level) {
     return first;
 }
 
+// The centres of eight footprints in texture coordinates, and their longer sides.
+typedef struct {
+    F8 u, v, du, dv;
+} Across;
+
+// Adds a level of the textures, with a number of samples along the longer sides of the footprints.
+static __attribute__((noinline)) void add_level(const Frame *f, const Textures *t, I8 level, const Across *a, F8 looks,
+                                                F8 weight, F8 *total) {
+    const I8 one_texel = splat_int(1), first = first_of(t, level);
+    const I8 wide = greater_int(t->width >> level, one_texel), high = greater_int(t->height >> level, one_texel);
+    const F8 each = 1 / looks, share = weight * each;
+    for (int n = 0; any(looks > splat((float)n)); n++) {
+        const F8 s = ((float)n + 0.5f) * each - 0.5f;
+        bilinear(f, first, wide, high, a->u + s * a->du, a->v + s * a->dv,
+                 pick(looks > splat((float)n), share, splat(0)), total);
+    }
+}
+
 // Trilinear, with up to four samples along the longer side of a pixel's footprint: multiplies the colours of eight
 // samples.
 static inline void add_textures(const Frame *f, Looks *l) {
-    const I8 mine = l->texture >= 0, one_texel = splat_int(1);
-    if (!any(mine)) return;
+    // with a texture in one sample, all eight have one
+    if (l->texture[0] < 0) return;
     const Textures t = textures_of(f, l->texture);
     const F8 w = to_float(t.width), h = to_float(t.height), one = splat(1), zero = splat(0);
     const F8 ux = l->ux * w, vx = l->vx * h, uy = l->uy * w, vy = l->vy * h;
@@ -88,20 +105,13 @@ static inline void add_textures(const Frame *f, Looks *l) {
     const I8 last = level >= t.last;
     level = pick_int(last, t.last, level);
     size = from_bits((bits & 0x7fffff) | 0x3f800000);
-    // levels are blended only in the middle half between two levels: elsewhere one sample is enough
-    const F8 blend = pick(last, zero, within(2 * size - 2.5f, 0, 1)), share = 1 / (looks * (1023.0f * 1023.0f));
-    const int near = any(mine & (blend < one)), far = any(mine & (blend > zero));
-    const I8 first = first_of(&t, level), after = pick_int(last, level, level + 1),
-             next = far ? first_of(&t, after) : first;
-    const I8 wide = greater_int(t.width >> level, one_texel), high = greater_int(t.height >> level, one_texel);
-    const I8 less_wide = greater_int(t.width >> after, one_texel),
-             less_high = greater_int(t.height >> after, one_texel);
-    for (int n = 0; any(mine & (looks > splat((float)n))); n++) {
-        const F8 part = pick(looks > splat((float)n), share, zero);
-        const F8 s = ((float)n + 0.5f) / looks - 0.5f, u = l->u + s * du, v = l->v + s * dv;
-        if (near) bilinear(f, first, wide, high, u, v, part * (1 - blend), total);
-        if (far) bilinear(f, next, less_wide, less_high, u, v, part * blend, total);
-    }
-    F8 *c[3] = {&l->r, &l->g, &l->b};
-    EACH(n, 3) * c[n] *= pick(mine, total[n], one);
+    // levels are blended only in the middle half between two levels: elsewhere one is enough
+    const F8 blend = pick(last, zero, within(2 * size - 2.5f, 0, 1));
+    const Across across = {l->u, l->v, du, dv};
+    if (any(blend < one)) add_level(f, &t, level, &across, looks, (1 - blend) * SQUARED_TEXEL, total);
+    // its texels are twice as large
+    const F8 fewer = whole((looks + 1) * 0.5f);
+    if (any(blend > zero))
+        add_level(f, &t, pick_int(last, level, level + 1), &across, fewer, blend * SQUARED_TEXEL, total);
+    l->r *= total[0], l->g *= total[1], l->b *= total[2];
 }

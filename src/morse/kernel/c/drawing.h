@@ -6,6 +6,8 @@
 #define MOST_SAMPLES 5
 // Maximum number of vertices of a cluster.
 #define MOST_VERTICES (3 * 256)
+// Side of a block of a shadow map: 1 << SHADOW_SHIFT texels.
+#define SHADOW_SHIFT 3
 #define EACH(i, n) for (int i = 0; i < (n); i++)
 
 enum { SUN_LAMP, POINT_LAMP, SPOT_LAMP, HEMISPHERE_LAMP };
@@ -62,6 +64,12 @@ typedef struct {
     int16_t x0, y0, x1, y1;
 } Bounds;
 
+// All texels that are read for a point in a block of a shadow map are between two planes: their changes to the right
+// and down, and their values at its first texel.
+typedef struct {
+    float across, down, low, high;
+} ShadowBlock;
+
 // Jobs of a camera that a thread takes at once: `first` to before `end`. `row` is its first number in Frame.shares.
 typedef struct {
     int32_t camera, first, end, spare;
@@ -100,6 +108,7 @@ typedef struct {
     const float *sun;
     const float *near_shadow, *near_sun;    // a finer map of a part of the world
     const float *lamp_shadow, *lamp_frame;  // a perspective map of a spot lamp: minus the depths, m
+    const ShadowBlock *shadow_bounds, *near_bounds, *lamp_bounds;  // of each block of these maps; may be null
     float (*points)[3];      // the positions of the vertices of each cluster without repetitions, from its first vertex
     uint16_t (*corners)[3];  // three of them for each triangle
     int32_t *point_counts;   // of each cluster

@@ -5,6 +5,9 @@
 
 typedef float F8 __attribute__((vector_size(32)));
 typedef int32_t I8 __attribute__((vector_size(32)));
+typedef float F4 __attribute__((vector_size(16)));
+typedef int32_t I4 __attribute__((vector_size(16)));
+typedef int64_t L4 __attribute__((vector_size(32)));
 
 #define LANES 8
 // Prevents masked stores, which are many times slower than a load, a selection and a store.

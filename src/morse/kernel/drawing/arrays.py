@@ -25,6 +25,8 @@ CLOSED, MIXED = 1, 2
 SUN, POINT, SPOT, HEMISPHERE = range(4)
 #: larger than the distance of any surface from the sun
 NO_SURFACE = -1e30
+#: texels along the side of a block of a shadow map, and along that of the smallest map whose blocks have bounds
+_SHADOW_BLOCK, _SMALLEST_BOUNDED = 8, 16
 
 VERTEX = np.dtype([("p", "f4", 3), ("n", "f4", 3), ("uv", "f4", 2)])
 MATERIAL = np.dtype(
@@ -144,6 +146,10 @@ class Light(NamedTuple):
         lamp_frame: (16,) float32, world to the shadow map of the spot lamps whose ``ground`` begins with 1: three rows
             of a 3x4 projection to (column x depth, row x depth, depth), and the width of a texel at a depth of 1 m.
         lamp_shadow: (H, W) float32, minus the depth of the nearest surface, m; None without it.
+        shadow_bounds, near_bounds, lamp_bounds: (H / 8, W / 8, 4) float32, rounded up: two planes for each block of
+            8 x 8 texels of these maps, between which all texels are that are read for a point in the block: their
+            change for a column and a row, and their values at the first texel of the block, m. They only save time;
+            see `bounds_for`.
     """
 
     lamps: NDArray[Any]
@@ -154,6 +160,19 @@ class Light(NamedTuple):
     near_shadow: NDArray[np.float32] | None = None
     lamp_frame: NDArray[np.float32] | None = None
     lamp_shadow: NDArray[np.float32] | None = None
+    shadow_bounds: NDArray[np.float32] | None = None
+    near_bounds: NDArray[np.float32] | None = None
+    lamp_bounds: NDArray[np.float32] | None = None
+
+
+def bounds_for(shadow: NDArray[np.float32]) -> NDArray[np.float32] | None:
+    """Return memory for the bounds of a shadow map, which exclude no texel; None for the smallest maps."""
+    height, width = shadow.shape
+    if min(height, width) < _SMALLEST_BOUNDED:
+        return None
+    bounds = np.zeros((-(-height // _SHADOW_BLOCK), -(-width // _SHADOW_BLOCK), 4), np.float32)
+    bounds[..., 2:] = -np.inf, np.inf
+    return bounds
 
 
 class Pictures(NamedTuple):

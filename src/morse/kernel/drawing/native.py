@@ -116,6 +116,19 @@ class NativeDrawer:
         frame.forget("jobs")
         return rectangles
 
+    def bound_shadows(
+        self, shadow: NDArray[np.float32], bounds: NDArray[np.float32], rectangles: NDArray[np.int32]
+    ) -> None:
+        """Set the bounds of the blocks of a shadow map after its texels in rectangles (N, 4) have changed.
+
+        Args:
+            shadow, bounds: see `Light`.
+        """
+        height, width = shadow.shape
+        self._library.morse_draw_bounds(
+            pointer(shadow), width, height, pointer(bounds), pointer(rectangles), len(rectangles)
+        )
+
     def _light(self, light: Light, poses: Poses, samples: int) -> None:
         frame, shadow, near, lamp = self._frame, light.shadow, light.near_shadow, light.lamp_shadow
         frame.point(**light._asdict())

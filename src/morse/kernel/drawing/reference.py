@@ -44,6 +44,11 @@ class ReferenceDrawer:
         with np.errstate(all="ignore"):
             return reference_shadows.cast(self.drawing, parts, poses, light)
 
+    def bound_shadows(
+        self, shadow: NDArray[np.float32], bounds: NDArray[np.float32], rectangles: NDArray[np.int32]
+    ) -> None:
+        """Do nothing: bounds only save time, and this drawer always reads the texels."""
+
     def _draw(self, camera: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
         count = samples if camera["color"] else 1
         seen = project(self.drawing, camera, poses, count)

@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float32]
 
 _ONE = np.float32(1)
-#: see ``ALIKE`` and ``APART``
+#: see ``ALIKE``, ``APART`` and ``ONE_LIGHT``
 _ALIKE, _APART = np.float32(0.95), np.float32(0.125)
+_LIGHT_SHIFT = 16
+_SQUARED_TEXEL = np.float32(1) / np.float32(1046529.0)
+_ONE_LIGHT = np.float32(4095.0 * (1 << _LIGHT_SHIFT))
 
 
 def paint(
@@ -28,7 +31,7 @@ def paint(
 ) -> NDArray[np.uint8]:
     """(N, 4) the colours of pixels that show triangles (samples, N)."""
     samples, pixels = shown.shape
-    total = np.zeros((pixels, 3), np.float32)
+    total = np.full((pixels, 3), 1 << (_LIGHT_SHIFT - 1), np.int32)
     column = (np.arange(pixels) % int(camera["width"])).astype(np.float32)
     row = (np.arange(pixels) // int(camera["width"])).astype(np.float32)
     kinds = _kinds(drawing, poses, seen, shown, column, row)
@@ -37,8 +40,8 @@ def paint(
         share = (kinds[:, new] == sample).sum(axis=0).astype(np.float32) / np.float32(samples)
         x, y = _place(samples, sample, column[new], row[new])
         color = _colors(drawing, camera, poses, light, seen, shown[sample, new], x, y)
-        total[new] += within(color, 0, 1) * share[:, None]
-    codes = ENCODED[(total * np.float32(4095) + np.float32(0.5)).astype(np.int64)]
+        total[new] += (within(color, 0, 1) * (share * _ONE_LIGHT)[:, None]).astype(np.int32)
+    codes = ENCODED[total >> _LIGHT_SHIFT]
     return np.concatenate([codes, np.full((pixels, 1), 255, np.uint8)], axis=1)
 
 
@@ -58,39 +61,62 @@ def _kinds(
     for sample in range(1, samples):
         free = np.ones(shown.shape[1], bool)
         kinds[sample] = sample
-        equal = [shown[other] == shown[sample] for other in range(sample)]
-        like = [flat[other].is_like(flat[sample]) for other in range(sample)]
-        for other, found in (*enumerate(equal), *enumerate(like)):
-            joined = free & (kinds[other] == other) & found
+        for other in range(sample):
+            joined = free & (shown[other] == shown[sample])
+            kinds[sample, joined] = kinds[other, joined]
+            free &= ~joined
+        for other in range(sample):
+            joined = free & (kinds[other] == other) & flat[other].is_like(flat[sample])
             kinds[sample, joined] = other
             free &= ~joined
     return kinds
 
 
 class _Flat:
-    """The planes of surfaces without texture at samples (N,)."""
+    """The planes of surfaces at samples (N,)."""
 
     def __init__(self, d: Drawing, poses: Poses, seen: Projected, who: NDArray[np.int32], x: Floats, y: Floats) -> None:
-        self.material = np.full(len(who), -1)
-        self.inverse = np.zeros(len(who), np.float32)
-        self.normal = [np.zeros(len(who), np.float32) for _ in range(3)]
+        count = len(who)
+        self.material, self.textured = np.full(count, -1), np.zeros(count, bool)
+        self.inverse = np.zeros(count, np.float32)
+        self.normal = [np.zeros(count, np.float32) for _ in range(3)]
+        self.whole, self.uv = np.ones(count, np.float32), np.zeros((2, count), np.float32)
+        self.across, self.down = np.zeros((2, 3, count), np.float32)
         solid = np.flatnonzero(who >= 0)
         if not len(solid):
             return
-        number, w = who[solid], seen.w[who[solid]]
-        plain = d.materials["texture"][seen.material[number]] < 0
-        self.material[solid] = np.where(plain, seen.material[number], -1)
-        self.inverse[solid] = w[:, 0] * x[solid] + w[:, 1] * y[solid] + w[:, 2]
-        for part, values in zip(self.normal, normals_at(d, poses, seen, number, x[solid], y[solid]), strict=True):
+        number, w, e = who[solid], seen.w[who[solid]], seen.e[who[solid]]
+        x, y = x[solid], y[solid]
+        self.material[solid] = seen.material[number]
+        self.textured[solid] = d.materials["texture"][seen.material[number]] >= 0
+        self.inverse[solid] = w[:, 0] * x + w[:, 1] * y + w[:, 2]
+        for part, values in zip(self.normal, normals_at(d, poses, seen, number, x, y), strict=True):
             part[solid] = values
+        uv = seen.vertices(d, number)["uv"]
+        ones = np.ones_like(uv[..., 0])
+        for b, values in enumerate((uv[..., 0], uv[..., 1], ones)):
+            p = [along(e, values, a) for a in range(3)]
+            self.across[b, solid], self.down[b, solid] = p[0], p[1]
+            at = p[0] * x + p[1] * y + p[2]
+            if b == 2:
+                self.whole[solid] = at
+            else:
+                self.uv[b, solid] = at
+        self.uv = self.uv / self.whole
 
     def is_like(self, other: _Flat) -> NDArray[np.bool_]:
-        """(N,) whether samples of a material are nearly on one plane."""
+        """(N,) whether samples of a material are nearly on one plane, and the texture continues."""
         cosine = dot(self.normal, other.normal)
         most = dot(self.normal, self.normal) * dot(other.normal, other.normal)
         near = np.abs(self.inverse - other.inverse) < _APART * self.inverse
         same = (self.material == other.material) & (self.material >= 0)
-        return np.asarray(same & near & (cosine > 0) & (cosine * cosine > _ALIKE * _ALIKE * most))
+        plane = same & near & (cosine > 0) & (cosine * cosine > _ALIKE * _ALIKE * most)
+        return np.asarray(plane & (~self.textured | (self._continues(other, 0) & self._continues(other, 1))))
+
+    def _continues(self, other: _Flat, axis: int) -> NDArray[np.bool_]:
+        at = self.uv[axis]
+        change = [np.abs(p[axis] - at * p[2]) for p in (self.across, self.down)]
+        return np.asarray(np.abs(other.uv[axis] - at) * np.abs(self.whole) <= change[0] + change[1])
 
 
 def _colors(
@@ -171,14 +197,16 @@ def _texture(d: Drawing, numbers: NDArray[np.int32], e: Floats, uv: Floats, x: F
     after = np.where(last, level, level + 1)
     rows = np.arange(len(t))
     total = [np.zeros(len(t), np.float32) for _ in range(3)]
-    for n in range(4):
-        going = looks > n
-        share = np.where(going, _ONE / (looks * np.float32(1046529.0)), np.float32(0))
-        s = (np.float32(n) + np.float32(0.5)) / looks - np.float32(0.5)
-        u, v = at[0] + s * du, at[1] + s * dv
-        for which, weight in ((level, share * (_ONE - blend)), (after, share * blend)):
-            wide, high = np.maximum(t["width"] >> which, 1), np.maximum(t["height"] >> which, 1)
-            _bilinear(d.texels, t["first"][rows, which], wide, high, u, v, weight, total)
+    # the texels of the second level are twice as large
+    fewer = np.floor((looks + _ONE) * np.float32(0.5))
+    for which, number, weight in ((level, looks, _ONE - blend), (after, fewer, blend)):
+        wide, high = np.maximum(t["width"] >> which, 1), np.maximum(t["height"] >> which, 1)
+        each = _ONE / number
+        share = weight * _SQUARED_TEXEL * each
+        for n in range(4):
+            s = (np.float32(n) + np.float32(0.5)) * each - np.float32(0.5)
+            part = np.where(number > n, share, np.float32(0))
+            _bilinear(d.texels, t["first"][rows, which], wide, high, at[0] + s * du, at[1] + s * dv, part, total)
     return total
 
 

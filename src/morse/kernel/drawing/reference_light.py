@@ -153,7 +153,9 @@ def _read(shadow: Floats, u: Floats, v: Floats, d: Floats) -> Floats:
         for i in range(4):
             near = shadow[np.minimum(row + j, height - 1), np.minimum(column + i, width - 1)]
             lit[i] = lit[i] + np.where(near <= d, across[i], f(0)) * down[j]
-    return np.where(inside, (lit[0] + lit[1] + lit[2] + lit[3]) * f(1 / 9.0), f(-1)).astype(np.float32)
+    share = (lit[0] + lit[1] + lit[2] + lit[3]) * f(1 / 9.0)
+    share = np.where(share > f(0.9999), f(1), share)
+    return np.where(inside, share, f(-1)).astype(np.float32)
 
 
 def lit(
@@ -163,8 +165,9 @@ def lit(
     rough = np.where(roughness > f(0.0525), roughness, f(0.0525))
     alpha = rough * rough
     a2 = alpha * alpha
-    nv = dot(n, v)
-    nv = np.where(nv > f(1e-4), nv, f(1e-4))
+    rest, toward = f(1) - a2, dot(n, v)
+    nv = np.where(toward > f(1e-4), toward, f(1e-4))
+    seen = np.sqrt(a2 + rest * nv * nv)
     f0 = mixed([f(0.04)] * 3, base, metallic)
     diffuse = [np.zeros_like(a2) for _ in range(3)]
     shine = [np.zeros_like(a2) for _ in range(3)]
@@ -186,8 +189,8 @@ def lit(
                 t = within((dot(way, to) - k["outer"]) * (f(1) / (k["inner"] - k["outer"])), 0, 1)
                 fade = fade * (t * t * (f(3) - f(2) * t))
             to = way
-        nl = dot(n, to)
-        nl = np.where(nl > 0, nl, f(0))
+        facing = dot(n, to)
+        nl = np.where(facing > 0, facing, f(0))
         if k["kind"] == SUN and k["outer"] > 0 and light.shadow is not None:
             fade = _in_sun(light, place, n, nl)
         if k["kind"] == SPOT and k["ground"][0] > 0 and light.lamp_shadow is not None:
@@ -195,15 +198,17 @@ def lit(
         strength = fade * nl
         shone = [part * strength for part in color]
         diffuse = [a + b for a, b in zip(diffuse, shone, strict=True)]
-        h = unit([a + b for a, b in zip(to, v, strict=True)])
-        nh, vh = dot(n, h), dot(v, h)
-        t = nh * nh * (a2 - f(1)) + f(1)
-        q = f(1) - np.where(vh < f(1), vh, f(1))
+        square = f(2) + f(2) * dot(v, to)
+        square = np.where(square > f(1e-6), square, f(1e-6))
+        both = facing + toward
+        t = square - both * both * rest
+        q = f(1) - f(0.5) * np.sqrt(square)
+        q = np.where(q > 0, q, f(0))
         q2 = q * q
-        both = nl * np.sqrt(a2 + (f(1) - a2) * nv * nv) + nv * np.sqrt(a2 + (f(1) - a2) * nl * nl)
-        seen = f(0.5) / np.where(both > f(1e-6), both, f(1e-6))
-        factor = a2 / (f(3.14159265) * t * t) * seen
+        shadowed = nl * seen + nv * np.sqrt(a2 + rest * nl * nl)
+        shadowed = np.where(shadowed > f(1e-6), shadowed, f(1e-6))
+        factor = a2 * (square * square) * (f(0.5) / f(3.14159265)) / (t * t * shadowed)
         for i, mirrored in enumerate(mixed(f0, [f(1)] * 3, q2 * q2 * q)):
             shine[i] = shine[i] + shone[i] * mirrored * factor
-    rest = (f(1) - metallic) * f(1 / np.float32(3.14159265))
-    return [base[i] * diffuse[i] * rest + shine[i] for i in range(3)]
+    matt = (f(1) - metallic) * f(1 / np.float32(3.14159265))
+    return [base[i] * diffuse[i] * matt + shine[i] for i in range(3)]
