@@ -17,6 +17,7 @@ from morse.core.exceptions import MorseError
 from morse.core.log import endsection, section, set_level
 from morse.core.project_imports import ProjectImports
 from morse.launch.stamps import script_stamp, source_stamps
+from morse.launch.stuck_ticks import StuckTicks
 from morse.simulation.faults import describe
 from morse.simulation.summary import summary
 from morse.version import __version__
@@ -132,7 +133,7 @@ def _start(scene: Scene, options: RunOptions) -> Simulation | None:
     except (MorseError, ValueError, OSError) as error:
         _failed(error)
         return None
-    _listen_for_signals(simulation)
+    stuck = _stop_at_signals(simulation)
     if pressed:
         simulation.stop()
     endsection("SUPERVISION SERVICES INITIALIZED")
@@ -143,6 +144,8 @@ def _start(scene: Scene, options: RunOptions) -> Simulation | None:
         _failed(error)
         _finish(simulation)
         return None
+    finally:
+        stuck.close()
     managers = list(simulation.context.stream_managers)
     for line in summary(simulation.context, simulation.loaded.modifiers, managers):
         logger.info("%s", line)
@@ -159,14 +162,12 @@ def _failed(error: Exception) -> None:
     logger.critical("INITIALIZATION FAILED!")
 
 
-def _listen_for_signals(simulation: Simulation) -> None:
+def _stop_at_signals(simulation: Simulation) -> StuckTicks:
     """Install signal handlers: Ctrl+C and SIGTERM end the simulation after its tick."""
-
-    def stop(_signal: int, _frame: Any) -> None:
-        simulation.stop()
-
+    stuck = StuckTicks(simulation)
     for name in ("SIGINT", "SIGTERM"):
-        signal.signal(getattr(signal, name), stop)
+        signal.signal(getattr(signal, name), stuck.end)
+    return stuck
 
 
 def _follow(simulation: Simulation, options: RunOptions, loaded: Stamps) -> Rereading | None:
@@ -188,6 +189,7 @@ def _loop(simulation: Simulation) -> int:
     # present objects live until the end, so they are excluded from garbage collection
     gc.collect()
     gc.freeze()
+    stuck = _stop_at_signals(simulation)
     try:
         simulation.run(simulation.options.duration)
     except UnstableError as error:
@@ -195,12 +197,16 @@ def _loop(simulation: Simulation) -> int:
         _error(failure)
         _keep_last(simulation, failure)
         return 1
+    except SystemExit as leaving:
+        logger.warning("the program ends the simulation: %s", describe(leaving))
+        raise
     except Exception:
         logger.error("[ERROR][MORSE] Uncaught exception, quit.")
         traceback.print_exc(file=sys.stdout)
         _keep_last(simulation, "uncaught exception")
         return 1
     finally:
+        stuck.close()
         if live is not None and simulation.profile is not None:
             live.close()
             _write_trace(simulation.profile)

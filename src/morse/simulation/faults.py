@@ -6,6 +6,8 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.core.hints import closest
+
 if TYPE_CHECKING:
     from types import TracebackType
 
@@ -24,7 +26,7 @@ def user_frames(trace: TracebackType | None) -> list[traceback.FrameSummary]:
 def describe(error: BaseException) -> str:
     """Return the error message, and the lines of user code that led to the error."""
     frames = user_frames(error.__traceback__)
-    what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    what = f"{type(error).__name__}: {error}{_meant(error)}" if str(error) else type(error).__name__
     if not frames:
         # the traceback does not contain user code
         return str(error) if isinstance(error, OSError) and str(error) else what
@@ -34,3 +36,14 @@ def describe(error: BaseException) -> str:
         if frame.line:
             lines.append(f"    {frame.line.strip()}")
     return "\n".join(lines)
+
+
+def _meant(error: BaseException) -> str:
+    """Return the most similar attribute, if an attribute does not exist."""
+    if not isinstance(error, AttributeError) or error.name is None or error.obj is None:
+        return ""
+    try:
+        near = closest(error.name, dir(error.obj))
+    except Exception:  # objects of users may define __dir__
+        return ""
+    return f"; did you mean '{near}'?" if near is not None else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import logging
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -112,7 +113,9 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
     try:
         cls = load_class(declaration.classpath)
         cls = _class_of_level(cls, declaration.level)
-        component = cls(obj, robot)
+        component = _instance(cls, obj, robot)
+        if "output_modifiers" not in vars(component):
+            raise LoadError(f"{cls.__name__}.__init__ does not call super().__init__(obj, parent)")
         realism = declaration.options.get("realism")
         if isinstance(realism, RealismModel):
             component.realism = component.make_realism(realism)
@@ -121,6 +124,19 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
         raise LoadError(f"{_where(declaration)}: {error}") from None
     except Exception as error:
         raise LoadError(f"{_where(declaration)} could not be created: {describe(error)}") from error
+
+
+def _instance(cls: type[Any], obj: Any, robot: Robot | None) -> Any:
+    try:
+        return cls(obj, robot)
+    except TypeError:
+        signature = inspect.signature(cls.__init__)
+        try:
+            signature.bind(None, obj, robot)
+        except TypeError:
+            expected = "expected __init__(self, obj, parent=None)"
+            raise LoadError(f"{cls.__name__}.__init__{signature} cannot be called; {expected}") from None
+        raise
 
 
 def _class_of_level(cls: type[Any], level: str | None) -> type[Any]:

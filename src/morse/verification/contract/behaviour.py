@@ -7,9 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import fields_of_component
-from morse.core.declarations.refused import numbers_in
-from morse.core.sensor import Sensor
-from morse.core.validation.fields import spec_of_field
+from morse.core.validation.published import misfits
 from morse.verification.contract.report import Fault
 
 if TYPE_CHECKING:
@@ -57,24 +55,9 @@ def well_behaved(stand: Stand, other: Callable[[], Stand], said: Said) -> Iterat
 
 def _fits(stand: Stand) -> Iterator[Fault]:
     """Check that the data match the declarations."""
-    component, places = stand.component, stand.places
-    cls = type(component)
-    fields = fields_of_component(stand.component)
-    for name, value in component.local_data.items():
-        if name not in fields:
-            # the data of a compound sensor are those of its members
-            if name not in component.context.components:
-                text = f"it publishes '{name}' without declaring it: add_data('{name}', ...)"
-                yield Fault(FITS, text, places.of_class(cls))
-            continue
-        field = fields[name]
-        is_finite = all(map(math.isfinite, numbers_in(value)))  # else it is not JSON, which is reported elsewhere
-        if isinstance(component, Sensor) and is_finite:
-            try:
-                spec_of_field(field, field.default).check()(value)
-            except ValueError as error:
-                text = f"the data field '{name}' is {value!r:.80}, expected {error}"
-                yield Fault(FITS, text, places.of(cls, "add_data", name))
+    places, cls = stand.places, type(stand.component)
+    for field, declared, text in misfits(stand.component):
+        yield Fault(FITS, text, places.of(cls, "add_data", field) if declared else places.of_class(cls))
 
 
 def _is_json(stand: Stand, lines: list[bytes]) -> Iterator[Fault]:

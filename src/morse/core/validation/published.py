@@ -1,0 +1,51 @@
+"""Compares the data of a component with their declarations."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from morse.core.declarations import fields_of_component
+from morse.core.declarations.refused import numbers_in
+from morse.core.hints import closest
+from morse.core.sensor import Sensor
+from morse.core.validation.fields import spec_of_field
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.core.object import Object
+
+
+class Misfit(NamedTuple):
+    """A data field that does not match its declaration.
+
+    Attributes:
+        field: name of the field.
+        declared: whether the field is declared at all.
+        text: what is wrong, for a message.
+    """
+
+    field: str
+    declared: bool
+    text: str
+
+
+def misfits(component: Object) -> Iterator[Misfit]:
+    """Yield the fields of ``local_data`` that are not declared, and those of a sensor with another type or range.
+
+    NaN and infinity are not reported.
+    """
+    fields = fields_of_component(component)
+    for name, value in component.local_data.items():
+        if name not in fields:
+            # the data of a compound sensor are those of its members
+            if name not in component.context.components:
+                near = closest(name, fields)
+                meant = f"; did you mean '{near}'?" if near is not None else ""
+                yield Misfit(name, False, f"it publishes '{name}' without declaring it: add_data('{name}', ...){meant}")
+        elif isinstance(component, Sensor) and all(map(math.isfinite, numbers_in(value))):
+            try:
+                spec_of_field(fields[name], fields[name].default).check()(value)
+            except ValueError as error:
+                yield Misfit(name, True, f"the data field '{name}' is {value!r:.80}, expected {error}")

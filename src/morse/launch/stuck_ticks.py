@@ -1,0 +1,115 @@
+"""Finds component code that does not return, and interrupts it if the simulation is to end."""
+
+from __future__ import annotations
+
+import _thread
+import logging
+import signal
+import sys
+import sysconfig
+import threading
+import traceback
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+    from morse.simulation.simulation import Simulation
+
+logger = logging.getLogger(__name__)
+
+_OURS = Path(__file__).resolve().parents[1]
+_LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
+#: the files that call components: in ticks, and when they are created
+_CALLERS = [str(_OURS / "simulation" / name) for name in ("ticking.py", "loader.py")]
+#: interval between two checks, wall-clock seconds
+_INTERVAL = 0.5
+
+
+def user_line(frame: FrameType | None) -> str | None:
+    """Return the innermost line of component code, as ``slope.py:10, in default_action``; None without user code."""
+    inner: traceback.FrameSummary | None = None
+    below = False
+    for entry in traceback.extract_stack(frame):
+        if entry.filename in _CALLERS:
+            below = True
+        elif below and _is_users(entry.filename):
+            inner = entry
+    return None if inner is None else f"{inner.filename}:{inner.lineno}, in {inner.name}"
+
+
+def _is_users(filename: str) -> bool:
+    path = Path(filename).resolve()
+    if filename.startswith("<") or path.is_relative_to(_OURS):
+        return False
+    return not path.is_relative_to(_LIBRARY) or "site-packages" in path.parts
+
+
+class StuckTicks:
+    """Watches the main thread, in a second thread, while components are created or ticks run.
+
+    A simulation ends after its tick. If component code does not return, the tick does not end: this is logged once, and
+    a second signal, or a timeout, interrupts the code by a `KeyboardInterrupt`.
+
+    Args:
+        simulation: runs its ticks in the main thread.
+        warn_after: time after which component code is reported, wall-clock seconds.
+        end_after: timeout for component code if the simulation is to end, wall-clock seconds.
+    """
+
+    def __init__(self, simulation: Simulation, warn_after: float = 5.0, end_after: float = 10.0) -> None:
+        self._simulation = simulation
+        self._warn_after, self._end_after = warn_after, end_after
+        self._main = threading.main_thread().ident or 0
+        self._asked: float | None = None
+        #: the tick in which component code does not return, as far as it is known
+        self._stuck: int | None = None
+        self._number = signal.SIGINT
+        self._over = threading.Event()
+        threading.Thread(target=self._watch, name="morse ticks", daemon=True).start()
+
+    def end(self, number: int, _frame: Any) -> None:
+        """Signal handler: end the simulation after its tick, or at once if component code does not return.
+
+        Raises:
+            KeyboardInterrupt: component code does not return.
+        """
+        self._simulation.stop()
+        if self._asked is None:
+            self._asked, self._number = monotonic(), signal.Signals(number)
+        elif self._stuck == self._simulation.ticks and not self._over.is_set():
+            raise KeyboardInterrupt
+
+    def close(self) -> None:
+        """Stop watching: from now on, signals do not interrupt anything."""
+        self._over.set()
+
+    def _watch(self) -> None:
+        tick, since, told = -1, monotonic(), ""
+        while not self._over.wait(_INTERVAL):
+            now = monotonic()
+            if self._simulation.ticks != tick:
+                tick, since, told, self._stuck = self._simulation.ticks, now, "", None
+                continue
+            asked = self._asked
+            if now - since < self._warn_after and (asked is None or now - asked < _INTERVAL):
+                continue
+            line = user_line(sys._current_frames().get(self._main))
+            if line is None:
+                since = now
+                continue
+            self._stuck = tick
+            end = "Ctrl+C" if asked is None else f"Ctrl+C again, or a timeout of {self._end_after:.0f} s,"
+            if end != told:
+                told = end
+                logger.warning("a component has not returned for %.1f s: %s; %s ends it", now - since, line, end)
+            if asked is not None and now - asked > self._end_after:
+                self._interrupt()
+
+    def _interrupt(self) -> None:
+        if hasattr(signal, "pthread_kill"):
+            signal.pthread_kill(self._main, self._number)
+        else:
+            _thread.interrupt_main(self._number)

@@ -1,0 +1,69 @@
+"""Warns about sensors of users whose data do not match their declarations."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+from morse.core.declarations import fields_of_component
+from morse.core.observer import Observer
+from morse.core.validation.published import misfits
+
+if TYPE_CHECKING:
+    from morse.core.declarations import DataField
+    from morse.core.object import Object
+    from morse.simulation.simulation import Simulation
+
+logger = logging.getLogger(__name__)
+
+#: types of initial values, by the declared type of a field
+_TYPES: dict[str, tuple[type, ...]] = {
+    "float": (float, int), "double": (float, int), "int": (int,), "integer": (int,), "bool": (bool,),
+    "boolean": (bool,), "string": (str,), "str": (str,),
+}  # fmt: skip
+
+
+class PublishedData(Observer):
+    """Checks the data after ticks 1, 2, 4, 8, and so on: errors of the first measurement and rare ones are found.
+
+    The sensors of MORSE itself are not checked: `morse check component` and its tests do that.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._told: set[tuple[str, str]] = set()
+        self._next = 1
+
+    def restarted(self) -> None:
+        """Check from the first tick on."""
+        self._next = 1
+
+    def edited(self) -> None:
+        """Check new versions of classes at once, and repeat warnings about them."""
+        self._told.clear()
+        self._next = self._simulation.ticks + 1
+
+    def after_tick(self) -> None:
+        """Check the data in some ticks."""
+        tick = self._simulation.ticks
+        if tick < self._next:
+            return
+        self._next = 2 * tick
+        for sensor in self._simulation.loaded.sensors:
+            # a measurement has a time stamp
+            if not type(sensor).__module__.startswith("morse.") and sensor.local_data.get("timestamp"):
+                self._check(sensor)
+
+    def _check(self, sensor: Object) -> None:
+        fields = fields_of_component(sensor)
+        for field, declared, text in misfits(sensor):
+            key = sensor.name(), field
+            if key in self._told or (declared and not _is_definite(fields[field])):
+                continue
+            self._told.add(key)
+            logger.warning("%s (%s): %s", sensor.name(), type(sensor).__name__, text)
+
+
+def _is_definite(field: DataField) -> bool:
+    """Return whether type and initial value agree: components of 1.4 declare a list with the initial value 'none'."""
+    return field.shape is not None or type(field.default) in _TYPES.get(field.type, ())

@@ -1,0 +1,51 @@
+"""Sensors with typical mistakes."""
+
+from __future__ import annotations
+
+import signal
+from typing import Any
+
+from morse.core.declarations import add_data
+from morse.core.sensor import Sensor
+
+
+class Orphan(Sensor):
+    """Does not call the constructor of its base."""
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        self.obj = obj
+
+
+class Alone(Sensor):
+    """Its constructor takes no robot."""
+
+    def __init__(self, obj: Any) -> None:
+        super().__init__(obj)
+
+
+class Misspelt(Sensor):
+    """Reads an attribute that does not exist."""
+
+    def default_action(self) -> None:
+        _ = self.positon_3d  # type: ignore[attr-defined]
+
+
+class Sloppy(Sensor):
+    """Its data do not match their declarations."""
+
+    add_data("slope", 0.0, "float", "Angle", unit="rad")
+    add_data("image", "none", "list", "Old components declare lists so")
+
+    def default_action(self) -> None:
+        self.local_data["slope"] = "steep"
+        self.local_data["slop"] = 1.0
+        self.local_data["image"] = [1, 2]
+
+
+class Endless(Sensor):
+    """Never returns, once Ctrl+C was pressed."""
+
+    def default_action(self) -> None:
+        signal.raise_signal(signal.SIGINT)
+        while True:
+            pass

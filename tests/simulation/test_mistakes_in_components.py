@@ -1,0 +1,89 @@
+"""Typical mistakes in components: the messages name the mistake and the remedy, and the simulation can be ended."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from typing import TYPE_CHECKING, Any
+
+import mistaken_parts
+import pytest
+
+import morse
+from morse.builder import ATRV, Environment
+from morse.builder.creator import SensorCreator
+from morse.launch import stuck_ticks
+from morse.simulation.loader import LoadError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@pytest.fixture(autouse=True)
+def parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(mistaken_parts.__file__.rpartition("/")[0])
+
+
+def with_sensor(name: str) -> Any:
+    """A simulation of a robot with one of the sensors."""
+
+    def scene() -> None:
+        robot = ATRV("robot")
+        creator = type(name, (SensorCreator,), {"_classpath": f"mistaken_parts.{name}"})
+        robot.append(creator("sensor"))
+        Environment("empty", fastmode=True)
+
+    return morse.load(scene)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("Orphan", r"Orphan.__init__ does not call super\(\).__init__\(obj, parent\)"),
+        ("Alone", r"Alone.__init__\(self, obj.*cannot be called; expected __init__\(self, obj, parent=None\)"),
+    ],
+)
+def test_constructors_that_cannot_work(name: str, text: str) -> None:
+    with pytest.raises(LoadError, match=text):
+        with_sensor(name)
+
+
+def test_a_misspelt_attribute(caplog: pytest.LogCaptureFixture) -> None:
+    with with_sensor("Misspelt") as simulation:
+        simulation.step()
+    assert "no attribute 'positon_3d'; did you mean 'position_3d'?" in caplog.text
+
+
+def test_data_that_do_not_match_their_declarations_are_reported_once(caplog: pytest.LogCaptureFixture) -> None:
+    with with_sensor("Sloppy") as simulation:
+        simulation.step(5)
+    (typed,) = [line for line in caplog.messages if "'slope' is 'steep'" in line]
+    assert "expected a number" in typed
+    assert typed.startswith("robot.sensor (Sloppy)")
+    (unknown,) = [line for line in caplog.messages if "publishes 'slop'" in line]
+    assert "did you mean 'slope'?" in unknown
+    assert "image" not in caplog.text
+
+
+@pytest.fixture
+def handlers() -> Iterator[None]:
+    before = signal.getsignal(signal.SIGINT)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.skipif(threading.current_thread() is not threading.main_thread(), reason="signals need the main thread")
+def test_a_component_that_does_not_return_is_named_and_interrupted(
+    handlers: None, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(stuck_ticks, "_INTERVAL", 0.01)
+    with with_sensor("Endless") as simulation:
+        stuck = stuck_ticks.StuckTicks(simulation, warn_after=3600.0, end_after=0.1)
+        signal.signal(signal.SIGINT, stuck.end)
+        try:
+            with pytest.raises(KeyboardInterrupt):
+                simulation.run()
+        finally:
+            stuck.close()
+    assert "mistaken_parts.py:" in caplog.text
+    assert "in default_action; Ctrl+C again, or a timeout" in caplog.text
