@@ -25,8 +25,9 @@ def port(sim):
     return next(manager.port for manager in managers if hasattr(manager, "port"))
 
 
-def tick_until(sim, done, ticks=6000):
-    for _ in range(ticks):
+def tick_until(sim, done):
+    end = time.monotonic() + 60.0
+    while time.monotonic() < end:
         if done():
             return
         sim.step()

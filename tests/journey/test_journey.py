@@ -39,6 +39,18 @@ def client(person, name, file="keyboard_ctrl.py"):
     return pexpect.spawn(sys.executable, [str(script)], cwd=str(person.folder), encoding="utf-8", timeout=60)
 
 
+def stands_still(simu):
+    """Wait until the robot has not moved for a second of simulated time, and return its pose."""
+
+    def still():
+        before = simu.robot.pose.get()
+        simu.sleep(1.0)
+        after = simu.robot.pose.get()
+        return math.hypot(after["x"] - before["x"], after["y"] - before["y"]) < 0.02 and after
+
+    return wait_for(still, "the robot to stand still")
+
+
 def press(terminal, keys, prompt):
     for key in keys:
         terminal.expect_exact(prompt)
@@ -56,12 +68,13 @@ def test_chapter_two_create_and_drive_morsy(person, page):
         start = simu.robot.pose.get()
         assert (start["x"], start["y"]) == pytest.approx((1.0, 0.0), abs=1e-3)
         wait_for(lambda: page.evaluate(SHOWN), "the world in the page")
+        way = []
+        simu.robot.pose.subscribe(way.append)
         page.keyboard.down("ArrowUp")
-        before = wait_for(lambda: (p := simu.robot.pose.get())["x"] < -7.0 and p, "Morsy to reach the board")
+        before = wait_for(lambda: next((p for p in way if p["x"] < -7.0), None), "Morsy to reach the board")
         assert math.atan2(before["y"], before["x"] - 1.0) == pytest.approx(3.5 - 2 * math.pi, abs=0.1)
         wait_for(lambda: simu.robot.pose.get()["x"] < -8.2, "Morsy to touch the board")
-        simu.sleep(2.0)
-        stopped = simu.robot.pose.get()
+        stopped = stands_still(simu)
         # the board begins at x = -9; Morsy (0.79 m x 1.12 m) touches it with a corner, whichever way it was turned
         reach = 0.393 * abs(math.cos(stopped["yaw"])) + 0.558 * abs(math.sin(stopped["yaw"]))
         assert stopped["x"] - reach == pytest.approx(-9.0, abs=0.05)
@@ -69,10 +82,7 @@ def test_chapter_two_create_and_drive_morsy(person, page):
         page.keyboard.down("ArrowDown")
         wait_for(lambda: simu.robot.pose.get()["x"] > stopped["x"] + 0.5, "Morsy to drive back")
         page.keyboard.up("ArrowDown")
-        simu.sleep(0.2)
-        stands = simu.robot.pose.get()
-        simu.sleep(1.0)
-        assert simu.robot.pose.get()["x"] == pytest.approx(stands["x"], abs=0.02)
+        stands_still(simu)  # as soon as the page has said so
     simulation.stop()
 
 
@@ -115,22 +125,20 @@ def test_chapter_three_drive_from_a_program(person):
     terminal = client(person, "keyboard_first.py")
     press(terminal, "wwww", "WASD?")
     with pymorse.Morse() as simu:
-        simu.sleep(0.3)
-        start = simu.robot.pose.get()
-        simu.sleep(1.0)
-        end = simu.robot.pose.get()
-        # four times 0.1 m/s forward, along X
-        seconds = end["timestamp"] - start["timestamp"]
-        assert (end["x"] - start["x"]) / seconds == pytest.approx(0.4, abs=0.05)
+
+        def speeds():
+            """Along X, to the side, and about Z, in half a second of simulated time."""
+            start = simu.robot.pose.get()
+            simu.sleep(0.5)
+            end = simu.robot.pose.get()
+            seconds = end["timestamp"] - start["timestamp"]
+            turn = math.remainder(end["yaw"] - start["yaw"], math.tau)
+            return [(end["x"] - start["x"]) / seconds, (end["y"] - start["y"]) / seconds, turn / seconds]
+
+        # four times 0.1 m/s forward, along X; the client reads its keys when it gets around to it
+        wait_for(lambda: speeds() == pytest.approx([0.4, 0.0, 0.0], abs=0.05), "0.4 m/s")
         press(terminal, "ssss" + "aaaaa", "WASD?")
-        terminal.expect_exact("WASD?")
-        simu.sleep(0.3)
-        start = simu.robot.pose.get()
-        simu.sleep(1.0)
-        end = simu.robot.pose.get()
-        seconds = end["timestamp"] - start["timestamp"]
-        assert (end["yaw"] - start["yaw"]) / seconds == pytest.approx(0.5, abs=0.05)
-        assert math.hypot(end["x"] - start["x"], end["y"] - start["y"]) < 0.02
+        wait_for(lambda: speeds() == pytest.approx([0.0, 0.0, 0.5], abs=0.04), "0.5 rad/s on the spot")
     terminal.sendintr()
     terminal.expect(pexpect.EOF)
     terminal.close()

@@ -14,6 +14,12 @@ def _free_ports(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
 
 
+@pytest.fixture(autouse=True)
+def _long_periods(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A complaint is repeated after ten seconds, in which a busy machine may not reach the end of a test."""
+    monkeypatch.setattr("morse.core.complaints._PERIOD", 1e9)
+
+
 @pytest.fixture
 def bench() -> Iterator[Bench]:
     made = Bench()

@@ -8,7 +8,7 @@ import sys
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import pytest
-from socket_bench import Bench, Body
+from socket_bench import Bench, Body, wait_until
 
 from morse.core.actuator import Actuator
 from morse.core.datastream import AbstractDatastream, DatastreamManager
@@ -228,7 +228,7 @@ def test_the_port_of_a_component_that_is_deleted_is_closed(bench: Bench) -> None
     port = bench.port_of("robot1.pose")
     client = bench.connect("robot1.pose")
     bench.streams.disconnect("robot1.pose")
-    assert client.has_ended() or client.has_ended()
+    wait_until(client.has_ended)
     client.close()
     bench.components.clear()
     bench.sensor("robot1.pose", port=port)

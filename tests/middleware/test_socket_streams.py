@@ -332,7 +332,8 @@ class TestInbox:
         assert dropped == 2
 
 
-def test_complaints_are_counted_not_repeated(caplog: pytest.LogCaptureFixture) -> None:
+def test_complaints_are_counted_not_repeated(caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("morse.core.complaints._PERIOD", 10.0)  # as it is without conftest.py
     now = [0.0]
     complaints = Complaints(logging.getLogger("morse.test"), lambda: now[0])
     for _ in range(100):

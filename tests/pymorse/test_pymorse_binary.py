@@ -80,6 +80,7 @@ def test_the_same_numbers_as_lines(running: Simulation, simu: Morse) -> None:
         lines.step(6)
         simu.rpc("time", "now")
         wait_until(lambda: simu.robot.pose.last() == lines.robot.pose.last())
+        wait_until(lambda: simu.robot.scan.last()["timestamp"] == lines.robot.scan.last()["timestamp"])
         frame, line = simu.robot.scan.last(), lines.robot.scan.last()
         assert frame["range_list"].tolist() == line["range_list"]
 

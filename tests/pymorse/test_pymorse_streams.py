@@ -68,8 +68,20 @@ def test_get_waits_for_the_next_message_and_gives_up_in_time(stream: StreamJSON,
     endpoint.send(b'{"n": 1}\n')
     wait_until(stream.last)
     assert stream.get(timeout=0.01) is None
-    threading.Timer(0.05, endpoint.send, [b'{"n": 2}\n']).start()
+    got = threading.Event()
+
+    def send_on() -> None:
+        # again and again: whoever calls `get` too late waits for the next message
+        while not got.wait(0.01):
+            endpoint.send(b'{"n": 2}\n')
+
+    sender = threading.Thread(target=send_on)
+    sender.start()
     assert stream.get(timeout=60) == {"n": 2}
+    got.set()
+    sender.join()
+    endpoint.send(b'{"n": 3}\n')
+    wait_until(lambda: stream.last() == {"n": 3})
     assert stream.get(timeout=0) is None
 
 

@@ -61,7 +61,7 @@ def test_an_early_end_is_reported_with_the_end_of_the_log(tmp_path: Path, fake_m
 def test_a_start_that_takes_too_long_is_given_up(tmp_path: Path, fake_morse: Install) -> None:
     fake_morse('print("loading", flush=True); time.sleep(60)')
     process = start(tmp_path)
-    process.watch.wait(lambda: bool(process.watch.tail), 10)
+    process.watch.wait(lambda: bool(process.watch.tail), 60)
     with pytest.raises(MorseTestingError, match=r"(?s)within 0.1 s.*loading"):
         process.wait_initialized(0.1)
     assert process._process.poll() is not None
@@ -97,7 +97,7 @@ def test_a_scene_that_should_have_been_refused(tmp_path: Path, fake_morse: Insta
     fake_morse(SERVES + QUITS)
     process = start(tmp_path)
     with pytest.raises(MorseTestingError, match="none was reported"):
-        process.wait_refused(5)
+        process.wait_refused(60)
     assert process._process.poll() is not None
 
 

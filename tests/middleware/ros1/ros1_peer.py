@@ -52,8 +52,24 @@ def main() -> None:
         turned = got["/robot/ptu/posture"]
         return bool(seen) and seen[-1].pose.pose.position.x > 0.3 and turned[-1].position[0] > 0.35
 
+    def arrived() -> bool:
+        """Whether everything that is told below has come; the order of topics, and of their connections, is open."""
+        transforms = [t for m in got["/tf"][-100:] for t in m.transforms]
+        jumped = [m.position.x for m in got["/where"][-1:]] + [
+            t.transform.translation.x
+            for t in transforms
+            if (t.header.frame_id, t.child_frame_id) == ("/world", "/other")
+        ][-1:]
+        return (
+            len(jumped) == 2
+            and min(jumped) > 6.99
+            and ("/map", "robot") in {(t.header.frame_id, t.child_frame_id) for m in got["/tf"] for t in m.transforms}
+            and "other" in got["/robot/near"][-1].data
+            and bool(got["/tf_static"])
+        )
+
     while time.monotonic() < end and not (
-        all(len(m) > 3 for topic, m in got.items() if topic != "/tf_static") and moved()
+        all(len(m) > 3 for topic, m in got.items() if topic != "/tf_static") and moved() and arrived()
     ):
         drive.publish(forward)
         jump.publish(place)

@@ -1,4 +1,4 @@
-"""The peer: reads poses on many topics until its input ends, and prints the number of messages of each topic."""
+"""The peer: reads poses on many topics, and prints for each line of its input the number of messages of each topic."""
 
 import json
 import os
@@ -29,10 +29,12 @@ def main() -> None:
     selector.register(sys.stdin, selectors.EVENT_READ)
     ended = False
     while not ended:
-        ended = bool(selector.select(0.05))
+        asked = sys.stdin.readline() if selector.select(0.05) else None
+        ended = asked in ("", "end\n")
         for name, reader in readers.items():
             counts[name] += sum(1 for sample in reader.take(1000) if sample.sample_info.valid_data)
-    print(json.dumps(counts), flush=True)
+        if asked is not None:
+            print(json.dumps(counts), flush=True)
 
 
 main()

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 #: wall-clock seconds after which the encoding goes on, and number of ticks that should end before
-LIMIT, ENOUGH = 5.0, 3
+LIMIT, ENOUGH = 60.0, 3
 CAMERA = """
 camera = VideoCamera("camera"); camera.properties(cam_width=32, cam_height=24); camera.frequency(60)
 camera.translate(z=1.5); robot.append(camera)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _HERE = Path(__file__).parent
-LIMIT = 60.0
+LIMIT = 200.0
 """Wall-clock seconds after which the other side counts as lost."""
 
 

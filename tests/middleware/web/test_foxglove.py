@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,7 +36,8 @@ waypoint = Waypoint(); robot.append(waypoint)
 odometry = Odometry(); robot.append(odometry)
 scan = Hokuyo(); scan.translate(x=0.3, z=0.6); robot.append(scan)
 """
-MAX_STEPS = 3000
+LIMIT = 60.0
+"""Wall-clock seconds in which a message has to arrive."""
 PROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
 
 
@@ -61,7 +63,8 @@ def opened(port: int, *protocols: str, **options: Any) -> ClientConnection:
 
 def until(sim: Any, client: ClientConnection, wanted: Callable[[Any], bool]) -> Any:
     """Step until a message fulfils a condition."""
-    for _ in range(MAX_STEPS):
+    end = time.monotonic() + LIMIT
+    while time.monotonic() < end:
         sim.step()
         while True:
             try:

@@ -214,6 +214,7 @@ def test_ports_are_registered_when_a_name_server_comes_and_removed_at_the_end(
 ) -> None:
     monkeypatch.setattr("morse.middleware.yarp.ports._RETRY", 0.02)
     monkeypatch.setattr("morse.middleware.yarp.ports._CHECK", 0.02)
+    monkeypatch.setattr("morse.middleware.yarp.ports._FAREWELL", 60.0)
     port = names.port
     names.close()
     sim = load(port, BOTH)
