@@ -7,6 +7,7 @@ import pytest
 from PIL import Image, ImageSequence
 
 import morse as simulator
+from morse.builder import FakeRobot, VideoCamera
 
 SCENE = """
 from morse.builder import *
@@ -62,6 +63,30 @@ def test_a_part_of_the_run_as_single_frames(morse, recording):
     answer = morse("export", recording, "--film", *options, "--at", "0,0.001,0", *SMALL)
     assert answer.status == 0, answer.err
     assert sorted(path.name for path in morse.directory.glob("frame_*.png")) == [f"frame_{k:02d}.png" for k in range(3)]
+
+
+def watcher():
+    robot = FakeRobot()
+    eye = VideoCamera()
+    eye.properties(cam_width=32, cam_height=24)
+    robot.append(eye)
+    return robot
+
+
+def test_a_camera_that_came_later_is_filmed_while_it_is_there(morse):
+    script = morse.directory / "scene.py"
+    script.write_text(SCENE.replace(", fastmode=True", ""))
+    with simulator.load(script) as sim, sim.record(morse.directory / "run.mcap"):
+        sim.step(30)
+        sim.spawn("guest", watcher, (-5.0, 0.0, 1.0))
+        sim.step(60)
+        sim.delete("guest")
+        sim.step(30)
+    answer = morse("export", "run.mcap", "--film", "--rate", "4", "--camera", "guest.eye", "-o", "f_%d.png")
+    assert answer.status == 0, answer.err
+    # of two seconds, the camera is there for one
+    assert "4 frames of 1 s, without 1 s in which there is no guest.eye" in answer.out
+    assert len(list(morse.directory.glob("f_*.png"))) == 4
 
 
 @pytest.mark.parametrize(

@@ -89,20 +89,29 @@ def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: b
         first = round(what.begin * frequency)
         last = timeline.length if what.length is None else first + round(what.length * frequency)
         made: Any = None
-        frames = 0
+        frames = absent = 0
         while (position := first + round(frames * frequency / what.rate)) < min(last, timeline.length):
             while not timeline.approach(position):
                 pass
             if timeline.position < position:
                 break
+            frames += 1
+            if isinstance(timeline, RecordedTimeline) and what.camera not in (None, *simulation.context.components):
+                # its robot may have been spawned later, or deleted
+                absent += 1
+                continue
             # a restart creates new components
             request = request_of(simulation, what.camera, what.places, what.size, what.fov, what.fine, color=True)
             if made is None:
                 made = picture_files.film(path, shape_of(request, what.fine), what.rate)
             made.add(drawn(request, "color", what.fine))
-            frames += 1
+        if made is None and absent:
+            timeline.approach(first)
+            request_of(simulation, what.camera, what.places, what.size, what.fov, what.fine, color=True)
         if made is None:
             ended = timeline.length / frequency
             raise CommandError(f"The recording ends after {ended:g} s, before the film begins.")
         made.close()
-    say(f"{path}: {frames} frames of {frames / what.rate:g} s.")
+    shown = frames - absent
+    without = f", without {absent / what.rate:g} s in which there is no {what.camera}" if absent else ""
+    say(f"{path}: {shown} frames of {shown / what.rate:g} s{without}.")
