@@ -22,8 +22,7 @@ def bounded(drawer, light):
     maps = {"shadow_bounds": light.shadow, "near_bounds": light.near_shadow, "lamp_bounds": light.lamp_shadow}
     made = {name: bounds_for(texels) for name, texels in maps.items() if texels is not None}
     for name, bounds in made.items():
-        height, width = maps[name].shape
-        drawer.bound_shadows(maps[name], bounds, np.array([[0, 0, width, height]], np.int32))
+        drawer.bound_shadows(light._replace(shadow=maps[name], shadow_bounds=bounds))
     return light._replace(**made)
 
 

@@ -26,10 +26,11 @@ def steps(rng):
     return made
 
 
-def bounds_of(build, shadow, rectangles=((0, 0, COLUMNS, ROWS),), bounds=None):
-    bounds = bounds_for(shadow) if bounds is None else bounds
-    NativeDrawer(build, RandomDrawing(1).drawing).bound_shadows(shadow, bounds, np.array(rectangles, np.int32))
-    return bounds
+def bounds_of(build, shadow):
+    made = RandomDrawing(1)
+    light = made.light()._replace(shadow=shadow, shadow_bounds=bounds_for(shadow))
+    NativeDrawer(build, made.drawing).bound_shadows(light)
+    return light.shadow_bounds
 
 
 def planes(bounds):
@@ -57,16 +58,6 @@ def test_the_planes_touch_the_texels_of_an_inclined_surface(build):
     low, high = planes(bounds_of(build, shadow))
     np.testing.assert_allclose(low, windows(shadow).min(axis=(2, 3)), atol=1e-4)
     np.testing.assert_allclose(high, windows(shadow).max(axis=(2, 3)), atol=1e-4)
-
-
-def test_a_change_is_followed_in_all_blocks_that_read_it(build):
-    shadow = ramp(0.01, 0.0)
-    bounds = bounds_of(build, shadow)
-    changed = (17, 16, 20, 25)
-    shadow[16:25, 17:20] += 1.0
-    follow = bounds_of(build, shadow, [changed], bounds.copy())
-    np.testing.assert_array_equal(follow, bounds_of(build, shadow))
-    assert (follow != bounds).any()
 
 
 def test_the_smallest_maps_have_no_bounds():

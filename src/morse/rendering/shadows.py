@@ -21,10 +21,19 @@ if TYPE_CHECKING:
         def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
             """The texels that parts may have filled."""
 
-        def bound_shadows(
-            self, shadow: NDArray[np.float32], bounds: NDArray[np.float32], rectangles: NDArray[np.int32]
-        ) -> None:
-            """Set the bounds of the map after changes in rectangles."""
+        def bound_shadows(self, light: Light) -> None:
+            """Set the bounds of the map."""
+
+        def moving_shadows(self, parts: NDArray[np.integer], light: Light) -> Movers:
+            """The shadows of parts that may move, in a map with the shadows of the others."""
+
+    class Movers(Protocol):
+        """The shadows of parts that may move."""
+
+        touched: NDArray[np.int32]
+
+        def update(self, poses: Poses, left_out: NDArray[np.bool_] | None = None) -> None:
+            """Draw the shadows of parts that have moved again."""
 
 
 #: minimum size of a texel, m
@@ -37,8 +46,6 @@ _AROUND = 5.0
 _NEAR = 10.0
 #: texels at the border
 _BORDER = 4
-#: number of moved objects above which all shadows are rendered again
-_MANY = 256
 
 
 class Shadows:
@@ -102,11 +109,9 @@ class ShadowMap:
         self.light = light._replace(sun=frame.astype(np.float32), shadow=shadow, shadow_bounds=bounds_for(shadow))
         moving = contents.moving
         self._still, self._movers = np.flatnonzero(~moving), np.flatnonzero(moving)
-        parts = contents.drawing.parts
-        self._still_instances, self._instances = np.unique(parts[~moving, 1]), parts[moving, 1]
-        self._base: NDArray[np.float32] | None = None
-        self._stood = self._models = np.zeros((0, 12), np.float32)
-        self._touched = np.zeros((0, 4), np.int32)
+        self._still_instances = np.unique(contents.drawing.parts[~moving, 1])
+        self._stood = np.zeros((0, 12), np.float32)
+        self._moving: Movers | None = None
 
     def covers(self, ratio: float) -> NDArray[np.bool_]:
         """(M,) the moving parts whose shadows another map need not contain, because this one has priority.
@@ -118,7 +123,8 @@ class ShadowMap:
         high, wide = self.light.shadow.shape
         # a point at the border is shifted by 1.3 texels of the other map, and read from 4 x 4 of them
         margin = _BORDER + 5.0 * ratio
-        rows = self._touched
+        assert self._moving is not None
+        rows = self._moving.touched
         return np.asarray(
             (rows[:, :2] > margin).all(axis=1) & (rows[:, 2] < wide - margin) & (rows[:, 3] < high - margin)
         )
@@ -131,43 +137,13 @@ class ShadowMap:
         """
         shadow = self.light.shadow
         assert shadow is not None
-        stands, now = poses.models[self._still_instances], poses.models[self._instances]
-        drawn = np.ones(len(now), bool) if left_out is None else ~left_out
-        # without a pose, like an invisible object, so that a change of `left_out` counts as a motion
-        now[~drawn] = 0.0
-        if self._base is None or not np.array_equal(stands, self._stood):
+        stands = poses.models[self._still_instances]
+        if self._moving is None or not np.array_equal(stands, self._stood):
             shadow[:] = NO_SURFACE
             self._drawer.cast_shadows(self._still, poses, self.light)
-            self._base, self._stood, self._models = shadow.copy(), stands, now
-            self._touched = np.zeros((len(now), 4), np.int32)
-            self._touched[drawn] = self._drawer.cast_shadows(self._movers[drawn], poses, self.light)
-            self._bound(np.array([[0, 0, shadow.shape[1], shadow.shape[0]]], np.int32))
-            return
-        moved = (now != self._models).any(axis=1)
-        if not moved.any():
-            return
-        left = self._touched[moved]
-        for x0, y0, x1, y1 in left.tolist():
-            shadow[y0:y1, x0:x1] = self._base[y0:y1, x0:x1]
-        # objects in the same region are rendered again as well
-        if len(left) < _MANY:
-            mine, gone = self._touched[:, None], left[None]
-            moved |= ((mine[..., :2] < gone[..., 2:]) & (gone[..., :2] < mine[..., 2:])).all(axis=2).any(axis=1)
-        else:
-            moved[:] = True
-        self._models = now
-        self._touched[moved] = 0
-        moved &= drawn
-        if moved.any():
-            self._touched[moved] = self._drawer.cast_shadows(self._movers[moved], poses, self.light)
-        self._bound(np.concatenate([left, self._touched[moved]]))
-
-    def _bound(self, changed: NDArray[np.int32]) -> None:
-        """Set the bounds of the map after changes in rectangles (N, 4)."""
-        shadow, bounds = self.light.shadow, self.light.shadow_bounds
-        assert shadow is not None
-        if bounds is not None:
-            self._drawer.bound_shadows(shadow, bounds, changed)
+            self._drawer.bound_shadows(self.light)
+            self._stood, self._moving = stands, self._drawer.moving_shadows(self._movers, self.light)
+        self._moving.update(poses, left_out)
 
 
 def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -23,10 +23,8 @@ if TYPE_CHECKING:
         def draw(self, cameras: NDArray[np.void], poses: Poses, light: Light, samples: int) -> Pictures:
             """The images of cameras."""
 
-        def bound_shadows(
-            self, shadow: NDArray[np.float32], bounds: NDArray[np.float32], rectangles: NDArray[np.int32]
-        ) -> None:
-            """Set the bounds of a map after changes in rectangles."""
+        def bound_shadows(self, light: Light) -> None:
+            """Set the bounds of the map."""
 
 
 #: texels along a side, and texels outside the cone on each side
@@ -65,8 +63,7 @@ class SpotShadows:
         depth = drawer.draw(camera, poses, light, 1).depth.reshape(_SIZE, _SIZE)
         self._map = np.where(depth > 0.0, -depth, np.float32(NO_SURFACE)).astype(np.float32)
         self._bounds = bounds_for(self._map)
-        assert self._bounds is not None
-        drawer.bound_shadows(self._map, self._bounds, np.array([[0, 0, _SIZE, _SIZE]], np.int32))
+        drawer.bound_shadows(light._replace(shadow=self._map, shadow_bounds=self._bounds))
         matrix = np.array([[focal, 0, _SIZE / 2], [0, focal, _SIZE / 2], [0, 0, 1]]) @ axes
         frame = np.zeros(16)
         frame[:12] = np.column_stack([matrix, -matrix @ np.array(spot.position)]).ravel()

@@ -1,13 +1,33 @@
 // The shadow map: distances to the nearest surface from the sun.
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
+#include "draw_bounds.h"
 #include "drawing.h"
 #include "export.h"
 
-#define MOST_VERTICES (3 * 256)
+// Number of moved parts above which all of them are drawn again.
+#define MANY_MOVED 256
+
+// The parts that may move, and what a shadow map has of them; MOVERS in morse/kernel/drawing/native_shadows.py.
+enum { STOOD = 1, MOVED = 2 };
+
+typedef struct {
+    const int32_t *parts;
+    const uint8_t *left_out;  // whether their shadows are not needed
+    const float *base;        // the map without them
+    float (*models)[12];      // their models in the map
+    int32_t (*touched)[4];    // the texels that each of them may fill
+    uint8_t *again;           // whether each of them is drawn again: STOOD or MOVED
+    int32_t (*changed)[4];    // room for two rectangles of each
+    uint8_t *stale;  // whether the bounds of each block are computed again; 0 between calls; null without bounds
+    ShadowBlock *bounds;
+    int32_t count, spare;
+} Movers;
 
 MORSE_EXPORT void morse_draw_shadow(Frame *f, int32_t (*rectangles)[4]);
+MORSE_EXPORT void morse_draw_movers(Frame *f, Movers *m);
 
 static inline float least(float a, float b) { return a < b ? a : b; }
 static inline float most(float a, float b) { return a > b ? a : b; }
@@ -42,32 +62,99 @@ static void fill(const Frame *f, const float *q[3]) {
     }
 }
 
-// Draws the parts of the jobs into the shadow map, in one thread; each rectangle receives the texels that a job may
-// fill: x0, y0, x1, y1, one past the end.
-void morse_draw_shadow(Frame *f, int32_t (*rectangles)[4]) {
-    const float *s = f->sun, size[2] = {(float)f->shadow_width, (float)f->shadow_height};
-    float seen[MOST_VERTICES][3], a[3][4];
-    EACH(j, f->job_count) {
-        const Part *part = f->parts + f->jobs[j][1];
-        const Cluster *c = f->clusters + part->cluster;
-        const float *m = f->models[part->instance];
-        float low[2] = {1e9f, 1e9f}, high[2] = {-1e9f, -1e9f};
-        EACH(i, 3)
-        EACH(n, 4)
-        a[i][n] = s[4 * i] * m[n] + s[4 * i + 1] * m[4 + n] + s[4 * i + 2] * m[8 + n] + (n == 3 ? s[4 * i + 3] : 0);
-        EACH(v, c->vertices) {
-            const float *p = f->vertices[c->vertex + v].p;
-            EACH(i, 3) seen[v][i] = a[i][0] * p[0] + a[i][1] * p[1] + a[i][2] * p[2] + a[i][3];
-            EACH(i, 2) low[i] = least(low[i], seen[v][i]), high[i] = most(high[i], seen[v][i]);
-        }
-        EACH(i, 2) {
-            rectangles[j][i] = (int)most(least(low[i], size[i]), 0);
-            rectangles[j][2 + i] = (int)most(least(high[i] + 1, size[i]), 0);
-        }
-        for (int t = c->triangle; t < c->triangle + c->triangles; t++) {
-            const int32_t *corner = f->triangles[t];
-            const float *q[3] = {seen[corner[0]], seen[corner[1]], seen[corner[2]]};
-            fill(f, q);
-        }
+// Draws a part into the shadow map; `rectangle` receives the texels that it may fill: x0, y0, x1, y1, one past the end.
+static void cast(const Frame *f, const Part *part, int32_t *rectangle) {
+    const Cluster *c = f->clusters + part->cluster;
+    const float *m = f->models[part->instance], *s = f->sun;
+    const float size[2] = {(float)f->shadow_width, (float)f->shadow_height};
+    const float (*points)[3] = (const float (*)[3])(f->points + c->vertex);
+    float seen[MOST_VERTICES][3], a[3][4], low[2] = {1e9f, 1e9f}, high[2] = {-1e9f, -1e9f};
+    EACH(i, 3)
+    EACH(n, 4)
+    a[i][n] = s[4 * i] * m[n] + s[4 * i + 1] * m[4 + n] + s[4 * i + 2] * m[8 + n] + (n == 3 ? s[4 * i + 3] : 0);
+    EACH(v, f->point_counts[part->cluster]) {
+        const float *p = points[v];
+        EACH(i, 3) seen[v][i] = a[i][0] * p[0] + a[i][1] * p[1] + a[i][2] * p[2] + a[i][3];
+        EACH(i, 2) low[i] = least(low[i], seen[v][i]), high[i] = most(high[i], seen[v][i]);
     }
+    EACH(i, 2) {
+        rectangle[i] = (int)most(least(low[i], size[i]), 0);
+        rectangle[2 + i] = (int)most(least(high[i] + 1, size[i]), 0);
+    }
+    for (int t = c->triangle; t < c->triangle + c->triangles; t++) {
+        const uint16_t *corner = f->corners[t];
+        const float *q[3] = {seen[corner[0]], seen[corner[1]], seen[corner[2]]};
+        fill(f, q);
+    }
+}
+
+// Draws the parts of the jobs into the shadow map, in one thread; each rectangle receives the texels that a job may
+// fill.
+void morse_draw_shadow(Frame *f, int32_t (*rectangles)[4]) {
+    EACH(j, f->job_count) cast(f, f->parts + f->jobs[j][1], rectangles[j]);
+}
+
+static inline int meets(const int32_t *a, const int32_t *b) {
+    return a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+}
+
+// Marks the parts that have moved, and sets their present models: zeros if they are left out. `changed` receives what
+// they have filled before.
+static int find_moved(const Frame *f, Movers *m) {
+    static const float nowhere[12];
+    int moved = 0;
+    EACH(i, m->count) {
+        const float *now = m->left_out[i] ? nowhere : f->models[f->parts[m->parts[i]].instance];
+        m->again[i] = memcmp(now, m->models[i], sizeof nowhere) ? MOVED : 0;
+        if (!m->again[i]) continue;
+        memcpy(m->models[i], now, sizeof nowhere);
+        memcpy(m->changed[moved++], m->touched[i], sizeof *m->changed);
+    }
+    return moved;
+}
+
+static void restore(const Frame *f, const float *base, const int32_t *r) {
+    const int64_t width = f->shadow_width;
+    for (int64_t y = r[1]; y < r[3] && r[0] < r[2]; y++)
+        memcpy(f->shadow + y * width + r[0], base + y * width + r[0], sizeof *base * (size_t)(r[2] - r[0]));
+}
+
+// Sets the bounds of the blocks with a texel of some rectangles, each block once.
+static void bound_changed(const Frame *f, Movers *m, int count) {
+    const int64_t across = blocks_across(f->shadow_width);
+    EACH(i, count) {
+        const Blocks b = blocks_of(m->changed[i]);
+        for (int32_t y = b.y0; y < b.y1; y++)
+            if (b.x0 < b.x1) memset(m->stale + y * across + b.x0, 1, (size_t)(b.x1 - b.x0));
+    }
+    EACH(i, count) {
+        const Blocks b = blocks_of(m->changed[i]);
+        for (int32_t y = b.y0; y < b.y1; y++)
+            for (int32_t x = b.x0; x < b.x1; x++) {
+                const int64_t at = y * across + x;
+                if (!m->stale[at]) continue;
+                m->bounds[at] = bound(f->shadow, f->shadow_width, f->shadow_height, x * SIDE, y * SIDE);
+                m->stale[at] = 0;
+            }
+    }
+}
+
+// Updates the shadows of parts that have moved. Others in the same region are drawn again as well.
+void morse_draw_movers(Frame *f, Movers *m) {
+    const int moved = find_moved(f, m);
+    if (!moved) return;
+    EACH(n, moved) restore(f, m->base, m->changed[n]);
+    EACH(i, m->count) {
+        if (!m->again[i] && moved > MANY_MOVED) m->again[i] = STOOD;
+        for (int n = 0; n < moved && !m->again[i]; n++)
+            if (meets(m->touched[i], m->changed[n])) m->again[i] = STOOD;
+    }
+    int changed = moved;
+    EACH(i, m->count) {
+        if (!m->again[i]) continue;
+        memset(m->touched[i], 0, sizeof *m->touched);
+        if (!m->left_out[i]) cast(f, f->parts + m->parts[i], m->touched[i]);
+        if (m->again[i] == MOVED) memcpy(m->changed[changed++], m->touched[i], sizeof *m->changed);
+    }
+    if (m->stale) bound_changed(f, m, changed);
 }

@@ -9,6 +9,7 @@ import numpy as np
 
 from morse.kernel import threads
 from morse.kernel.drawing.arrays import CHUNK, ENCODED, SAMPLES, SEEN, Pictures, number_tiles
+from morse.kernel.drawing.native_shadows import NativeMovers
 from morse.kernel.drawing.structures import FrameStructure
 from morse.kernel.memory import aligned, pointer
 
@@ -116,18 +117,15 @@ class NativeDrawer:
         frame.forget("jobs")
         return rectangles
 
-    def bound_shadows(
-        self, shadow: NDArray[np.float32], bounds: NDArray[np.float32], rectangles: NDArray[np.int32]
-    ) -> None:
-        """Set the bounds of the blocks of a shadow map after its texels in rectangles (N, 4) have changed.
+    def bound_shadows(self, light: Light) -> None:
+        """Set the bounds of all blocks of the shadow map."""
+        if light.shadow is not None and light.shadow_bounds is not None:
+            height, width = light.shadow.shape
+            self._library.morse_draw_bounds(pointer(light.shadow), width, height, pointer(light.shadow_bounds))
 
-        Args:
-            shadow, bounds: see `Light`.
-        """
-        height, width = shadow.shape
-        self._library.morse_draw_bounds(
-            pointer(shadow), width, height, pointer(bounds), pointer(rectangles), len(rectangles)
-        )
+    def moving_shadows(self, parts: NDArray[np.integer], light: Light) -> NativeMovers:
+        """Return the shadows of parts that may move, in a map that has the shadows of the others already."""
+        return NativeMovers(self._library, self._frame, parts, light)
 
     def _light(self, light: Light, poses: Poses, samples: int) -> None:
         frame, shadow, near, lamp = self._frame, light.shadow, light.near_shadow, light.lamp_shadow

@@ -44,10 +44,12 @@ class ReferenceDrawer:
         with np.errstate(all="ignore"):
             return reference_shadows.cast(self.drawing, parts, poses, light)
 
-    def bound_shadows(
-        self, shadow: NDArray[np.float32], bounds: NDArray[np.float32], rectangles: NDArray[np.int32]
-    ) -> None:
+    def bound_shadows(self, light: Light) -> None:
         """Do nothing: bounds only save time, and this drawer always reads the texels."""
+
+    def moving_shadows(self, parts: NDArray[np.integer], light: Light) -> reference_shadows.ReferenceMovers:
+        """Return the shadows of parts that may move, in a map that has the shadows of the others already."""
+        return reference_shadows.ReferenceMovers(self.drawing, parts, light)
 
     def _draw(self, camera: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
         count = samples if camera["color"] else 1

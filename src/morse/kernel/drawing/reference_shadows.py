@@ -42,6 +42,53 @@ def cast(drawing: Drawing, parts: NDArray[np.integer], poses: Poses, light: Ligh
     return rectangles
 
 
+class ReferenceMovers:
+    """The shadows of parts that may move; the twin of `morse.kernel.drawing.native_shadows.NativeMovers`.
+
+    Args:
+        parts: (M,) the parts.
+        light: with the map, which has the shadows of all other parts already.
+
+    Attributes:
+        touched: (M, 4) int32, the texels that each part may fill: x0, y0, x1, y1, one past the end.
+    """
+
+    def __init__(self, drawing: Drawing, parts: NDArray[np.integer], light: Light) -> None:
+        assert light.shadow is not None
+        self._drawing, self._parts, self._light = drawing, np.asarray(parts), light
+        self._base = light.shadow.copy()
+        self._models = np.zeros((len(parts), 12), np.float32)
+        self.touched = np.zeros((len(parts), 4), np.int32)
+
+    def update(self, poses: Poses, left_out: NDArray[np.bool_] | None = None) -> None:
+        """Draw the shadows of parts that have moved again.
+
+        Args:
+            left_out: (M,) the parts whose shadows are not needed.
+        """
+        shadow = self._light.shadow
+        assert shadow is not None
+        now = poses.models[self._drawing.parts[self._parts, 1]]
+        drawn = np.ones(len(now), bool) if left_out is None else ~left_out
+        # without a pose, like an invisible object, so that a change of `left_out` counts as a motion
+        now[~drawn] = 0.0
+        moved = (now != self._models).any(axis=1)
+        if not moved.any():
+            return
+        left = self.touched[moved]
+        for x0, y0, x1, y1 in left.tolist():
+            shadow[y0:y1, x0:x1] = self._base[y0:y1, x0:x1]
+        # objects in the same region are rendered again as well
+        mine, gone = self.touched[:, None], left[None]
+        moved |= ((mine[..., :2] < gone[..., 2:]) & (gone[..., :2] < mine[..., 2:])).all(axis=2).any(axis=1)
+        self._models = now
+        self.touched[moved] = 0
+        moved &= drawn
+        if moved.any():
+            with np.errstate(all="ignore"):
+                self.touched[moved] = cast(self._drawing, self._parts[moved], poses, self._light)
+
+
 def _fill(shadow: NDArray[np.float32], q: NDArray[np.float32]) -> None:
     height, width = shadow.shape
     o = q[0]
