@@ -46,7 +46,7 @@ def loaded(tmp_path_factory):
 
 @pytest.fixture
 def simulation(loaded):
-    loaded.reset()
+    loaded.restart()
     loaded.step()
     return loaded
 
@@ -76,11 +76,11 @@ def test_legs_swing_against_each_other_with_the_distance_and_settle(simulation):
     motion, states = component(simulation, "human.motion"), component(simulation, "human.skeleton.joint_states")
     motion.local_data["x"] = 1.3
     left, right = [], []
-    for _ in range(60):
+    for _ in range(120):
         simulation.step()
         left.append(states.local_data["upperleg01_L"])
         right.append(states.local_data["upperleg01_R"])
-    # a stride of 1.3 m at 1.3 m/s: one swing in a second
+    # a stride of 1.3 m at 1.3 m/s: one swing in a second, the first one gentler
     assert max(left) == pytest.approx(0.45, abs=0.02)
     assert min(left) == pytest.approx(-0.45, abs=0.02)
     assert right == pytest.approx([-angle for angle in left])

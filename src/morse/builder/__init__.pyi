@@ -55,6 +55,10 @@ from morse.builder.components.lasers import LaserSensorWithArc as LaserSensorWit
 from morse.builder.components.morsy import Morsy as Morsy
 from morse.builder.components.passive import PassiveObject as PassiveObject
 from morse.builder.components.passive import Zone as Zone
+from morse.builder.components.pr2 import BarePR2 as BarePR2
+from morse.builder.components.pr2 import BasePR2 as BasePR2
+from morse.builder.components.pr2 import LocalizedPR2 as LocalizedPR2
+from morse.builder.components.pr2 import NavPR2 as NavPR2
 from morse.builder.components.robot import GroundRobot as GroundRobot
 from morse.builder.components.robot import Robot as Robot
 from morse.builder.components.robot import WheeledRobot as WheeledRobot
@@ -163,7 +167,9 @@ __all__ = [
     "B21",
     "BMI088",
     "BadSyntaxError",
+    "BarePR2",
     "Barometer",
+    "BasePR2",
     "Battery",
     "Bumper",
     "Camera",
@@ -208,6 +214,7 @@ __all__ = [
     "LaserSensorWithArc",
     "LedArray",
     "Light",
+    "LocalizedPR2",
     "Magnetometer",
     "Mesh",
     "MorseBuilderBadSyntaxError",
@@ -230,6 +237,7 @@ __all__ = [
     "MotionVW",
     "MotionVWDiff",
     "MotionXYW",
+    "NavPR2",
     "NoComponentError",
     "NormalCamera",
     "Odometry",

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from morse.builder.components.pr2 import BarePR2, BasePR2, LocalizedPR2, NavPR2
 from morse.builder.derive import derived_classes
 
 _derived = derived_classes("morse.robots", __name__)
 globals().update(_derived)
 
-__all__ = [*_derived]
+__all__ = ["BarePR2", "BasePR2", "LocalizedPR2", "NavPR2", *_derived]

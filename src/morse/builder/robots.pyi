@@ -4,6 +4,10 @@ from typing import Any
 from morse.builder.components.declared import DeclaredRobot as DeclaredRobot
 from morse.builder.components.human import Human as Human
 from morse.builder.components.morsy import Morsy as Morsy
+from morse.builder.components.pr2 import BarePR2 as BarePR2
+from morse.builder.components.pr2 import BasePR2 as BasePR2
+from morse.builder.components.pr2 import LocalizedPR2 as LocalizedPR2
+from morse.builder.components.pr2 import NavPR2 as NavPR2
 from morse.builder.components.robot import GroundRobot as GroundRobot
 from morse.builder.components.robot import Robot as Robot
 from morse.builder.components.robot import WheeledRobot as WheeledRobot
@@ -11,11 +15,15 @@ from morse.builder.components.robot import WheeledRobot as WheeledRobot
 __all__ = [
     "ATRV",
     "B21",
+    "BarePR2",
+    "BasePR2",
     "FakeRobot",
     "Human",
     "Hummer",
     "Jido",
+    "LocalizedPR2",
     "Morsy",
+    "NavPR2",
     "PatrolBot",
     "Pioneer3DX",
     "QUAD2012",

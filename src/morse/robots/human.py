@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.builder_defaults import RobotDefaults
-from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.hints import nearest
-from morse.core.quoting import shown
-from morse.core.robot import Robot
-from morse.core.services import service
 from morse.helpers.components import add_property
+from morse.robots.grasping import GraspingRobot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: distance between the hand and an object that it can grasp, m
-_REACH = 0.5
-_TAG, _HAND = "Graspable", "Grasper"
-_RIGHT_WRIST = "wrist_R"
 
-
-class Human(Robot):
+class Human(GraspingRobot):
     """A person who walks and whose skeleton moves.
 
     Commands move the person without momentum, whatever the ``ControlType`` of the actuator is. The joints are those of
@@ -32,6 +23,8 @@ class Human(Robot):
     _short_desc = "A person who walks, and whose joints and hands can be commanded"
     _builder = RobotDefaults("human_rig")
 
+    hand_bone = "wrist_R"
+
     add_property("_animations", True, "Animations", "bool", "Swing the legs and the arms while the person walks")
 
     _animations: bool
@@ -39,48 +32,3 @@ class Human(Robot):
     def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
         """Walk; see `Robot.apply_speed`. The control type is always ``Position``."""
         super().apply_speed("Position", linear_speed, angular_speed)
-
-    @service
-    def grasp(self, grab: bool, obj_name: str | None = None) -> bool:
-        """Grasp or release an object with the right hand, or with the part that ``make_grasper`` of the script names.
-
-        Args:
-            grab: whether to grasp; False releases the object.
-            obj_name: an object with the property ``Graspable``; None for the nearest one. It has to be at most 0.5 m
-                away from the hand.
-
-        Returns:
-            Whether an object was grasped or released.
-        """
-        hand = self._hand()
-        held = [thing for thing in self.context.world.objects() if thing.parent is hand and thing.properties.get(_TAG)]
-        if not grab:
-            for thing in held:
-                thing.removeParent()
-            return bool(held)
-        if held:
-            return obj_name is None or any(thing.name == obj_name for thing in held)
-        found = self._within_reach(hand, obj_name)
-        if found is not None:
-            found.setParent(hand)
-        return found is not None
-
-    def _hand(self) -> Any:
-        parts = [self.bge_object, *self.bge_object.childrenRecursive]
-        marked = [part for part in parts if part.properties.get(_HAND)]
-        right = [part for part in parts if part.node.bone == _RIGHT_WRIST]
-        if not marked and not right:
-            raise MorseRPCInvokationError(f"{self.name()} has no hand: make_grasper in the scene script chooses one")
-        return (marked or right)[0]
-
-    def _within_reach(self, hand: Any, name: str | None) -> Any:
-        """The object of that name, or the nearest one; None if none is within reach."""
-        loose = [thing for thing in self.context.world.objects() if thing.properties.get(_TAG) and thing.parent is None]
-        if name is not None:
-            loose = [thing for thing in loose if thing.name == name]
-            if not loose:
-                objects = self.context.world.objects_by_name
-                reason = "is held already, or is not Graspable" if name in objects else "does not exist"
-                raise MorseRPCInvokationError(f"the object {shown(name)} {reason}{nearest(name, objects)}")
-        near = [(hand.getDistanceTo(thing), thing.name, thing) for thing in loose]
-        return min(((d, n, thing) for d, n, thing in near if d <= _REACH), default=(0.0, "", None))[2]
