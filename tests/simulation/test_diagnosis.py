@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from morse.core.observer import Observer
+from morse.core.observer import SHOWN, Observer
 from morse.simulation.diagnosis import TICKS, Diagnosis
 
 if TYPE_CHECKING:
@@ -86,6 +86,11 @@ def slow(load: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> Any:
     assert late == 5.0
     simulation.watcher = watcher
     return simulation
+
+
+def test_pages_are_told_that_they_show_the_pace_elsewhere(slow: Any, caplog: pytest.LogCaptureFixture) -> None:
+    (line,) = [record for record in caplog.get_records("setup") if "cannot keep up" in record.getMessage()]
+    assert getattr(line, SHOWN) is True
 
 
 def test_a_reset_takes_the_warning_back(slow: Any) -> None:

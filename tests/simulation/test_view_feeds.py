@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from websockets.sync.client import connect
 
+from morse.core.observer import SHOWN
 from morse.viewer.feeds.log import KEPT, printable
 from morse.viewer.feeds.values import shown
 from morse.viewer.live_view import View
@@ -115,6 +116,11 @@ def test_a_refused_message_is_shown_with_the_component_that_refused_it(page: Pag
     assert page.expect("log", level="warning")["component"] == "robot.motion"
     LOG.warning("nothing that has a name like %s", "robot.motion2")
     assert page.expect("log", level="warning")["component"] == ""
+
+
+def test_what_the_page_shows_elsewhere_does_not_pop_up(page: Page) -> None:
+    LOG.warning("%.1f s lost", 2.0, extra={SHOWN: True})
+    assert page.expect("log", text="2.0 s lost")["shown"] is True
 
 
 def test_a_page_that_comes_later_reads_what_was_said_before(page: Page) -> None:

@@ -149,10 +149,12 @@ def test_messages_are_listed_and_errors_pop_up(running, open_page) -> None:
     driver.server.send(Log("info", "wheels are on", "robot0", 1.5, 0))
     driver.server.send(Log("warning", "<img src=x onerror=alert(1)>", "", 2.0, 1))
     driver.server.send(Log("error", "wheels came off\n  File 'rover.py', line 3", "robot0.lidar", 2.5, 2))
-    until(lambda: lines.count() == 3)
+    driver.server.send(Log("warning", "2.0 s lost", time=3.0, place=3, shown=True))
+    until(lambda: lines.count() == 4)
     assert lines.first.inner_text().split() == ["1.50", "robot0", "wheels", "are", "on"]
     assert lines.nth(1).locator("span").inner_text() == "<img src=x onerror=alert(1)>"
     until(lambda: toasts(page, "error") == ["wheels came off"])
+    assert "2.0 s lost" not in toasts(page)
     mark = page.locator('[data-name="robot0.lidar"] .mark.error')
     until(lambda: mark.is_visible())
     assert page.locator('[data-name="robot0"] .mark').count() == 0

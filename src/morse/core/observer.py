@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+#: attribute of a log record whose content observers receive by another method, too
+SHOWN = "shown_by_observers"
+
 
 class Observer:
     """Observes a simulation; all methods are called in the simulation thread and do nothing by default.

@@ -7,6 +7,7 @@ import math
 from typing import TYPE_CHECKING
 
 from morse.core import status
+from morse.core.observer import SHOWN
 from morse.physics import UnstableError
 from morse.simulation.diagnosis import Diagnosis
 from morse.simulation.pacing import Pacer
@@ -123,6 +124,7 @@ class Loop:
             self.pacer.real_time_factor,
             self.pacer.speed,
             f"; {cause}" if cause else "",
+            extra={SHOWN: True},
         )
         self._slow = True
         for observer in self._ticker.observers:

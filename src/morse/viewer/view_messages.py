@@ -134,6 +134,7 @@ class Log(ServerMessage, frozen=True):
         component: the component that the line is about, or empty.
         time: simulated seconds.
         place: index of the line modulo the number of lines that are kept for pages that connect later.
+        shown: whether the page shows the same elsewhere, so that the line does not pop up.
     """
 
     level: Literal["debug", "info", "warning", "error"]
@@ -141,6 +142,7 @@ class Log(ServerMessage, frozen=True):
     component: str = ""
     time: float = 0.0
     place: int = 0
+    shown: bool = False
 
     _about: ClassVar[tuple[str, ...] | None] = ("place",)
 

@@ -4,6 +4,7 @@ import type { Components, Live } from "../model/components";
 import type { Watching } from "../model/watching";
 import { h } from "../ui/dom";
 import type { Signal } from "../ui/signal";
+import { unitText } from "../ui/units";
 import type { Field } from "./field";
 import { fill, inUse, makeField, read } from "./field";
 import { Scan } from "./scan";
@@ -58,7 +59,9 @@ export class Inspector {
   }
 
   private head(component: ComponentDescription): HTMLElement {
-    const facts = [component.kind.replace("_", " "), component.frequency > 0 && `${format(component.frequency)} Hz`, component.level]
+    const kind = component.kind.replace("_", " ");
+    const titled = component.title.toLowerCase().endsWith(` ${kind}`);
+    const facts = [!titled && kind, component.frequency > 0 && `${format(component.frequency)} Hz`, component.level]
       .filter(Boolean)
       .join(" · ");
     const active = h("input", { type: "checkbox", checked: component.active, onchange: () => void this.activate(component.name, active) });
@@ -86,7 +89,7 @@ export class Inspector {
       name.addEventListener("dragstart", (event) => event.dataTransfer?.setData(FIELD, JSON.stringify([component.name, field.name])));
       name.addEventListener("dblclick", plot);
       name.addEventListener("keydown", (event) => event.key === "Enter" && plot());
-      return h("tr", {}, name, cell, h("td", { class: "unit" }, field.unit));
+      return h("tr", {}, name, cell, h("td", { class: "unit" }, unitText(field.unit)));
     });
     this.scan = Scan.of(component);
     this.note = h("p", { class: "quiet", hidden: true });
@@ -154,7 +157,7 @@ export class Inspector {
     const error = onChange(field, set);
     const hint = [property.doc, property.type].filter((text) => text !== "").join("\n");
     const name = h("th", { scope: "row", title: hint }, ...breakable(property.name));
-    return h("tr", {}, name, h("td", {}, field, error), h("td", { class: "unit" }, property.unit));
+    return h("tr", {}, name, h("td", {}, field, error), h("td", { class: "unit" }, unitText(property.unit)));
   }
 
   private services(component: ComponentDescription): HTMLElement | null {
@@ -200,9 +203,9 @@ function onChange(field: Field, send: () => Promise<Answer>): HTMLElement {
   return error;
 }
 
-/** Allow line breaks after the underscores of a long name. */
+/** Allow line breaks after the underscores and before the capitals of a long name. */
 function breakable(name: string): (HTMLElement | string)[] {
-  return name.split(/(?<=_)/).flatMap((part, i) => (i === 0 ? [part] : [h("wbr"), part]));
+  return name.split(/(?<=_)|(?<=[a-z])(?=[A-Z])/).flatMap((part, i) => (i === 0 ? [part] : [h("wbr"), part]));
 }
 
 function section(title: string, ...content: HTMLElement[]): HTMLElement {

@@ -30,7 +30,7 @@ export class LogPanel {
     connection.on("log", (line) => this.add(line));
   }
 
-  private add({ level, text, component, time }: Log): void {
+  private add({ level, text, component, time, shown }: Log): void {
     this.empty.remove();
     const below = this.element.scrollHeight - this.element.scrollTop - this.element.clientHeight < 20;
     const select = (): void => this.components.selected.set(component);
@@ -40,7 +40,7 @@ export class LogPanel {
     if (below) this.element.scrollTop = this.element.scrollHeight;
     if (level !== "error" && level !== "warning") return;
     if (component !== "") this.components.complain(component, level, text);
-    if (!this.fresh) return;
+    if (!this.fresh || shown) return;
     this.onNews(level);
     this.toasts.show(firstLine(text), level === "error" ? "error" : "info");
   }

@@ -4,6 +4,7 @@ import type { Session } from "../model/session";
 import type { Watching } from "../model/watching";
 import { h } from "../ui/dom";
 import { theme } from "../ui/theme";
+import { unitText } from "../ui/units";
 import { FIELD } from "./inspector";
 import type { Awaited, Curve } from "./plot";
 import { Plot } from "./plot";
@@ -114,7 +115,7 @@ export class PlotsPanel {
     const value = this.components.valuesOf(component)?.data[field] ?? null;
     if (value === null) return null;
     const unit = this.components.find(component)?.data.find(({ name }) => name === field)?.unit ?? "";
-    return numbersIn(value, [field]).map(([path]) => ({ component, path, unit }));
+    return numbersIn(value, [field]).map(([path]) => ({ component, path, unit: unitText(unit) }));
   }
 
   private accept(element: HTMLElement, plot: Plot | null): void {

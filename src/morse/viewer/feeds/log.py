@@ -7,6 +7,7 @@ import threading
 from collections import deque
 from typing import TYPE_CHECKING, Literal
 
+from morse.core.observer import SHOWN
 from morse.viewer.view_messages import Log
 
 if TYPE_CHECKING:
@@ -54,9 +55,9 @@ class LogFeed(logging.Handler):
                 text = str(record.msg)
             line = self._number % KEPT
             self._number += 1
-            self._server.send(
-                Log(_level(record.levelno), printable(text[:_LENGTH]), self._component(record), self._time(), line)
-            )
+            text, component = printable(text[:_LENGTH]), self._component(record)
+            shown = getattr(record, SHOWN, False)
+            self._server.send(Log(_level(record.levelno), text, component, self._time(), line, shown))
 
     def _time(self) -> float:
         return self._context.clock.time
