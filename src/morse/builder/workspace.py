@@ -6,6 +6,8 @@ import re
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from morse.builder.assembly.triangle_limit import TriangleLimit
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from types import ModuleType
@@ -40,12 +42,18 @@ class Workspace:
         self.script: ModuleType | None = None
         self._nodes: dict[str, Node] = {}
         self._counters: dict[str, int] = {}
+        self._triangles = TriangleLimit()
 
     def add(self, root: Node) -> None:
-        """Add a node and all nodes below it to the scene; ``.001``, ``.002``, ... is appended to existing names."""
+        """Add a node and all nodes below it to the scene; ``.001``, ``.002``, ... is appended to existing names.
+
+        Raises:
+            MorseBuilderError: the scene has too many triangles.
+        """
         for node in root.walk():
             node.name = self._unique(node.name)
             self._nodes[node.name] = node
+            self._triangles.add(node, self._nodes.values())
         self.roots.append(root)
 
     def add_model(self, roots: Iterable[Node], use: ModelUse) -> None:
