@@ -294,7 +294,7 @@ def test_publish_is_cheap(served) -> None:
             time.sleep(0.001)
             page.receive()
             page.send("taken", count=len(page.poses))
-    assert sorted(costs)[len(costs) // 2] < 0.0005
+    assert sorted(costs)[len(costs) // 2] < 0.002  # a tick lasts 17 ms
 
 
 def test_payloads_and_wishes(served) -> None:

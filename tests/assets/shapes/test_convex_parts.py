@@ -318,4 +318,4 @@ def test_a_hundred_thousand_triangles_take_seconds(make):
     started = time.process_time()
     parts = convex_parts(*mesh)
     assert 1 <= len(parts) <= 4096
-    assert time.process_time() - started < 15.0
+    assert time.process_time() - started < 60.0  # two seconds on most machines, hours if each met each
