@@ -12,10 +12,11 @@ import pytest
 
 from morse.core.kinds.turning import quaternion_of
 from morse.helpers.transformation import Transformation3d
-from morse.kernel.recording import NativeRecords, Poses, Rows, Scans
+from morse.kernel.recording import NativeRecords, Numbers, Poses, Rows, Scans
+from morse.kernel.recording.arrays import DOUBLE, SINGLE, SUM, TURN
 from morse.kernel.recording.functions import functions
 from morse.mathutils.rotations import quaternion_from_rotation, rotation_from_euler
-from morse.middleware.ros2.parts import quaternion
+from morse.middleware.ros2.parts import quaternion, xyzw
 from morse.recording.captures.template import Part, Template
 
 if TYPE_CHECKING:
@@ -153,3 +154,22 @@ def test_the_functions_are_those_of_python() -> None:
     for x in np.random.default_rng(2).uniform(-1.0, 1.0, 300).tolist():
         assert (found.sin(3.0 * x), found.cos(3.0 * x)) == (math.sin(3.0 * x), math.cos(3.0 * x))
         assert (found.asin(x), found.atan2(x, 0.3)) == (math.asin(x), math.atan2(x, 0.3))
+
+
+def test_numbers_of_the_data_in_their_forms(build: ctypes.CDLL) -> None:
+    native, rng = NativeRecords(build), np.random.default_rng(3)
+    template = Template([Part(1, bytes(4 + 8 + 3 * 8 + 32))])
+    size, begin = len(template.bytes), 31 + 12
+    data = np.array([[0.1, -0.0, 1 / 3, *rng.normal(size=4)], [math.inf, 0.5, -1e-50, 0.0, 0.0, 0.0, 0.0]])
+    which = np.array([(DOUBLE, begin, 1), (SUM, begin + 8, 1), (SINGLE, begin + 16, 2), (TURN, begin + 24, 3)])
+    chunk = np.zeros(2 * size, dtype=np.uint8)
+    begins, moments = np.array([0, size]), np.zeros((2, 3), dtype=np.int64)
+    batch = native.batch()
+    rows = Rows(begins, moments, template.bytes, template.heads, template.stamps, chunk)
+    batch.rows(rows)
+    batch.numbers(rows, Numbers(data, which))
+    batch.run()
+    for row, numbers in enumerate(data.tolist()):
+        wanted = struct.pack("<ddf4x4d", numbers[1], numbers[1] + 0.0, numbers[2], *xyzw(numbers[3:]))
+        at = row * size + begin
+        assert chunk[at : at + 56].tobytes() == wanted

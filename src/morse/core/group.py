@@ -286,12 +286,17 @@ class Group:
 
     def fill(self, row: int) -> dict[str, Any]:
         """Fill in the data of a member and make them its ``local_data`` again."""
+        data = self.peek(row)
+        self._attributes[row]["local_data"] = data
+        return data
+
+    def peek(self, row: int) -> dict[str, Any]:
+        """The data of a member, which stay valid until the group acts again; `fill` makes them its ``local_data``."""
         data = self._datas[row]
         if self._written is not None:
             data["timestamp"] = self._time
             for fields, values in self._written:
                 data.update(zip(fields, values(row), strict=True))
-        self._attributes[row]["local_data"] = data
         return data
 
     def row_of(self, member: Member) -> int:

@@ -8,7 +8,7 @@ from morse.kernel.recording import records
 from morse.middleware.ros2.cdr import encode
 from morse.middleware.ros2.kinds.states import clock
 from morse.middleware.ros2.transforms import transform
-from morse.recording.captures import FramesCapture, Layout, Lone, capture_of
+from morse.recording.captures import CopiesCapture, FramesCapture, Layout, Lone, capture_of
 from morse.recording.captures.poses import groups_of
 from morse.recording.captures.template import STAMP, Part, Template
 
@@ -27,6 +27,8 @@ _CLOCK, _TF = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage"
 _MOST_KNOWN = 256
 #: maximum number of new captures until the components change: creating one takes as long as hundreds of messages
 _MOST_MADE = 200
+#: maximum number of times that the data of a sensor no longer suit its capture
+_MOST_FAILURES = 10
 #: maximum number of rigid groups whose poses are copied; of more, references to the arrays are stored
 _MOST_COPIED = 128
 
@@ -70,8 +72,10 @@ class Captures:
     def forget(self) -> None:
         """The components may have changed."""
         #: by the members of a group
-        self._known: dict[tuple[Any, ...], tuple[Capture, Sequence[Mounting]] | None] = {}
+        self._known: dict[tuple[Any, ...], tuple[Capture, Sequence[Mounting] | None] | None] = {}
         self._layouts: dict[tuple[Group | Lone, ...], Layout] = {}
+        #: by the members of a group: how often its data did not suit its capture
+        self._failures: dict[tuple[Any, ...], int] = {}
         self._frames: tuple[FramesCapture, Sequence[Mounting]] | None = None
         #: whether it encodes the frames too; the streams encode those of joints, and of robots that odometry moves
         self._has_frames = False
@@ -117,19 +121,20 @@ class Captures:
         for sensor in layout.alone:
             if sensor.stamp != world.stamp:
                 return self._encode_all()
-        scans = None
-        if layout.scans:
-            scans = [(capture, capture.take(group)) for group, capture in layout.scans]
-            for _, distances in scans:
-                if distances is None:
+        taken = None
+        if layout.taken:
+            taken = [(capture, capture.take(group)) for group, capture in layout.taken]
+            for (changed, _), (_, data) in zip(layout.taken, taken, strict=True):
+                if data is None:
+                    self._distrust(changed)
                     return self._encode_all()
         fired.clear()
         if self._is_whole:
             rotations = world.rotations
-            self._keep(layout, positions, rotations.share(), rows.place, rotations.place, scans)
+            self._keep(layout, positions, rotations.share(), rows.place, rotations.place, taken)
         else:
             stored = self._stored
-            self._keep(layout, positions[stored].tobytes(), world.rotations.array[stored].tobytes(), 0, 0, scans)
+            self._keep(layout, positions[stored].tobytes(), world.rotations.array[stored].tobytes(), 0, 0, taken)
         self.kept = True
         if not self._has_frames:
             return False
@@ -138,13 +143,24 @@ class Captures:
             self._streams.flush_others()
         return True
 
+    def _distrust(self, group: Group | Lone) -> None:
+        """The messages of a group have changed: make another capture, unless that happens too often."""
+        failures = self._failures[group.members] = self._failures.get(group.members, 0) + 1
+        self._layouts.clear()
+        self._known.pop(group.members, None)
+        if failures > _MOST_FAILURES:
+            self._known[group.members] = None
+
     def _encode_all(self) -> bool:
         """Let the streams encode the measurements of the groups of this tick."""
         self.kept = False
         for group in self._fired:
             for stream in self._streams_of(group):
                 if stream.component_instance in self.quiet:
-                    stream.encode()
+                    try:
+                        stream.encode()
+                    except Exception:  # the stream encodes its messages itself from now on, and reports the error
+                        self._known[group.members] = None
         self._fired.clear()
         return False
 
@@ -219,7 +235,7 @@ class Captures:
         """Whether only other objects were moved within their rigid groups, such as the bones of an arm in each tick."""
         motion, frames = self._streams.motion, self._frames
         assert motion is not None
-        if any(found is not None and found[1] != _mountings(members) for members, found in self._known.items()):
+        if any(_is_displaced(members, found) for members, found in self._known.items()):
             return False
         if frames is not None and frames[1] != _mountings(robot for _, _, robot in self._plain()):
             return False
@@ -231,7 +247,7 @@ class Captures:
     def _drop_displaced(self) -> None:
         """Remove the captures of objects that were moved within their rigid groups."""
         for members, found in list(self._known.items()):
-            if found is not None and found[1] != _mountings(members):
+            if _is_displaced(members, found):
                 del self._known[members]
                 self._layouts.clear()
         if self._frames is not None and self._frames[1] != _mountings(robot for _, _, robot in self._plain()):
@@ -257,14 +273,17 @@ class Captures:
         self.quiet |= members
         return found[0]
 
-    def _make(self, group: Group | Lone) -> tuple[Capture, Sequence[Mounting]] | None:
+    def _make(self, group: Group | Lone) -> tuple[Capture, Sequence[Mounting] | None] | None:
         streams = self._streams_of(group)
         once = len({id(stream.component_instance) for stream in streams}) == len(streams)
         self._made += 1
         if not once or self._made > _MOST_MADE:
             return None
         capture = capture_of(self._native, group, streams)
-        return None if capture is None else (capture, _mountings(group.members))
+        if capture is None:
+            return None
+        # numbers of the data do not depend on places
+        return capture, None if isinstance(capture, CopiesCapture) else _mountings(group.members)
 
     def _make_frames(self) -> None:
         robots, channels = self._plain(), self._streams.own_channels()
@@ -290,6 +309,10 @@ class Captures:
         if capture.agrees(groups_of(snapshot), messages):
             self._frames = capture, _mountings(robot for _, _, robot in robots)
             self._has_frames = self._transforms.plain() is not None
+
+
+def _is_displaced(members: Any, found: tuple[Capture, Sequence[Mounting] | None] | None) -> bool:
+    return found is not None and found[1] is not None and found[1] != _mountings(members)
 
 
 def _mountings(components: Any) -> list[Mounting]:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core.joining import may_join
+from morse.core.kinds.binding import stamp_of
+from morse.middleware.ros2.definitions import fields_of
 from morse.middleware.ros2.stream import Ros2Stream
 from morse.recording.captures.classes import is_captured
 from morse.recording.captures.lone import Lone
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Callable, Collection
 
+    from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
+    from morse.middleware.ros2.outlets import Outlet
 
 
 class Single(NamedTuple):
@@ -25,6 +30,31 @@ class Single(NamedTuple):
 
     channel: int
     data: bytes
+
+
+class RecordedLine(NamedTuple):
+    """A topic of a recorded sensor.
+
+    Attributes:
+        bound: the kind of its messages.
+        outlet: the topic.
+        channel: id of its channel in the file.
+        is_stamped: whether its messages begin with a header.
+        frame: name of the frame of a message.
+        encode: encodes a message, given its fields.
+    """
+
+    bound: BoundKind
+    outlet: Outlet
+    channel: int
+    is_stamped: bool
+    frame: Callable[[Message], str]
+    encode: Callable[[Any], bytes]
+
+    def encoded(self, message: Message) -> bytes | None:
+        """The bytes of a message; None if there is nothing to send."""
+        made = self.outlet.make(message, self.frame(message))
+        return None if made is None else self.encode(made)
 
 
 class RecordedStream(Ros2Stream):
@@ -54,8 +84,12 @@ class RecordedStream(Ros2Stream):
 
     def _look_at(self, component: Object) -> None:
         self._is_known = True
-        if self.manager.captures is not None and is_captured(component) and may_join(component):
+        if self.manager.captures is None:
+            return
+        if is_captured(component) and may_join(component):
             self._lone = Lone(component)
+        elif not self.moves_frames and (lines := self.lines()) and all(line.outlet.is_copy for line in lines):
+            self._lone = Lone(component, is_of_data=True)
 
     def encode(self) -> None:
         """Publish the present messages."""
@@ -66,6 +100,27 @@ class RecordedStream(Ros2Stream):
         """See `AbstractDatastream.waiting`."""
         captures = self.manager.captures
         return () if captures is not None and self.component_instance in captures.quiet else None
+
+    def stamp(self) -> int:
+        """The time of the present measurement, ns."""
+        return stamp_of(self.component_instance)
+
+    def lines(self) -> list[RecordedLine] | None:
+        """Return its topics in the file; None if a message depends on more than the slots of the component."""
+        found = []
+        for bound, lines in self.sending:
+            for line in lines:
+                number, outlet = getattr(line.publisher, "number", None), line.outlet
+                if outlet.when is not None or (number is None and line.publisher.wanted()):
+                    return None
+                if number is not None:
+                    is_stamped = fields_of(outlet.type)[0].type == "std_msgs/msg/Header"
+                    encode = partial(self.manager.backend.encode, outlet.type)
+                    found.append(RecordedLine(bound, outlet, number, is_stamped, self._frame_of(outlet), encode))
+        return found
+
+    def _frame_of(self, outlet: Outlet) -> Callable[[Message], str]:
+        return lambda message: self.frame_id(outlet.frame or message.frame)
 
     def single(self, type_name: str) -> Single | None:
         """Return the present message if the sensor has one message of that type; else None."""

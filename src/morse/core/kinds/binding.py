@@ -20,7 +20,7 @@ from morse.core.quoting import shown
 from morse.core.validation.errors import CommandError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from morse.core.declarations import DataField, KindUse
     from morse.core.kinds.kind import Kind, Slot
@@ -125,16 +125,35 @@ class BoundKind:
         component = self.component
         if self.kind.name == GENERAL:
             return Message(self.kind, stamp_of(component), "own", dict(component.local_data))
-        slots: dict[str, Any] = {}
-        for slot, source in self._sources:
-            value = source.get(component)
-            if value is None:
-                continue
-            if slot.name in self._turns:
-                value = turned(value, slot.moves, *self._turns[slot.name], component)
-            slots[slot.name] = as_slot(slot, value)
+        return self.message_of(self.values(component), stamp_of(component))
+
+    @property
+    def sources(self) -> Sequence[tuple[Slot, Source]]:
+        """The slots with a source, in the order of `values`."""
+        return self._sources
+
+    def values(self, component: Any) -> list[Any]:
+        """Return the present value of each slot with a source, None if there is none, in the order of `message_of`.
+
+        Args:
+            component: the component, or an object with its ``local_data`` if `needs` is not None.
+        """
+        values = [source.get(component) for _, source in self._sources]
+        if self._turns:
+            for index, (slot, _) in enumerate(self._sources):
+                if slot.name in self._turns and values[index] is not None:
+                    values[index] = turned(values[index], slot.moves, *self._turns[slot.name], component)
+        return values
+
+    def message_of(self, values: Sequence[Any], stamp: int) -> Message:
+        """Return the message with the `values` of the slots at a time, whole ns."""
+        slots: dict[str, Any] = {
+            slot.name: as_slot(slot, value)
+            for (slot, _), value in zip(self._sources, values, strict=True)
+            if value is not None
+        }
         slots.update(self._covariances)
-        return Message(self.kind, stamp_of(component), self.frame, slots)
+        return Message(self.kind, stamp, self.frame, slots)
 
     @property
     def needs(self) -> frozenset[str] | None:

@@ -45,6 +45,22 @@ typedef struct {
     int64_t *last;  // (columns) receives the position of each column in the last tick
 } PackTicks;
 
+enum { RECORD_DOUBLE, RECORD_SUM, RECORD_SINGLE, RECORD_TURN };
+
+typedef struct {
+    int64_t form;
+    int64_t place;   // in the templates
+    int64_t column;  // of the number in the data; of a turn the first of four
+} RecordNumber;
+
+typedef struct {
+    int64_t columns;
+    const double *data;  // (R, columns)
+    int64_t numbers;
+    const RecordNumber *which;
+} RecordNumbers;
+
+void record_numbers_of(const RecordRows *rows, const RecordNumbers *all);
 void record_rows(const RecordRows *rows);
 int64_t record_poses(const RecordRows *rows, const RecordPoses *all, const RecordFunctions *use, uint8_t *left);
 int64_t record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, uint8_t *left);

@@ -2,7 +2,7 @@
 #include "export.h"
 #include "record.h"
 
-enum { ROWS, POSES, FRAMES, SCANS, INDEX, PACK, APPEND };
+enum { ROWS, POSES, FRAMES, SCANS, INDEX, PACK, APPEND, NUMBERS };
 
 typedef struct {
     int64_t kind;
@@ -37,6 +37,9 @@ static void run(RecordStep *step, const RecordStep *before) {
             break;
         case APPEND:  // behind the frame of the step before
             memcpy((uint8_t *)at(step, 0) + before->result, at(step, 1), (size_t)n[2]);
+            break;
+        case NUMBERS:
+            record_numbers_of(at(step, 0), at(step, 1));
             break;
         default:
             break;

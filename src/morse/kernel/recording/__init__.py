@@ -7,11 +7,11 @@ compares the messages of one tick with it.
 from __future__ import annotations
 
 from morse.kernel.loading import library
-from morse.kernel.recording.arrays import Poses, Rows, Scans, Similar
+from morse.kernel.recording.arrays import Numbers, Poses, Rows, Scans, Similar
 from morse.kernel.recording.batch import Batch
 from morse.kernel.recording.native import NativeRecords
 
-__all__ = ["Batch", "NativeRecords", "Poses", "Rows", "Scans", "Similar", "records"]
+__all__ = ["Batch", "NativeRecords", "Numbers", "Poses", "Rows", "Scans", "Similar", "records"]
 
 
 def records() -> NativeRecords | None:

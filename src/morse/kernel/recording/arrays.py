@@ -73,6 +73,23 @@ class Scans(NamedTuple):
     places: Integers
 
 
+#: forms of a number of a message: double precision; the same plus zero, which removes the sign of zero; single
+#: precision; four numbers, a quaternion w, x, y, z that becomes a unit quaternion x, y, z, w
+DOUBLE, SUM, SINGLE, TURN = range(4)
+
+
+class Numbers(NamedTuple):
+    """Numbers of messages that are those of the data in R ticks.
+
+    Attributes:
+        data: (R, F).
+        which: (M, 3) form, offset in the templates, column in the data, of a quaternion the first of four.
+    """
+
+    data: Floats
+    which: Integers
+
+
 class Similar(NamedTuple):
     """Where the records of R ticks resemble others. Each tick has one of L layouts, which consist of spans.
 

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.kernel.recording.arrays import Bytes, Floats, Integers, Poses, Rows, Scans, Similar
+    from morse.kernel.recording.arrays import Bytes, Floats, Integers, Numbers, Poses, Rows, Scans, Similar
     from morse.kernel.recording.functions import Functions
 
 #: kinds of steps: those of ``c/record_batch.c``
-_ROWS, _POSES, _FRAMES, _SCANS, _INDEX, _PACK, _APPEND = range(7)
+_ROWS, _POSES, _FRAMES, _SCANS, _INDEX, _PACK, _APPEND, _NUMBERS = range(8)
 #: columns of a step: kind, result, arguments
 _RESULT, _COLUMNS = 1, 10
 #: size of a block of a frame, bytes
@@ -60,6 +60,12 @@ class _PosesStructure(ctypes.Structure):
         ("apart", c_void_p),
         ("places", c_void_p),
     )
+
+
+class _NumbersStructure(ctypes.Structure):
+    """``RecordNumbers`` of ``c/record.h``."""
+
+    _fields_ = (("columns", c_int64), ("data", c_void_p), ("numbers", c_int64), ("which", c_void_p))
 
 
 class _TicksStructure(ctypes.Structure):
@@ -141,6 +147,13 @@ class Batch:
         arrays = address(scans.distances), address(scans.reaches), address(scans.places)
         sizes = scans.rays, min(scans.kept, scans.rays)
         self._add(_SCANS, self._rows(rows), len(scans.members), address(scans.members), *sizes, *arrays)
+
+    def numbers(self, rows: Rows, numbers: Numbers) -> None:
+        """Write numbers of the data of sensors."""
+        data, which = numbers
+        made = _NumbersStructure(data.shape[1], address(data), len(which), address(which))
+        self._kept += (numbers, made)
+        self._add(_NUMBERS, self._rows(rows), addressof(made))
 
     def index(self, begins: Integers, moments: Integers, heads: Integers, channels: Integers, index: Bytes) -> None:
         """Write the records ``MessageIndex`` of some channels.

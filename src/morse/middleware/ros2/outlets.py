@@ -34,6 +34,8 @@ class Outlet(NamedTuple):
         has_child: whether the message has a ``child_frame_id`` after the header.
         is_detached: `make` and `numbers` use nothing but the message, and the pose of a sensor in its rigid group; they
             take vectors as sequences of numbers, too. Another thread may call them later.
+        is_copy: each number of the message is a number of a slot, part of a unit quaternion from a slot, or depends
+            only on the other slots.
     """
 
     type: str
@@ -48,6 +50,7 @@ class Outlet(NamedTuple):
     numbers: Callable[[Message], tuple[float, ...]] | None = None
     has_child: bool = False
     is_detached: bool = False
+    is_copy: bool = False
 
 
 class Inlet(NamedTuple):

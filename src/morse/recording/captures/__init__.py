@@ -5,6 +5,7 @@ groups and the distances of scans are copied. The thread that writes the file en
 """
 
 from morse.recording.captures.capture import Capture
+from morse.recording.captures.copies import CopiesCapture
 from morse.recording.captures.frames import FramesCapture
 from morse.recording.captures.groups import capture_of
 from morse.recording.captures.layout import Layout
@@ -12,4 +13,4 @@ from morse.recording.captures.lone import Lone
 from morse.recording.captures.moments import Moments
 from morse.recording.captures.nodes import NodesCapture
 
-__all__ = ["Capture", "FramesCapture", "Layout", "Lone", "Moments", "NodesCapture", "capture_of"]
+__all__ = ["Capture", "CopiesCapture", "FramesCapture", "Layout", "Lone", "Moments", "NodesCapture", "capture_of"]

@@ -25,9 +25,12 @@ class Capture(ABC):
         template: the records of one tick.
         size: size of these records, bytes.
         held: approximate memory of a tick until it is encoded, without poses, bytes.
+        is_taken: whether it has a method ``take(group)``, which returns the data of a tick to store, or None if the
+            streams have to encode the messages.
     """
 
     held = 0
+    is_taken = False
 
     def __init__(self, native: NativeRecords, template: Template) -> None:
         self._native = native

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.recording.captures.classes import MESSAGES
+from morse.recording.captures.copies import copies_of
+from morse.recording.captures.lone import Lone
 from morse.recording.captures.poses import groups_of
 from morse.recording.captures.sensors import PoseSensors, Scanners
 from morse.recording.captures.template import Part, Template
@@ -15,7 +17,6 @@ if TYPE_CHECKING:
     from morse.core.group import Group
     from morse.kernel.recording import NativeRecords
     from morse.recording.captures.capture import Capture
-    from morse.recording.captures.lone import Lone
     from morse.recording.recorded_stream import RecordedStream, Single
 
 
@@ -30,10 +31,11 @@ def capture_of(native: NativeRecords, group: Group | Lone, streams: Sequence[Rec
     Returns:
         None if the streams have to encode each message.
     """
-    kind = type(group.members[0])
-    wanted = MESSAGES.get(kind)
-    if wanted is None or not streams:
+    if not streams:
         return None
+    wanted = MESSAGES.get(type(group.members[0]))
+    if wanted is None or (isinstance(group, Lone) and group.is_of_data):
+        return copies_of(native, group, streams)
     messages = [message for stream in streams if (message := stream.single(wanted)) is not None]
     if len(messages) < len(streams):
         return None

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.recording.captures.lone import Lone
 from morse.recording.captures.poses import PosesCapture
-from morse.recording.captures.sensors import PoseSensors, Scanners
+from morse.recording.captures.sensors import PoseSensors
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,7 +32,7 @@ class Layout:
         held: approximate memory of a tick until it is encoded, bytes.
         posed: groups whose poses are stored.
         alone: sensors that act alone, and whose poses are stored.
-        scans: groups whose scans are stored, and their captures.
+        taken: groups whose data are stored, and their captures.
         first, last: the rigid groups whose poses are needed: ``range(first, last)``.
     """
 
@@ -47,7 +47,7 @@ class Layout:
         posed = [group for group, capture in pairs if isinstance(capture, PoseSensors)]
         self.posed = [group for group in posed if not isinstance(group, Lone)]
         self.alone = [sensor for sensor in posed if isinstance(sensor, Lone)]
-        self.scans = [(group, capture) for group, capture in pairs if isinstance(capture, Scanners)]
+        self.taken: list[tuple[Group | Lone, Any]] = [(group, capture) for group, capture in pairs if capture.is_taken]
         slots = [slot for capture in self.offsets if isinstance(capture, PosesCapture) for slot in capture.slots]
         self.first, self.last = min(slots, default=0), max(slots, default=-1) + 1
         self._held = self.held

@@ -21,9 +21,15 @@ class Lone:
         members: the sensor.
         is_changed: see `morse.core.group.Group`.
         stamp: stamp of the world at its last measurement.
+        is_of_data: whether its messages follow from its data, whatever its class is.
+
+    Args:
+        component: the sensor.
+        is_of_data: see above.
     """
 
-    def __init__(self, component: Any) -> None:
+    def __init__(self, component: Any, *, is_of_data: bool = False) -> None:
+        self.is_of_data = is_of_data
         self.members = (component,)
         self.is_changed = False
         self.stamp = -1
@@ -32,9 +38,9 @@ class Lone:
         self._size = len(self._attributes)
 
     def is_plain(self) -> bool:
-        """Return whether its messages follow from its class: without noise, delay, modifiers, added attributes."""
+        """Return whether its messages follow from its data or its class: without noise, delay, added attributes."""
         attributes = self._attributes
-        return (
+        return self.is_of_data or (
             not self._modifiers
             and len(attributes) == self._size
             and attributes["output_modifiers"] is self._modifiers

@@ -65,6 +65,8 @@ class Scanners(Capture):
         reach: distance that means no hit, m.
     """
 
+    is_taken = True
+
     def __init__(
         self,
         native: NativeRecords,

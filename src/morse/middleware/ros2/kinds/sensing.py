@@ -29,20 +29,28 @@ class SensingKinds:
     @maps("imu")
     def imu(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """On ``data``, as in REP 145."""
-        return [Outlet("sensor_msgs/msg/Imu", _imu, "data", is_detached=True)]
+        return [Outlet("sensor_msgs/msg/Imu", _imu, "data", is_detached=True, is_copy=True)]
 
     @maps("magnetic_field")
     def magnetic_field(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """On ``mag`` beside an imu."""
         beside = any(other.kind.name == "imu" for other in stream.kinds)
-        return [Outlet("sensor_msgs/msg/MagneticField", _magnetic_field, "mag" if beside else "", is_detached=True)]
+        return [
+            Outlet(
+                "sensor_msgs/msg/MagneticField",
+                _magnetic_field,
+                "mag" if beside else "",
+                is_detached=True,
+                is_copy=True,
+            )
+        ]
 
     @maps("fix")
     def fix(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """Of the antenna; velocity and universal time have their own topics."""
-        outlets = [Outlet("sensor_msgs/msg/NavSatFix", _fix, frame="own")]
+        outlets = [Outlet("sensor_msgs/msg/NavSatFix", _fix, frame="own", is_copy=True)]
         if bound.has("velocity"):
-            outlets.append(Outlet("geometry_msgs/msg/TwistStamped", _ground_velocity, "vel", frame="enu"))
+            outlets.append(Outlet("geometry_msgs/msg/TwistStamped", _ground_velocity, "vel", frame="enu", is_copy=True))
         if bound.has("utc"):
             outlets.append(Outlet("sensor_msgs/msg/TimeReference", _time_reference, "time_reference", frame="own"))
         return outlets
@@ -57,9 +65,11 @@ class SensingKinds:
         """A ``FluidPressure`` is absolute: the differential pressure is a number."""
         outlets = []
         if bound.has("absolute"):
-            outlets.append(Outlet("sensor_msgs/msg/FluidPressure", _pressure))
+            outlets.append(Outlet("sensor_msgs/msg/FluidPressure", _pressure, is_copy=True))
         if bound.has("differential"):
-            outlets.append(Outlet("std_msgs/msg/Float64", lambda m, f: {"data": m.differential}, "differential"))
+            outlets.append(
+                Outlet("std_msgs/msg/Float64", lambda m, f: {"data": m.differential}, "differential", is_copy=True)
+            )
         return outlets
 
     @maps("temperature")
@@ -69,19 +79,24 @@ class SensingKinds:
             Outlet(
                 "sensor_msgs/msg/Temperature",
                 lambda m, f: {"header": header(m, f), "temperature": m.temperature, "variance": m.variance},
+                is_copy=True,
             )
         ]
 
     @maps("battery")
     def battery(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """Quantities that are not measured are NaN."""
-        return [Outlet("sensor_msgs/msg/BatteryState", _battery)]
+        return [Outlet("sensor_msgs/msg/BatteryState", _battery, is_copy=True)]
 
     @maps("range")
     def range(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """Along the X axis of the frame: the frame of an altimeter points down, however the robot is tilted."""
         bundle = getattr(bound.component, "rays", None)
-        return [Outlet("sensor_msgs/msg/Range", _range, frame="down" if getattr(bundle, "upright", False) else "")]
+        return [
+            Outlet(
+                "sensor_msgs/msg/Range", _range, frame="down" if getattr(bundle, "upright", False) else "", is_copy=True
+            )
+        ]
 
 
 def _imu(message: Message, frame: str) -> dict[str, Any]:

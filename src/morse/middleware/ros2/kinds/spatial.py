@@ -36,7 +36,7 @@ class SpatialKinds:
     def pose(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """A point if there is no orientation."""
         if not bound.has("orientation"):
-            return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True)]
+            return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True, is_copy=True)]
         if bound.has("covariance"):
             return [
                 Outlet(
@@ -45,6 +45,7 @@ class SpatialKinds:
                         "header": header(m, f),
                         "pose": {"pose": pose_message(m), "covariance": covariance(m.covariance)},
                     },
+                    is_copy=True,
                 )
             ]
         return [
@@ -53,6 +54,7 @@ class SpatialKinds:
                 lambda m, f: {"header": header(m, f), "pose": pose_message(m)},
                 numbers=lambda m: (*three(m.position), *xyzw(m.orientation)),
                 is_detached=True,
+                is_copy=True,
             )
         ]
 
@@ -67,6 +69,7 @@ class SpatialKinds:
                         "header": header(m, f),
                         "twist": {"twist": _twist(m), "covariance": covariance(m.covariance)},
                     },
+                    is_copy=True,
                 )
             ]
         return [
@@ -75,6 +78,7 @@ class SpatialKinds:
                 lambda m, f: {"header": header(m, f), "twist": _twist(m)},
                 numbers=lambda m: (*three(m.linear), *three(m.angular)),
                 is_detached=True,
+                is_copy=True,
             )
         ]
 
@@ -85,13 +89,14 @@ class SpatialKinds:
             Outlet(
                 "geometry_msgs/msg/AccelWithCovarianceStamped",
                 lambda m, f: {"header": header(m, f), "accel": {"accel": _twist(m)}},
+                is_copy=True,
             )
         ]
 
     @maps("attitude")
     def attitude(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """An IMU message that marks the missing quantities."""
-        return [Outlet("sensor_msgs/msg/Imu", _attitude, frame="own")]
+        return [Outlet("sensor_msgs/msg/Imu", _attitude, frame="own", is_copy=True)]
 
     @maps("odometry")
     def odometry(self, stream: Any, bound: BoundKind) -> list[Outlet]:
@@ -113,6 +118,7 @@ class SpatialKinds:
             Outlet(
                 "geometry_msgs/msg/WrenchStamped",
                 lambda m, f: {"header": header(m, f), "wrench": {"force": xyz(m.force), "torque": xyz(m.torque)}},
+                is_copy=True,
             )
         ]
 

@@ -26,9 +26,9 @@ class StateKinds:
     @maps("contact")
     def contact(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """Whether there is a contact, the names, and the force."""
-        outlets = [Outlet(_BOOL, lambda m, f: {"data": m.touching})]
+        outlets = [Outlet(_BOOL, lambda m, f: {"data": m.touching}, is_copy=True)]
         if bound.has("names"):
-            outlets.append(Outlet(_STRING, lambda m, f: {"data": ",".join(m.names or ())}, "names"))
+            outlets.append(Outlet(_STRING, lambda m, f: {"data": ",".join(m.names or ())}, "names", is_copy=True))
         if bound.has("forces"):
             outlets.append(Outlet("geometry_msgs/msg/WrenchStamped", _total_force, "wrench", frame="world"))
         return outlets
@@ -36,12 +36,12 @@ class StateKinds:
     @maps("joints")
     def joints(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """All joints of the component."""
-        return [Outlet("sensor_msgs/msg/JointState", _joints)]
+        return [Outlet("sensor_msgs/msg/JointState", _joints, is_copy=True)]
 
     @maps("actuators")
     def actuators(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """One number for each motor."""
-        return [Outlet(_FLOATS, lambda m, f: {"data": m.values})]
+        return [Outlet(_FLOATS, lambda m, f: {"data": m.values}, is_copy=True)]
 
     @maps("switch")
     def switch(self, stream: Any, bound: BoundKind) -> list[Outlet]:
