@@ -105,6 +105,16 @@ def test_a_broken_kernel_is_reported_not_raised(monkeypatch, tmp_path):
     assert not finding.required
 
 
+def test_an_environment_that_does_not_see_ros_of_the_system_is_told_so(tmp_path, monkeypatch):
+    (tmp_path / "rospy").mkdir()
+    monkeypatch.setattr(findings_module, "_DEBIAN", str(tmp_path))
+    monkeypatch.setattr(findings_module.importlib.util, "find_spec", lambda name: None)
+    finding = findings_module._ros1()
+    assert not finding.found
+    assert "--system-site-packages" in finding.install
+    assert str(tmp_path) in finding.install
+
+
 def test_a_blender_that_does_not_run_is_not_found(morse, monkeypatch):
     program = morse.home / "blender"
     program.write_text("#!/nowhere/interpreter\n")

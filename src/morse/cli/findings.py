@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _MINIMAL_PYTHON = (3, 11)
+#: directory of the Python packages of Debian and Ubuntu
+_DEBIAN = "/usr/lib/python3/dist-packages"
 
 _REQUIRED_MODULES = {
     "mujoco": ("mujoco-core", "physics"),
@@ -111,11 +113,19 @@ def _kernel() -> Finding:
 def _ros2() -> Finding:
     found = available()
     gives = "topics of ROS 2"
+    if "rclpy" in found:
+        gives = "topics, services and actions of ROS 2"
+        if importlib.util.find_spec("simulation_interfaces") is not None:
+            found = [*found, "simulation_interfaces"]
     return Finding("ROS 2", bool(found), ", ".join(found) or "neither rclpy nor cyclonedds", gives, INSTALL)
 
 
 def _ros1() -> Finding:
     gives = "topics, services and actions of ROS 1"
+    if importlib.util.find_spec("rospy") is None and Path(_DEBIAN, "rospy").is_dir():
+        # a virtual environment does not see the packages of the system
+        mend = f"python3 -m venv --system-site-packages, or add {_DEBIAN} to PYTHONPATH"
+        return Finding("ROS 1", False, f"rospy of Debian, which {sys.prefix} does not see", gives, mend)
     return Finding("ROS 1", importlib.util.find_spec("rospy") is not None, "rospy", gives, ros.INSTALL)
 
 
