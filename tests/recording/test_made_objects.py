@@ -134,14 +134,26 @@ def test_a_recording_that_begins_later_describes_who_is_there(tmp_path: Path) ->
 
 def test_equal_meshes_are_written_once(tmp_path: Path) -> None:
     (tmp_path / "scene.py").write_text(SCENE)
-    with morse.load(tmp_path / "scene.py") as sim, sim.record(tmp_path / "run.mcap", sensors=[]):
+    with morse.load(tmp_path / "scene.py") as sim, sim.record(tmp_path / "run.mcap"):
         for number in range(2):
             sim.spawn(f"crate{number}", crate, (3.0, number, 1.0))
+        sim.step(1)
     with Recording(tmp_path / "run.mcap") as recording:
         names = recording.attachments
     blocks = [name for name in names if name.startswith("blocks/")]
     assert len(blocks) == len(set(blocks)) > 0
     assert [name for name in names if name.startswith("made/")] == ["made/0", "made/1"]
+    with Recording(tmp_path / "run.mcap") as recording, playing(recording, port=0, browser=False) as view:
+        view._timeline.approach(1)
+        assert {"crate0", "crate1"} <= view._simulation.world.objects_by_name.keys()
+
+
+def test_inputs_alone_contain_no_descriptions(tmp_path: Path) -> None:
+    (tmp_path / "scene.py").write_text(SCENE)
+    with morse.load(tmp_path / "scene.py") as sim, sim.record(tmp_path / "run.mcap", sensors=[]):
+        sim.spawn("crate", crate, (3.0, 0.0, 1.0))
+    with Recording(tmp_path / "run.mcap") as recording:
+        assert not [name for name in recording.attachments if name.startswith(("made/", "blocks/"))]
 
 
 # -- the form -------------------------------------------------------------------------------

@@ -36,8 +36,8 @@ def as_message(entry: Entry, pack: Callable[[Entry], bytes]) -> bytes:
         exact = base64.b64encode(pack(entry)).decode()
     except ValueError as error:
         logger.warning(
-            "%s: the recording can be shown, but cannot be simulated again. Spawn it by the name of a robot or by a "
-            "file instead",
+            "%s: the recording cannot be simulated again, and shows it only if sensors are recorded. Spawn it by the "
+            "name of a robot or by a file instead",
             error,
         )
     shown = repr(entry.content)

@@ -14,7 +14,7 @@ from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.recording.made import form
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -33,13 +33,21 @@ class Packing:
     Args:
         roots: the nodes without a parent.
         components: the declarations of the components.
+        packed: meshes and images of earlier descriptions with their digests, by the id of the object; their blocks are
+            left out, and new ones are added.
 
     Attributes:
         blocks: the bytes of meshes, shapes and images, by their SHA-256.
     """
 
-    def __init__(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration]) -> None:
+    def __init__(
+        self,
+        roots: Sequence[Node],
+        components: Sequence[ComponentDeclaration],
+        packed: dict[int, tuple[object, str]] | None = None,
+    ) -> None:
         self.blocks: dict[str, bytes] = {}
+        self._packed = {} if packed is None else packed
         nodes = [node for root in roots for node in root.walk()]
         self._places = {node: place for place, node in enumerate(nodes)}
         self._known: dict[int, int] = {}
@@ -62,6 +70,13 @@ class Packing:
         digest = hashlib.sha256(data).hexdigest()
         self.blocks[digest] = data
         return digest
+
+    def _once(self, source: object, pack: Callable[[], str]) -> str:
+        """The digest of an object, whose block is made for the first description of it."""
+        if id(source) not in self._packed:
+            # the object is kept, so that no other object gets its id
+            self._packed[id(source)] = source, pack()
+        return self._packed[id(source)][1]
 
     def _arrays(self, source: Any, kinds: dict[str, str]) -> str:
         found: dict[str, Any] = {}
@@ -103,7 +118,8 @@ class Packing:
         if known is None:
             known = self._known[id(mesh)] = len(self._meshes)
             slots = [self._material(one) for one in mesh.materials]
-            self._meshes.append(form.MeshForm(mesh.name, slots, self._arrays(mesh, MESH_ARRAYS)))
+            digest = self._once(mesh, lambda: self._arrays(mesh, MESH_ARRAYS))
+            self._meshes.append(form.MeshForm(mesh.name, slots, digest))
         return known
 
     def _shape(self, shape: CollisionShape) -> form.ShapeForm:
@@ -137,7 +153,8 @@ class Packing:
         known = self._known.get(id(image))
         if known is None:
             known = self._known[id(image)] = len(self._images)
-            self._images.append(form.ImageForm(image.name, image.mime, self._block(image.data)))
+            digest = self._once(image, lambda: self._block(image.data))
+            self._images.append(form.ImageForm(image.name, image.mime, digest))
         return known
 
     def _component(self, declared: ComponentDeclaration) -> form.ComponentForm:

@@ -46,6 +46,7 @@ class MadeObjects:
         self._present, self._count = present, count
         self._known: dict[str, object] = {}
         self._written: set[str] = set()
+        self._packed: dict[int, tuple[object, str]] = {}
         self._number = 0
         self.follow()
 
@@ -56,9 +57,11 @@ class MadeObjects:
             if self._known.get(name) is identity:
                 continue
             try:
-                packing = Packing((newcomer := describe()).roots, newcomer.components)
+                newcomer = describe()
+                packing = Packing(newcomer.roots, newcomer.components, self._packed)
                 data = packing.to_bytes()
             except Exception as error:  # a component of the user may have values of any class
+                self._packed.clear()
                 logger.warning("'%s' cannot be described, and is not shown in the replay: %s", name[:80], error)
                 continue
             self._write(name, data, packing.blocks)
