@@ -39,7 +39,11 @@ class ContactPoints:
         data = self._copy
         mujoco.mj_copyData(data, model, self._state.data)
         with self._everything_awake():
-            mujoco.mj_forward(model, data)
+            try:
+                mujoco.mj_forward(model, data)
+            except mujoco.FatalError:  # too many contacts: the next tick excludes bodies
+                self._copy = None
+                return np.empty((0, 6), dtype=np.float32)
         rows = np.empty((data.ncon, 6), dtype=np.float32)
         wrench = np.zeros(6)
         for index, fixed in enumerate(self._second_is_fixed(data)):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.physics.forward import forward
 from morse.physics.kinematics import contact_pairs
 from morse.physics.motors import ARRAYS
 from morse.physics.sleep import check_asleep, set_asleep
@@ -52,7 +53,7 @@ def rewind(state: EngineState, numbers: NDArray[np.float64], asleep: NDArray[np.
     flags = model.opt.enableflags
     model.opt.enableflags = flags & ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     mujoco.mj_setState(model, data, numbers, STATE)
-    mujoco.mj_forward(model, data)
+    forward(state, lambda: mujoco.mj_setState(model, data, numbers, STATE))
     model.opt.enableflags = flags
     mujoco.mj_setState(model, data, numbers, STATE)
     set_asleep(state, asleep)

@@ -17,9 +17,12 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.physics import engine_values
 from morse.physics.glide import FIRST_WAIT, FORESIGHT, LONGEST_WAIT
+from morse.physics.stability import UnstableError
 
 if TYPE_CHECKING:
+    from morse.physics.crowding import Crowding
     from morse.physics.engine_state import EngineState
     from morse.physics.gliding import Gliding
     from morse.physics.rescue import Rescue
@@ -33,10 +36,11 @@ _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 class GlideSteps:
     """Runs the steps of the engine for a tick."""
 
-    def __init__(self, state: EngineState, gliding: Gliding, rescue: Rescue) -> None:
+    def __init__(self, state: EngineState, gliding: Gliding, rescue: Rescue, crowding: Crowding) -> None:
         self._state = state
         self._gliding = gliding
         self._rescue = rescue
+        self._crowding = crowding
         rescue.attach(state, gliding)
         self._tree_asleep = state.data.tree_asleep
         self._asleep = self._tree_asleep.copy()
@@ -82,11 +86,31 @@ class GlideSteps:
             self._gliding.look_ahead(1)
         if self._all_sleep():
             return
+        self._crowding.relieve()
         mujoco.mj_getState(self._state.model, self._state.data, self._saved, _STATE)
         np.copyto(self._asleep, self._tree_asleep)
-        self._run()
+        try:
+            self._run()
+        except mujoco.FatalError as error:
+            self._run_relieved(str(error))
         if not self._rescue.all_is_well():
             self._rescue.repeat(self._saved, self._asleep, self._run)
+
+    def _run_relieved(self, problem: str) -> None:
+        """Run the steps again after the engine has run out of memory, without the bodies that overlap most.
+
+        Raises:
+            UnstableError: the memory is exhausted by other bodies.
+        """
+        state = self._state
+        engine_values.rewind(state, self._saved, self._asleep)
+        if not self._crowding.relieve_at_once():
+            raise _exhausted(problem)
+        mujoco.mj_getState(state.model, state.data, self._saved, _STATE)
+        try:
+            self._run()
+        except mujoco.FatalError as error:
+            raise _exhausted(str(error)) from None
 
     def _all_sleep(self) -> bool:
         """Advance time without a step, if all bodies sleep and nothing was changed.
@@ -219,3 +243,7 @@ class GlideSteps:
             if index in touched or abs(vz) > _DISTURBED or tumbling > _DISTURBED:
                 found.append(index)
         return found
+
+
+def _exhausted(problem: str) -> UnstableError:
+    return UnstableError("the scene", f"its contacts exhaust the memory of the engine: {problem[:200]}")

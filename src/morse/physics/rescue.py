@@ -6,6 +6,7 @@ import logging
 import math
 from collections import deque
 from dataclasses import dataclass
+from time import monotonic
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -30,6 +31,8 @@ logger = logging.getLogger(__name__)
 _norm = mujoco.mju_norm
 #: resets of one body within this time, s, count as one event
 _EVENT = 1.0
+#: s between two reports
+_QUIET = 10.0
 #: maximum number of resets that are kept
 _REMEMBERED = 100
 #: maximum number of bodies that are reset one by one in a tick; further diverged bodies are reset together
@@ -63,6 +66,7 @@ class Rescue:
         self.recoveries: deque[Recovery] = deque(maxlen=_REMEMBERED)
         self.count = 0
         self._last: dict[str, float] = {}
+        self._reported = -math.inf
 
     def attach(self, state: EngineState, gliding: Gliding) -> None:
         """Use a model that was compiled again."""
@@ -112,6 +116,13 @@ class Rescue:
             raise UnstableError(*next(iter(said.items())))
         for name, what in said.items():
             self._note(name, what)
+
+    def report(self, text: str) -> None:
+        """Log an error that may occur in many ticks, at most every ten seconds of wall-clock time."""
+        now = monotonic()
+        if now - self._reported >= _QUIET:
+            self._reported = now
+            logger.error("%s", text)
 
     def _note(self, body: str, what: str) -> None:
         self.count += 1

@@ -13,10 +13,12 @@ from morse.physics.attachments import Attachments
 from morse.physics.bodies import Bodies
 from morse.physics.compile import compile_scene
 from morse.physics.contact_points import ContactPoints
+from morse.physics.crowding import Crowding
 from morse.physics.drives import Drives
 from morse.physics.engine_values import CHANGED_WHILE_RUNNING
 from morse.physics.fleet import Fleet
 from morse.physics.floor_planes import FloorPlanes
+from morse.physics.forward import forward, without_contacts
 from morse.physics.gameobject import GameObject
 from morse.physics.glide_steps import GlideSteps
 from morse.physics.gliding import Gliding
@@ -74,9 +76,11 @@ class World(ObjectWorld):
 
     def _build(self) -> None:
         """Create the parts that belong to the present compiled model."""
-        mujoco.mj_forward(self.model, self.data)
+        # contacts at the poses of the scene are not needed: spawned robots may all have come at one place
+        without_contacts(self)
         self.gliding = Gliding(self)
-        self._steps = GlideSteps(self, self.gliding, self._rescue)
+        free = {slot.body: slot.frame.node.name for slot in self.slots if slot.frame.motion is Motion.FREE}
+        self._steps = GlideSteps(self, self.gliding, self._rescue, Crowding(self, free, self._rescue))
         self.bodies = Bodies(self, self.gliding)
         self.drives = Drives(self, self.gliding, self.bodies)
         self._floor_planes = FloorPlanes(self, self.gliding.floors)
@@ -263,7 +267,7 @@ class World(ObjectWorld):
         self.has_forces = False
         self.is_stirred = True
         self.known_contacts = None
-        mujoco.mj_forward(self.model, self.data)
+        forward(self, self._hold_joints)
         kinematics.refresh(self)
 
     def _hold_joints(self) -> None:
