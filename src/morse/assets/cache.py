@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import os
+import stat
 import sys
 import tempfile
 from pathlib import Path
+
+#: flags for opening files that may be anything; Windows has neither
+_CAREFUL = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 
 class Cache:
     """A directory of results, in the cache directory of the system or in ``MORSE_CACHE``.
 
     A cache never raises errors: a result that cannot be read counts as missing, and a result that cannot be written is
-    not stored.
+    not stored. Directories and files of other users are not used.
 
     Args:
         kind: name of the directory and of the kind of results.
@@ -32,9 +36,15 @@ class Cache:
             return None
         file = folder / key
         try:
-            if file.stat().st_size > largest:
+            if not _is_own(folder.stat()):
                 return None
-            data = file.read_bytes()
+            # a pipe must not block, and a link must not lead to an endless file
+            descriptor = os.open(file, os.O_RDONLY | _CAREFUL)
+            with open(descriptor, "rb") as opened:
+                status = os.fstat(descriptor)
+                if not (stat.S_ISREG(status.st_mode) and _is_own(status) and status.st_size <= largest):
+                    return None
+                data = opened.read(largest)
         except OSError:
             return None
         with contextlib.suppress(OSError):
@@ -48,6 +58,8 @@ class Cache:
             return
         try:
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            if not _is_own(folder.stat()):
+                return
             with tempfile.NamedTemporaryFile(dir=folder, prefix=".", delete=False) as file:
                 try:
                     file.write(data)
@@ -77,6 +89,11 @@ class Cache:
             return (Path(given) if given else _system_folder() / "morse") / self._kind
         except RuntimeError:  # the user has no home directory
             return None
+
+
+def _is_own(status: os.stat_result) -> bool:
+    """Whether a file or a directory belongs to the user or to the system; others could have put wrong results there."""
+    return not hasattr(os, "geteuid") or status.st_uid in (0, os.geteuid())
 
 
 def _system_folder() -> Path:

@@ -40,7 +40,8 @@ class Surfaces:
         return self._meshes[id(given)]
 
     def _converted(self, name: str, given: Any) -> Mesh:
-        vertices = np.asarray(given.vertices, dtype=np.float32).reshape(-1, 3) @ self._turn.T
+        with np.errstate(over="ignore", invalid="ignore"):  # refused below
+            vertices = np.asarray(given.vertices, dtype=np.float32).reshape(-1, 3) @ self._turn.T
         triangles = np.ascontiguousarray(given.faces, dtype=np.int32).reshape(-1, 3)
         if not np.isfinite(vertices).all():
             raise ValueError(f"the mesh '{name}' has coordinates that are not finite numbers")
