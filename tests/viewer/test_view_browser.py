@@ -404,7 +404,11 @@ def test_an_old_page_is_told_to_reload(served, open_page, monkeypatch) -> None:
     monkeypatch.setattr("morse.viewer.hub.VERSION", 99)
     page = open_page(url, wait=False)
     until(lambda: "the simulator 99: reload the page" in page.locator(".link").inner_text())
-    assert page.locator(".link").get_by_role("button", name="reload").is_visible()
+    reload = page.locator(".link").get_by_role("button", name="reload").element_handle()
+    assert reload is not None
+    for _ in range(10):  # in a second, the page asks at least once more
+        page.wait_for_timeout(100)
+        assert reload.is_visible()
 
 
 def test_a_world_that_changes_keeps_the_point_of_view_and_the_selection(running, open_page) -> None:

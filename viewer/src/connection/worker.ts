@@ -28,6 +28,7 @@ let pageUrl = "";
 let pulse = 0;
 let taken = 0;
 let failures = 0;
+let welcome = false;
 let drawing = false;
 let prefetched = false;
 let newest: ArrayBuffer | null = null;
@@ -50,6 +51,12 @@ async function prefetch(world: string): Promise<void> {
 }
 
 function receive(data: string | ArrayBuffer): void {
+  if (!welcome) {
+    // only now: a simulator that turns the page away accepts its connection first
+    welcome = true;
+    failures = 0;
+    scope.postMessage({ kind: "state", open: true, code: 0, reason: "" });
+  }
   if (typeof data === "string") {
     const message = JSON.parse(data) as ServerMessage;
     scope.postMessage({ kind: "message", message });
@@ -71,13 +78,12 @@ function open(): void {
   socket = new WebSocket(url);
   socket.binaryType = "arraybuffer";
   socket.onopen = () => {
-    failures = 0;
+    welcome = false;
     taken = 0;
     drawing = false;
     newest = null;
     const hello: Hello = { type: "hello", version: VERSION };
     send(hello);
-    scope.postMessage({ kind: "state", open: true, code: 0, reason: "" });
   };
   socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => receive(event.data);
   socket.onclose = (event) => {

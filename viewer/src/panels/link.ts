@@ -10,6 +10,7 @@ export class LinkBanner {
   readonly element = h("div", { class: "link", role: "alert" }, "Connecting…");
   private ever = false;
   private ended = false;
+  private said = "";
 
   constructor(connection: Connection) {
     connection.state.watch(({ open, code, reason }) => {
@@ -32,6 +33,8 @@ export class LinkBanner {
   }
 
   private say(text: string, reload: boolean): void {
+    if (text === this.said) return; // the button stays where it is
+    this.said = text;
     const button = reload && h("button", { type: "button", onclick: () => location.reload() }, "reload");
     this.element.replaceChildren(text, " ", button || "");
   }
