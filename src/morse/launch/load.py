@@ -183,6 +183,7 @@ def complete(simulation: Simulation) -> None:
         OSError: the live view cannot be opened.
     """
     from morse.physics.overlaps import overlaps
+    from morse.simulation.fallen import Fallen
     from morse.simulation.published_data import PublishedData
 
     simulation.load()
@@ -197,7 +198,7 @@ def complete(simulation: Simulation) -> None:
         from morse.simulation.watching.watch import Watch
 
         simulation.observers.append(Watch(simulation))
-    simulation.observers.append(PublishedData(simulation))
+    simulation.reviews.extend((PublishedData(simulation).review, Fallen(simulation).review))
     options = simulation.options
     if options.keep_last:
         from morse.simulation.flight_recorder import FlightRecorder

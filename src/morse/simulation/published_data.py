@@ -6,7 +6,6 @@ import logging
 from typing import TYPE_CHECKING
 
 from morse.core.declarations import fields_of_component
-from morse.core.observer import Observer
 from morse.core.validation.published import misfits
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ _TYPES: dict[str, tuple[type, ...]] = {
 }  # fmt: skip
 
 
-class PublishedData(Observer):
+class PublishedData:
     """Checks the data after ticks 1, 2, 4, 8, and so on: errors of the first measurement and rare ones are found.
 
     The sensors of MORSE itself are not checked: `morse check component` and its tests do that.
@@ -31,33 +30,27 @@ class PublishedData(Observer):
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._told: set[tuple[str, str]] = set()
-        self._next = 1
+        # a new version of a class is reported again
+        self._told: set[tuple[str, str, type]] = set()
+        self._begin = self._next = 0
 
-    def restarted(self) -> None:
-        """Check from the first tick on."""
-        self._next = 1
-
-    def edited(self) -> None:
-        """Check new versions of classes at once, and repeat warnings about them."""
-        self._told.clear()
-        self._next = self._simulation.ticks + 1
-
-    def after_tick(self) -> None:
-        """Check the data in some ticks."""
-        tick = self._simulation.ticks
+    def review(self, tick: int, changed: bool) -> int:
+        """Check all sensors of users; see `morse.simulation.ticking.Ticker.reviews`."""
+        if changed:
+            self._begin, self._next = tick - 1, tick
         if tick < self._next:
-            return
-        self._next = 2 * tick
+            return self._next
+        self._next = tick + max(1, tick - self._begin)
         for sensor in self._simulation.loaded.sensors:
             # a measurement has a time stamp
             if not type(sensor).__module__.startswith("morse.") and sensor.local_data.get("timestamp"):
                 self._check(sensor)
+        return self._next
 
     def _check(self, sensor: Object) -> None:
         fields = fields_of_component(sensor)
         for field, declared, text in misfits(sensor):
-            key = sensor.name(), field
+            key = sensor.name(), field, type(sensor)
             if key in self._told or (declared and not _is_definite(fields[field])):
                 continue
             self._told.add(key)

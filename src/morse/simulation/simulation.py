@@ -260,6 +260,11 @@ class Simulation(Recorded, Handles):
         """Callbacks that are called in every tick after the actuators and before the physics."""
         return self._ticker.before_physics
 
+    @property
+    def reviews(self) -> list[Callable[[int, bool], int]]:
+        """Functions that look at the components from time to time; see `morse.simulation.ticking.Ticker`."""
+        return self._ticker.reviews
+
     def viewpoint_changed(self) -> None:
         """Called when a service moved the camera of the scene."""
         for observer in self.observers:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,8 @@ class Ticker:
     Attributes:
         observers: notified before and after each tick, in order.
         profiles: profiles that measure each tick; without profiles ticks are not measured.
+        reviews: functions that look at the components from time to time: called after a tick with its number and
+            whether the components have changed, they return the tick of their next call.
         drag: callbacks that apply forces to bodies, called before the physics of each tick.
     """
 
@@ -46,6 +49,7 @@ class Ticker:
         self.profiles: list[Profile] = []
         self.component_profiles: list[Profile] = []
         self.before_physics: list[Callable[[], object]] = []
+        self.reviews: list[Callable[[int, bool], int]] = []
         self._acting = acting(context)
         self._groups: list[Together] = []
         self._served: list[AbstractObject] = []
@@ -57,6 +61,7 @@ class Ticker:
         self._robots = loaded.robots
         self._robot_attributes = [vars(robot) for robot in loaded.robots]
         self._watched = -1
+        self._review_at, self._has_changed = 0, True
         self.separate()
         self._actuators: Schedule[Any] = Schedule(arranged(loaded.actuators, self._act_alone), frequency)
         self._sensors: Schedule[Any] = Schedule(arranged(loaded.sensors, self._act_alone), frequency, _phase)
@@ -173,6 +178,12 @@ class Ticker:
     def _show(self) -> None:
         for observer in self.observers:
             observer.after_tick()
+        if self._clock.tick >= self._review_at:
+            self._review(self._clock.tick)
+
+    def _review(self, tick: int) -> None:
+        changed, self._has_changed = self._has_changed, False
+        self._review_at = min((review(tick, changed) for review in self.reviews), default=sys.maxsize)
 
     # -- components ------------------------------------------------------------------------
 
