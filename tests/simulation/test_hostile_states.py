@@ -47,6 +47,15 @@ def with_attribute(simulation: Any, value: Any, name: str = "new") -> State:
     return State.from_bytes(State(parts).to_bytes())
 
 
+@pytest.mark.parametrize("name", ["position_3d", "frequency", "_active"])
+def test_an_attribute_that_every_component_has_is_not_missing(simulation: Any, name: str) -> None:
+    """A damaged name would otherwise deactivate the component in the next tick."""
+    parts = copy.deepcopy(simulation.save().parts)
+    entry = next(entry for entry in parts[PART][1] if entry[0] == name)
+    entry[0] = name + "x"
+    refused(simulation, State.from_bytes(State(parts).to_bytes()), f"'{name}' of robot.everything is missing")
+
+
 def _twister(place: int) -> list[Any]:
     state = ["dict", [["key", ["array", "<u4", [624], b"\0" * 2496]], ["pos", place]]]
     return ["random", "MT19937", ["dict", [["bit_generator", "MT19937"], ["state", state]]]]

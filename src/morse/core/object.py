@@ -141,7 +141,7 @@ class Object(Requesting, AbstractObject):
         """Restore a state that `get_state` returned.
 
         Raises:
-            ValueError: the state would replace a method.
+            ValueError: the state would replace a method, or lacks an attribute that every component of the class has.
         """
         present = vars(self)
         for name, value in state.items():
@@ -150,6 +150,10 @@ class Object(Requesting, AbstractObject):
                 raise ValueError(f"'{name}' is a method of {self.name()}")
         # a subclass with its own `set_state` may have removed entries from the state
         is_whole = type(self).set_state is Object.set_state
+        needed = ("position_3d", "initial_position_3d", "frequency", "level", "_active", *properties(type(self)))
+        missing = [name for name in needed if is_whole and name in present and name not in state]
+        if missing:
+            raise ValueError(f"'{missing[0]}' of {self.name()} is missing")
         replace(present, [name for name in self.get_state() if name in present] if is_whole else (), state)
         if self.group is not None:
             self.group.is_changed = True
