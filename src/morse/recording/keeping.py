@@ -215,8 +215,8 @@ class Captures:
         """Determine the rigid groups whose poses are stored; a chunk has those of all layouts."""
         layouts = self._layouts.values()
         first, last = min(layout.first for layout in layouts), max(layout.last for layout in layouts)
-        # groups of sensors refer to the arrays in any case
-        self._is_whole = is_whole = last - first > _MOST_COPIED or any(layout.posed for layout in layouts)
+        # referring to the arrays moves the world to other memory in each tick, which takes longer than copies of a few
+        self._is_whole = is_whole = last - first > _MOST_COPIED
         self._stored = slice(first, last)
         for layout in layouts:
             layout.store(len(self.world.positions) if is_whole else last - first)
