@@ -171,3 +171,11 @@ def test_a_reset_is_whole(call: Caller) -> None:
     fast = {"header": {"frame_id": "map"}, "pose": pose(0, 0, 0)["pose"],
             "twist": {**REST, "linear": {"x": 1.0, "y": 0.0, "z": 0.0}}}  # fmt: skip
     assert call("set_entity_state", entity="robot", state=fast)["result"]["result"] == UNSUPPORTED
+
+
+def test_a_filter_that_takes_long_for_many_names_is_given_up(call: Caller, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = iter(range(100))
+    monkeypatch.setattr("morse.middleware.ros2.simulation_interfaces.thread_time", lambda: next(now))
+    result = call("get_entities", filters={**ALL, "filter": "a*a*a*b"})["result"]
+    assert result["result"] != OK
+    assert "takes too long" in result["error_message"]
