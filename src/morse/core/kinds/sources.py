@@ -119,6 +119,9 @@ class FromField(Source):
         value = component.local_data[self._name]
         if self._plain:
             return value
+        if type(value) is list and value and type(value[0]) is float:
+            # the same bits as by numpy, which takes ten times as long for three numbers
+            return [number * self._factor + self._offset for number in value]
         return (
             _array(value) * self._factor + self._offset
             if hasattr(value, "__len__")
