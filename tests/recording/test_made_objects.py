@@ -11,13 +11,17 @@ import pytest
 import zstandard
 
 import morse
-from morse.builder import ATRV, KukaLWR, Morsy, MotionVW, PassiveObject, Pose
+from morse.builder import ATRV, IMU, KukaLWR, Morsy, MotionVW, PassiveObject, Pose
 from morse.builder.assembly.spawning import Newcomer
+from morse.builder.creator import SensorCreator
+from morse.core.exceptions import MorseError
+from morse.core.sensor import Sensor as SensorClass
 from morse.launch.playing import playing
 from morse.recording.errors import RecordingError
 from morse.recording.made.packing import Packing
 from morse.recording.made.unpacking import Unpacking
 from morse.recording.recording import Recording
+from morse.verification.resimulation import resimulate
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -37,12 +41,15 @@ Environment("empty")
 
 def visitor() -> ATRV:
     made = ATRV()
-    motion, pose, arm = MotionVW(), Pose(), KukaLWR()
+    motion, pose, arm, imu = MotionVW(), Pose(), KukaLWR(), IMU()
     pose.translate(0.2, 0.0, 0.5)
     arm.translate(0.0, 0.0, 0.9)
     made.append(motion)
     made.append(pose)
     made.append(arm)
+    imu.noise(gaussian=0.01, bias_walk=0.1)
+    imu.alter("IMUNoise", gyro_std=0.05)
+    made.append(imu)
     return made
 
 
@@ -148,12 +155,64 @@ def test_equal_meshes_are_written_once(tmp_path: Path) -> None:
         assert {"crate0", "crate1"} <= view._simulation.world.objects_by_name.keys()
 
 
-def test_inputs_alone_contain_no_descriptions(tmp_path: Path) -> None:
+# -- simulated again --------------------------------------------------------------------------
+
+
+def test_the_run_is_simulated_again_to_the_bit(run: Run) -> None:
+    with Recording(run.path) as recording:
+        outcome = resimulate(recording)
+    assert outcome.departure is None
+    assert outcome.complete
+    assert outcome.messages > 100
+
+
+def test_from_the_inputs_alone(tmp_path: Path) -> None:
     (tmp_path / "scene.py").write_text(SCENE)
-    with morse.load(tmp_path / "scene.py") as sim, sim.record(tmp_path / "run.mcap", sensors=[]):
-        sim.spawn("crate", crate, (3.0, 0.0, 1.0))
+    with morse.load(tmp_path / "scene.py") as sim:
+        sim.spawn("visitor", visitor, (3.0, 1.0, 0.1))
+        sim.step(3)
+        with sim.record(tmp_path / "run.mcap", sensors=[]):
+            sim.spawn("crate", crate, (4.0, 0.5, 1.0))
+            with pytest.raises(MorseError, match="already an object"):
+                sim.spawn("crate", visitor)
+            sim.visitor.motion.publish({"v": 1.0, "w": -0.2})
+            sim.step(60)
+            truth = sim.world.objects_by_name["crate"].world_pose()[0]
     with Recording(tmp_path / "run.mcap") as recording:
-        assert not [name for name in recording.attachments if name.startswith(("made/", "blocks/"))]
+        outcome = resimulate(recording)
+        assert (outcome.departure, outcome.complete, outcome.ticks) == (None, True, 60)
+        with playing(recording, port=0, browser=False) as view:
+            while not view._timeline.approach(60):
+                pass
+            assert view._simulation.world.objects_by_name["crate"].world_pose()[0] == truth
+
+
+class Own(SensorClass):
+    """A sensor that no project contains."""
+
+    def default_action(self) -> None:
+        """Measure nothing."""
+
+
+def with_own_sensor() -> ATRV:
+    made = ATRV()
+    own = SensorCreator("own")
+    own.classpath = f"{__name__}.Own"
+    made.append(own)
+    return made
+
+
+def test_a_class_of_another_program_is_named(tmp_path: Path) -> None:
+    (tmp_path / "scene.py").write_text(SCENE)
+    with morse.load(tmp_path / "scene.py") as sim, sim.record(tmp_path / "run.mcap"):
+        sim.spawn("guest", with_own_sensor)
+        sim.step(2)
+    with Recording(tmp_path / "run.mcap") as recording:
+        with pytest.raises(RecordingError, match="is not a part of MORSE or of this project"):
+            resimulate(recording)
+        with playing(recording, port=0, browser=False) as view:
+            view._timeline.approach(2)
+            assert "guest" in view._simulation.context.robots
 
 
 # -- the form -------------------------------------------------------------------------------
@@ -166,7 +225,7 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Packing:
     with morse.load(script) as sim:
         sim.spawn("visitor", visitor, (3.0, 1.0, 0.1), (0.1, 0.2, 0.3))
         sim.spawn("person", Morsy, (5.0, 1.0, 0.1))
-        made = [describe() for _, describe in sim.population.made_by_functions().values()]
+        made = [one.describe() for one in sim.population.made_by_functions().values()]
         everybody = Newcomer([root for one in made for root in one.roots], [c for one in made for c in one.components])
         return Packing(everybody.roots, everybody.components)
 

@@ -15,8 +15,6 @@ from morse.launch.playing import playing
 from morse.recording.recording import Recording
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from morse.viewer.replay_view import ReplayView
 
 SCENE = """
@@ -114,13 +112,3 @@ def test_what_is_not_in_the_recording_is_said(run: Run) -> None:
 
 def test_a_robot_from_a_function_needs_no_remark(run: Run) -> None:
     assert run.told == []
-
-
-def test_the_recorder_names_the_function(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    script = tmp_path / "scene.py"
-    script.write_text(SCENE)
-    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap", sensors=[]):
-        sim.spawn("visitor", visitor)
-    (line,) = [one.getMessage() for one in caplog.records if "visitor" in one.getMessage()]
-    assert f"{visitor.__module__}.visitor" in line
-    assert "Spawn it by the name of a robot or by a file" in line

@@ -72,7 +72,7 @@ def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: b
         OSError: the film cannot be written.
     """
     from morse.launch.load import described, start
-    from morse.launch.recorded_run import inputs_of, options_of
+    from morse.launch.recorded_run import complete, inputs_of, options_of
     from morse.rendering import picture_files
     from morse.simulation.recorded_timeline import RecordedTimeline
     from morse.simulation.timeline import Timeline
@@ -84,7 +84,7 @@ def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: b
         if RecordedTimeline.is_possible(recording, inputs):
             timeline: RecordedTimeline | Timeline = RecordedTimeline(simulation, recording, inputs)
         else:
-            timeline = Timeline(simulation, inputs_of(recording), recording.length())
+            timeline = Timeline(simulation, complete(recording, simulation), recording.length())
         frequency = simulation.clock.frequency
         first = round(what.begin * frequency)
         last = timeline.length if what.length is None else first + round(what.length * frequency)

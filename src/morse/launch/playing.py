@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.exceptions import MorseError
 from morse.core.sensor import Sensor
 from morse.launch.load import described, resolve
-from morse.launch.recorded_run import inputs_of, options_of
+from morse.launch.recorded_run import complete, inputs_of, options_of
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.middleware.ros2.names import Names
 from morse.recording.errors import RecordingError
@@ -83,7 +83,7 @@ def _timeline(
         except RecordingError as error:
             told(f"{error}. The run is simulated again.")
     # simulating needs every input
-    return Timeline(simulation, inputs_of(recording), recording.length())
+    return Timeline(simulation, complete(recording, simulation), recording.length())
 
 
 def play(view: ReplayView) -> None:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 import os
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.formats import SUFFIXES
-from morse.core.journal import Entry
+from morse.core.journal import RESTORE, SPAWN, Entry
 from morse.core.quoting import shown
 from morse.recording.errors import RecordingError
 from morse.recording.inputs import LostInput
+from morse.recording.made.reading import RecordedMade
 from morse.simulation.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
 from morse.simulation.options import RunOptions
+from morse.simulation.recorded_timeline import modules_of
 from morse.simulation.recorders import MODULES, SCRIPT, STATE
 from morse.simulation.state import State
 
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.recording.recording import Recording
+    from morse.simulation.simulation import Simulation
 
 _MOST_SEED = 2**63
 #: folders of a project with its modules and models
@@ -53,6 +57,35 @@ def inputs_of(recording: Recording, *, lenient: bool = False) -> InputRecording:
 
 def _entry(one: bytes | LostInput) -> Entry:
     return Entry(one.tick, one.kind, one.name, None) if isinstance(one, LostInput) else entry_from_bytes(one)
+
+
+def complete(recording: Recording, simulation: Simulation) -> InputRecording:
+    """The inputs for a simulation of the recorded scene, with what creates the objects that functions spawned.
+
+    Raises:
+        MorseError: the inputs are damaged, or an object cannot be created again.
+    """
+    inputs = inputs_of(recording, lenient=True)
+    made = RecordedMade(recording, partial(modules_of, simulation), exact=True)
+    if made.is_empty:
+        return inputs_of(recording)
+    made.check()
+    if inputs.start is not None:
+        inputs.start = State(inputs.start.parts, makers=made.known(-1))
+    inputs.entries[:] = [
+        done for index, entry in enumerate(inputs.entries) if (done := _completed(entry, index, made)) is not None
+    ]
+    return inputs
+
+
+def _completed(entry: Entry, index: int, made: RecordedMade) -> Entry | None:
+    if entry.kind == RESTORE:
+        return entry._replace(content=State(entry.content.parts, makers=made.known(index)))
+    if entry.kind != SPAWN or entry.content is not None:
+        return entry
+    described = made.after(index).get(entry.name)
+    # without a description, it was refused
+    return None if described is None else entry._replace(content=(described, described.position, described.rotation))
 
 
 def options_of(

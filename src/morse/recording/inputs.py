@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.middleware.ros2.backends.backend import Qos
@@ -17,29 +16,24 @@ if TYPE_CHECKING:
     from morse.core.journal import Entry, Journal
     from morse.recording.streams import Tape
 
-logger = logging.getLogger(__name__)
-
 TOPIC = "/morse/inputs"
 TYPE = "std_msgs/msg/String"
 _LENGTH = 2000
 
 
-def as_message(entry: Entry, pack: Callable[[Entry], bytes]) -> bytes:
+def as_message(entry: Entry, pack: Callable[[Entry], bytes], told: Callable[[ValueError], object]) -> bytes:
     """The message of the topic for an entry.
 
     Args:
         entry: an entry of the journal.
         pack: encodes an entry as bytes; raises ValueError for values without a representation.
+        told: called with that error.
     """
     exact: str | None = None
     try:
         exact = base64.b64encode(pack(entry)).decode()
     except ValueError as error:
-        logger.warning(
-            "%s: the recording cannot be simulated again, and shows it only if sensors are recorded. Spawn it by the "
-            "name of a robot or by a file instead",
-            error,
-        )
+        told(error)
     shown = repr(entry.content)
     said = {
         "tick": entry.tick,
@@ -70,7 +64,8 @@ class Inputs:
         journal.sinks.append(self._take)
 
     def _take(self, entry: Entry) -> None:
-        self._topic.publish(as_message(entry, self._pack))
+        # objects that functions spawned have descriptions (`morse.recording.made`)
+        self._topic.publish(as_message(entry, self._pack, lambda error: None))
         self.count += 1
 
     def close(self) -> None:

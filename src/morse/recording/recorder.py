@@ -99,9 +99,7 @@ class Recorder(Observer):
             disk.other(partial(McapWriter.attachment, name=name, media_type=MEDIA_TYPE, data=data))
         self._tape = Tape(context, disk)
         self._inputs = Inputs(context.journal, self._tape, beginning.pack)
-        # a recording of inputs alone has no poses, and nothing can be shown
-        made = beginning.made if sensors is None or sensors else _nobody
-        self._made = MadeObjects(self._tape, disk, made, lambda: self._inputs.count)
+        self._made = MadeObjects(self._tape, disk, beginning.made, lambda: self._inputs.count)
         self._streams = RecordedStreams(context, self._tape, sensors)
 
     @property
@@ -206,11 +204,6 @@ def _created(path: str) -> FileIO:
         raise RecordingError(
             f"{path} exists already: remove it, or give the recording another name; recordings overwrite nothing"
         ) from None
-
-
-def _nobody() -> dict[str, Made]:
-    """Describe no objects."""
-    return {}
 
 
 def _nothing() -> None:

@@ -15,6 +15,7 @@ from morse.core.exceptions import MorseBuilderError
 from morse.core.hints import nearest
 from morse.core.quoting import short, shown
 from morse.core.state import StateError
+from morse.recording.made.writing import Made
 from morse.scene import Scene
 from morse.simulation.loader import connect, load_components
 
@@ -216,10 +217,10 @@ class Population:
         """Return the functions that created spawned objects, by name; objects with a named kind are omitted."""
         return {name: recipe.kind for name, recipe in self._recipes.items() if callable(recipe.kind)}
 
-    def made_by_functions(self) -> dict[str, tuple[object, Callable[[], Newcomer]]]:
-        """Return the present objects that functions spawned, by name: an identity, and what returns the object."""
+    def made_by_functions(self) -> dict[str, Made]:
+        """Return the present objects that functions spawned, by name."""
         return {
-            name: (recipe, partial(self._present, recipe))
+            name: Made(recipe, recipe.position, recipe.rotation, partial(self._present, recipe))
             for name, recipe in self._recipes.items()
             if callable(recipe.kind)
         }

@@ -76,7 +76,7 @@ class RecordedTimeline:
         self._events: list[tuple[int, int, Entry]] = [
             (time, index, entry) for index, (time, entry) in enumerate(timed) if entry.kind in _POPULATION
         ]
-        self.made = RecordedMade(recording, partial(_modules, simulation))
+        self.made = RecordedMade(recording, partial(modules_of, simulation))
         self.lost = [entry.name for _, index, entry in self._events if _is_lost(entry, self.made.after(index))]
         self._inputs_of: dict[tuple[str, str], tuple[list[int], list[Entry]]] = {}
         for time, entry in timed:
@@ -189,7 +189,8 @@ class RecordedTimeline:
         if entry.content is not None:
             self._simulation.spawn(entry.name, *entry.content)
         elif entry.name in (made := self.made.after(index)):
-            self._simulation.spawn(entry.name, made[entry.name])
+            described = made[entry.name]
+            self._simulation.spawn(entry.name, described, described.position, described.rotation)
 
     def _completed(self, state: State, index: int) -> State:
         """A state of the recording, with what creates its objects."""
@@ -248,7 +249,7 @@ class RecordedTimeline:
         return np.array(rows, dtype=np.float32).reshape(-1, 7)
 
 
-def _modules(simulation: Running) -> Collection[str]:
+def modules_of(simulation: Running) -> Collection[str]:
     """The modules of the project."""
     project = simulation.scene.project
     return project.sources() if isinstance(project, ProjectImports) else ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import logging
 import os
 import platform
 from contextlib import suppress
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from morse.core.journal import Entry
     from morse.simulation.running import Running
     from morse.simulation.state import State
+
+logger = logging.getLogger(__name__)
 
 #: names of files in a recording; a prefix of the paths of project modules
 SCRIPT, STATE, MODULES = "scene.py", "start.morse-state", "modules/"
@@ -98,7 +101,7 @@ def write_inputs(
     number = writer.channel(INPUTS, writer.schema(INPUTS_TYPE, definition(INPUTS_TYPE)), {})
     writer.chunk(
         [
-            Message(number, entry.tick & 0xFFFFFFFF, order, order, as_message(entry, entry_to_bytes))
+            Message(number, entry.tick & 0xFFFFFFFF, order, order, as_message(entry, entry_to_bytes, _tell_lost))
             for order, entry in enumerate(entries)
         ]
     )
@@ -134,6 +137,12 @@ def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
         files[STATE] = simulation.silent_state().to_bytes()
     made = simulation.population.made_by_functions
     return Beginning(facts, files, entry_to_bytes, lambda: _ending(simulation), made)
+
+
+def _tell_lost(error: ValueError) -> None:
+    logger.warning(
+        "%s: the last seconds cannot be simulated again. Spawn it by the name of a robot or by a file instead", error
+    )
 
 
 def _ending(simulation: Running) -> dict[str, str]:

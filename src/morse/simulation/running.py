@@ -8,12 +8,12 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping, Sequence
 
-    from morse.builder.assembly.spawning import Newcomer
     from morse.core.clock import Clock
     from morse.core.context import Context
     from morse.core.journal import Journal
     from morse.core.observer import Observer
     from morse.physics import World
+    from morse.recording.made.writing import Made
     from morse.recording.recorder import Recorder
     from morse.scene import Scene
     from morse.simulation.futures import LocalFuture
@@ -42,7 +42,7 @@ class Populated(Holder, Protocol):
     def makers(self) -> Mapping[str, Callable[[], Any]]:
         """Return the functions that created spawned objects."""
 
-    def made_by_functions(self) -> Mapping[str, tuple[object, Callable[[], Newcomer]]]:
+    def made_by_functions(self) -> Mapping[str, Made]:
         """Return the present objects that functions spawned."""
 
     def roots_at_launch(self) -> list[str]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
 from morse.middleware.ros2.cdr import CdrError, decode
 from morse.recording.inputs import TOPIC as INPUTS
+from morse.recording.made.writing import TOPIC as MADE
 from morse.recording.motion import TOPICS as MOTION
 from morse.recording.streams import LEFT_OUT
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from morse.recording.recording import Recording
 
 #: topics that are not determined by scene, seed and inputs
-_FREE = ("/rosout", INPUTS)
+_FREE = ("/rosout", INPUTS, MADE)
 
 
 class Departure(NamedTuple):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from morse.core.context import acting
 from morse.core.observer import Observer
 from morse.launch.load import described, start
-from morse.launch.recorded_run import inputs_of, options_of
+from morse.launch.recorded_run import complete, options_of
 from morse.physics import UnstableError
 from morse.recording.streams import RecordedStreams
 from morse.verification.comparison import Comparison, Departure
@@ -79,10 +79,10 @@ def resimulate(
         RecordingError: the recording is not sufficient, or the new one cannot be written.
         MorseError: the scene cannot be loaded, or the inputs do not fit it.
     """
-    inputs = inputs_of(recording)
     with contextlib.ExitStack() as stack:
         options = options_of(recording, scene, trust, stack, told)
         simulation = stack.enter_context(start(described(options.script, options), options))
+        inputs = complete(recording, simulation)
         if inputs.start is not None:
             simulation.restore(inputs.start)
         copy = None if record is None else simulation.record(record)

@@ -8,6 +8,7 @@ import msgspec
 from morse.mathutils.rotations import Rotation9
 from morse.scene import Articulation, BodySettings, Bone, Camera, Inertial, Light, NodeKind, ShapeKind
 from morse.scene.articulation import JointDynamics
+from morse.scene.realism import RealismModel
 
 Triple = tuple[float, float, float]
 Sixteen = tuple[
@@ -96,6 +97,8 @@ class ComponentForm(msgspec.Struct, forbid_unknown_fields=True):
         classes: class paths: of its class, and of the classes from which that is derived.
         topic: options of its stream of ROS 2, which name its topic.
         modifiers: class paths and options.
+        wheels: names of the nodes of the wheels of a robot; None for a component without wheels.
+        realism: see `morse.scene.realism.RealismModel`.
     """
 
     node: int
@@ -106,6 +109,8 @@ class ComponentForm(msgspec.Struct, forbid_unknown_fields=True):
     level: str | None
     topic: dict[str, Any]
     modifiers: list[tuple[str, dict[str, Any]]]
+    wheels: list[str] | None
+    realism: RealismModel | None
 
 
 class DescriptionForm(msgspec.Struct, forbid_unknown_fields=True):

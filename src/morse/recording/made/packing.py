@@ -169,6 +169,8 @@ class Packing:
             declared.level,
             _plain_items(topic),
             [(modifier.classpath, _plain_items(modifier.options)) for modifier in declared.modifiers],
+            declared.options.get("wheels"),  # type: ignore[arg-type]
+            declared.options.get("realism"),  # type: ignore[arg-type]
         )
 
 

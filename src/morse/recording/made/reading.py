@@ -38,10 +38,14 @@ class Description:
     Args:
         name: of the object.
         title: of the attachment.
+        position, rotation: where it was spawned, m and rad.
     """
 
-    def __init__(self, made: RecordedMade, name: str, title: str) -> None:
+    def __init__(
+        self, made: RecordedMade, name: str, title: str, position: tuple[float, ...], rotation: tuple[float, ...]
+    ) -> None:
         self._made, self.name, self.title = made, name, title
+        self.position, self.rotation = position, rotation
 
     def __call__(self) -> Newcomer:
         """Return the object.
@@ -58,6 +62,7 @@ class RecordedMade:
     Args:
         recording: the recording.
         modules: returns the modules of the project, whose classes the descriptions may name as well.
+        exact: whether an object is refused that is not complete, with the classes of all its components.
 
     Attributes:
         topics: options that name the topics of the components of created objects, by the name of the component.
@@ -66,8 +71,8 @@ class RecordedMade:
         RecordingError: the names are damaged.
     """
 
-    def __init__(self, recording: Recording, modules: Callable[[], Collection[str]]) -> None:
-        self._recording, self._modules = recording, modules
+    def __init__(self, recording: Recording, modules: Callable[[], Collection[str]], *, exact: bool = False) -> None:
+        self._recording, self._modules, self._exact = recording, modules, exact
         self._blocks: dict[str, bytes] = {}
         self.topics: dict[str, dict[str, Any]] = {}
         self._said: set[str] = set()
@@ -76,9 +81,26 @@ class RecordedMade:
             for one in recording.messages(recording.topic_numbers(TOPIC)):
                 said = json.loads(decode(TYPE, one.data)["data"])
                 name, title = str(said["name"]), str(said["description"])
-                self._descriptions.setdefault(int(said["input"]), {})[name] = Description(self, name, title)
+                place, turn = (tuple(map(float, said[part])) for part in ("position", "rotation"))
+                made = Description(self, name, title, place, turn)
+                self._descriptions.setdefault(int(said["input"]), {})[name] = made
         except (CdrError, ValueError, LookupError, TypeError, RecursionError) as error:
             raise RecordingError(f"{recording.path}: the names of spawned objects are damaged: {error}") from None
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there are no descriptions: recordings of earlier versions have none."""
+        return not self._descriptions
+
+    def check(self) -> None:
+        """Create all objects once.
+
+        Raises:
+            RecordingError: a description is damaged, or not complete.
+        """
+        for made in self._descriptions.values():
+            for described in made.values():
+                self.newcomer(described)
 
     def after(self, index: int) -> dict[str, Description]:
         """The objects that the input of this number created; -1 for those present at the beginning."""
@@ -101,6 +123,8 @@ class RecordedMade:
             made = Unpacking(self._attached(described.title), self._block, self._class_of)
             if described.name not in [root.name for root in made.roots]:
                 raise RecordingError("its description is that of another object")
+            if self._exact and (unlike := [*made.omitted, *made.replaced]):
+                raise RecordingError(f"the class of {quoted(unlike[0])} is not a part of MORSE or of this project")
         except RecordingError as error:
             self._say_once(f"{quoted(described.name)} is not shown: {error}")
             raise

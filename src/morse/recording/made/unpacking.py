@@ -40,6 +40,7 @@ class Unpacking:
         roots, components: of the object.
         topics: options that name the topics of a component, by its name.
         omitted: names of components without such a class.
+        replaced: names of components with a class from which their own class is derived, or without a modifier.
 
     Raises:
         RecordingError: the description is damaged.
@@ -49,6 +50,7 @@ class Unpacking:
         self._block, self._class_of = block, class_of
         self.topics: dict[str, dict[str, Any]] = {}
         self.omitted: list[str] = []
+        self.replaced: list[str] = []
         try:
             found = _descriptions.decode(data)
             _check(len(found.nodes) <= _MOST_NODES, f"{len(found.nodes)} nodes")
@@ -151,6 +153,9 @@ class Unpacking:
             return None
         self.topics[node.name] = one.topic
         known = [(self._class_of([path]), options) for path, options in one.modifiers]
+        if classpath != one.classes[0] or any(path is None for path, _ in known):
+            self.replaced.append(node.name)
+        options = {"wheels": one.wheels, "realism": one.realism}
         return ComponentDeclaration(
             node,
             one.kind,
@@ -159,6 +164,7 @@ class Unpacking:
             frequency,
             one.level,
             modifiers=[ModifierDeclaration(path, options) for path, options in known if path is not None],
+            options={name: value for name, value in options.items() if value is not None},
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import zstandard
 
@@ -14,7 +14,7 @@ from morse.middleware.ros2.cdr import encode
 from morse.recording.made.packing import Packing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from morse.builder.assembly.spawning import Newcomer
     from morse.recording.disk import Disk
@@ -26,8 +26,21 @@ logger = logging.getLogger(__name__)
 #: topic of the names, and prefixes of the attachments
 TOPIC, TYPE, DESCRIPTIONS, BLOCKS = "/morse/made", "std_msgs/msg/String", "made/", "blocks/"
 _MEDIA_TYPE = "application/zstd"
-#: the identity of an object, and what describes it
-Made = tuple[object, "Callable[[], Newcomer]"]
+
+
+class Made(NamedTuple):
+    """An object that a function spawned.
+
+    Attributes:
+        identity: another object for each spawned object, also of the same name.
+        position, rotation: given to the function, m and rad.
+        describe: returns the content of the object.
+    """
+
+    identity: object
+    position: Sequence[float]
+    rotation: Sequence[float]
+    describe: Callable[[], Newcomer]
 
 
 class MadeObjects:
@@ -53,21 +66,27 @@ class MadeObjects:
     def follow(self) -> None:
         """Objects may have been spawned or deleted."""
         present = self._present()
-        for name, (identity, describe) in present.items():
-            if self._known.get(name) is identity:
+        for name, made in present.items():
+            if self._known.get(name) is made.identity:
                 continue
             try:
-                newcomer = describe()
+                newcomer = made.describe()
                 packing = Packing(newcomer.roots, newcomer.components, self._packed)
                 data = packing.to_bytes()
             except Exception as error:  # a component of the user may have values of any class
                 self._packed.clear()
-                logger.warning("'%s' cannot be described, and is not shown in the replay: %s", name[:80], error)
+                logger.warning(
+                    "'%s' was spawned by a function and cannot be described: the recording does not show it, and "
+                    "cannot be simulated again: %s",
+                    name[:80],
+                    error,
+                )
+                self._name(name, made, "")
                 continue
-            self._write(name, data, packing.blocks)
-        self._known = {name: identity for name, (identity, _) in present.items()}
+            self._write(name, made, data, packing.blocks)
+        self._known = {name: made.identity for name, made in present.items()}
 
-    def _write(self, name: str, data: bytes, blocks: Mapping[str, bytes]) -> None:
+    def _write(self, name: str, made: Made, data: bytes, blocks: Mapping[str, bytes]) -> None:
         for digest, block in blocks.items():
             if digest not in self._written:
                 self._written.add(digest)
@@ -75,7 +94,16 @@ class MadeObjects:
         title = f"{DESCRIPTIONS}{self._number}"
         self._number += 1
         self._attach(title, data)
-        said = {"name": name, "input": self._count() - 1, "description": title}
+        self._name(name, made, title)
+
+    def _name(self, name: str, made: Made, title: str) -> None:
+        said = {
+            "name": name,
+            "input": self._count() - 1,
+            "position": [float(number) for number in made.position],
+            "rotation": [float(number) for number in made.rotation],
+            "description": title,
+        }
         self._tape.topic(TOPIC, TYPE, Qos(1000)).publish(encode(TYPE, {"data": json.dumps(said)}))
 
     def _attach(self, name: str, data: bytes) -> None:
