@@ -44,6 +44,7 @@ def visitor() -> ATRV:
     motion, pose, arm, imu = MotionVW(), Pose(), KukaLWR(), IMU()
     pose.translate(0.2, 0.0, 0.5)
     arm.translate(0.0, 0.0, 0.9)
+    imu.frequency(30)
     made.append(motion)
     made.append(pose)
     made.append(arm)
@@ -172,7 +173,7 @@ def test_from_the_inputs_alone(tmp_path: Path) -> None:
         sim.spawn("visitor", visitor, (3.0, 1.0, 0.1))
         sim.step(3)
         with sim.record(tmp_path / "run.mcap", sensors=[]):
-            sim.spawn("crate", crate, (4.0, 0.5, 1.0))
+            sim.spawn("crate", crate, (4, 0.5, 1))
             with pytest.raises(MorseError, match="already an object"):
                 sim.spawn("crate", visitor)
             sim.visitor.motion.publish({"v": 1.0, "w": -0.2})

@@ -32,6 +32,12 @@ logger = logging.getLogger(__name__)
 _OWN = ("morse.actuators.", "morse.modifiers.", "morse.robots.", "morse.sensors.", "morse.core.")
 
 
+def _number(value: Any) -> float:
+    if type(value) not in (int, float):
+        raise TypeError(f"{value!r:.40} is no number")
+    return value  # type: ignore[no-any-return]
+
+
 class Description:
     """The description of an object; a call creates it.
 
@@ -81,7 +87,7 @@ class RecordedMade:
             for one in recording.messages(recording.topic_numbers(TOPIC)):
                 said = json.loads(decode(TYPE, one.data)["data"])
                 name, title = str(said["name"]), str(said["description"])
-                place, turn = (tuple(map(float, said[part])) for part in ("position", "rotation"))
+                place, turn = (tuple(map(_number, said[part])) for part in ("position", "rotation"))
                 made = Description(self, name, title, place, turn)
                 self._descriptions.setdefault(int(said["input"]), {})[name] = made
         except (CdrError, ValueError, LookupError, TypeError, RecursionError) as error:

@@ -161,11 +161,17 @@ class Unpacking:
             one.kind,
             classpath,
             robot,
-            frequency,
-            one.level,
+            _own(node, "frequency", frequency),
+            _own(node, "abstraction_level", one.level),
             modifiers=[ModifierDeclaration(path, options) for path, options in known if path is not None],
             options={name: value for name, value in options.items() if value is not None},
         )
+
+
+def _own(node: Node, name: str, value: Any) -> Any:
+    """The property of a node if it equals a value: objects know by identity which properties have changed."""
+    given = node.properties.get(name)
+    return given if type(given) is type(value) and given == value else value
 
 
 def _bone(one: Any, place: int, count: int) -> Bone:

@@ -100,14 +100,19 @@ class MadeObjects:
         said = {
             "name": name,
             "input": self._count() - 1,
-            "position": [float(number) for number in made.position],
-            "rotation": [float(number) for number in made.rotation],
+            "position": [_number(value) for value in made.position],
+            "rotation": [_number(value) for value in made.rotation],
             "description": title,
         }
         self._tape.topic(TOPIC, TYPE, Qos(1000)).publish(encode(TYPE, {"data": json.dumps(said)}))
 
     def _attach(self, name: str, data: bytes) -> None:
         self._disk.other(partial(_attach, name=name, data=data))
+
+
+def _number(value: float) -> float:
+    # a saved state contains integers as integers
+    return value if type(value) is int else float(value)
 
 
 def _attach(file: McapWriter, name: str, data: bytes) -> None:
