@@ -66,6 +66,7 @@ MISTAKES = [
     ("from morse.builder.sensors import Pos\n" + END, 2, ["no 'Pos' in", "Did you mean 'Pose'?"]),
     ("import morse.bilder\n" + END, 2, ["no module 'morse.bilder'", "Did you mean 'morse.builder'?"]),
     ("from ranger_sim.builder import Ranger\n" + END, 2, ["no module 'ranger_sim'", "folder 'src'"]),
+    ("import json.qqq\n" + END, 2, ["no module 'json.qqq'", "If 'qqq' was deleted or renamed"]),
     ("print(math.squareroot(2))\n" + END, 2, ["squareroot"]),
     ("print(math.flor(2))\n" + END, 2, ["flor", "Did you mean 'floor'?"]),
     ("a = FakeRobot()\na.append(Pose)\n" + END, 3, ["append takes a component such as Pose()"]),

@@ -87,7 +87,7 @@ def command(
         say(f"{path}: {frames} frames of {film:g} s.")
         return 0
     except OSError as error:
-        raise CommandError(f"{path} could not be written: {error}") from None
+        raise CommandError(f"{path} could not be written: {error.strerror or error}") from None
     finally:
         simulation.close()
 

@@ -105,6 +105,9 @@ def _no_module(name: str) -> tuple[str, str]:
     near = checks.closest(last, [*derived, *(info.name for info in pkgutil.iter_modules(paths))])
     if near is not None:
         return f"there is no module '{name}'", f"Did you mean '{f'{parent}.{near}' if parent else near}'?"
+    if spec is not None:
+        # a project imports the components that were added to it
+        return f"there is no module '{name}'", f"If '{last}' was deleted or renamed, delete or change this line."
     return (
         f"there is no module '{name}'",
         "The packages of a project are in its folder 'src'; others have to be installed.",
