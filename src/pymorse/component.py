@@ -112,7 +112,8 @@ class Component:
         def call(*args: Any) -> MorseFuture:
             return self._morse.call(self.fqn, service, *args)
 
-        call.__name__ = name
+        # arguments by keyword cannot be sent; the error of Python then names the service
+        call.__name__, call.__qualname__ = name, f"{self.fqn}.{service}"
         call.__doc__ = f"Call the service {service} of {self.fqn}; returns a future."
         return call
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pymorse.binary import BinaryConnection, BinaryStream
 from pymorse.discovery import discover
 from pymorse.errors import MorseServiceFailed, MorseTimeoutError
+from pymorse.future import MorseFuture
 from pymorse.interruption import end_quietly
 from pymorse.names import normalize_name, series, suggestion
 from pymorse.poller import Poller
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from pymorse.component import Component, Robot
-    from pymorse.future import MorseFuture
 
 _C = TypeVar("_C", "str", "Component", "str | Component")
 
@@ -176,9 +176,18 @@ class Morse:
                 f"timeout exceeded while waiting for response of {component}.{service} ({timeout} s)"
             ) from None
 
-    def cancel(self, service_id: int | MorseFuture) -> None:
-        """Abort a running service, given its future or its number."""
-        self._services.abort(service_id if isinstance(service_id, int) else service_id.request)
+    def cancel(self, service_id: int | str | MorseFuture) -> None:
+        """Abort a running service, given its future or its number, which may be a text.
+
+        Raises:
+            TypeError: it is neither a future nor a number.
+        """
+        number = service_id.request if isinstance(service_id, MorseFuture) else service_id
+        if isinstance(number, str) and number.isdecimal():
+            number = int(number)
+        if not isinstance(number, int):
+            raise TypeError(f"cancel() takes the future of a service, or its number, not {service_id!r}")
+        self._services.abort(number)
 
     def quit(self) -> None:
         """End the simulation, and this connection."""

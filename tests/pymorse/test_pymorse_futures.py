@@ -130,3 +130,20 @@ def test_closing_frees_a_thread_that_waits(simu: Morse) -> None:
     for thread in waiting:
         thread.join(60)
     assert [type(error) for error in raised] == [ConnectionError] * 3
+
+
+def test_a_service_is_cancelled_by_its_future_or_its_number(simulation: ScriptedSimulation, simu: Morse) -> None:
+    never = simu.call("n", "never")
+    number = never.request
+    for given in (never, number, str(number)):
+        before = len(simulation.rpc.lines)
+        simu.cancel(given)
+        wait_until(lambda before=before: simulation.rpc.lines[before:] == [f"{number} cancel\n".encode()])
+    for wrong in ("never", None, 1.5):
+        with pytest.raises(TypeError, match="takes the future of a service, or its number"):
+            simu.cancel(wrong)  # type: ignore[arg-type]
+
+
+def test_an_argument_by_keyword_is_refused_with_the_name_of_the_service(simu: Morse) -> None:
+    with pytest.raises(TypeError, match=r"robot1\.motion\.goto\(\) got an unexpected keyword argument 'x'"):
+        simu.robot1.motion.goto(x=1)
