@@ -27,6 +27,12 @@ def pyramid(rng, size):
     return np.concatenate(texels), row
 
 
+def _levels(rng, spheres):
+    """Some clusters are drawn at all distances, some only near the cameras, or far from them."""
+    errors = np.array([(0, np.inf), (0, 0.04), (0.03, np.inf)])[rng.integers(0, 3, len(spheres))]
+    return np.column_stack([spheres, errors]).astype(np.float32)
+
+
 class RandomDrawing:
     """Some clusters of triangles, each instantiated a few times."""
 
@@ -65,6 +71,7 @@ class RandomDrawing:
             textures,
             rng.integers(0, 3, count).astype(np.uint8),
             (spheres[:, 3] * rng.uniform(1, 2, clusters)).astype(np.float32),
+            _levels(rng, spheres),
         )
         turns = rotations(rng, instances)
         turns[parts[:, 3] & MIRRORED != 0] *= -1
@@ -108,5 +115,6 @@ class RandomDrawing:
             row["axes"] = rotations(self.rng, 1)[0].ravel()
             row["eye"] = -3 * row["axes"][6:9] + self.rng.normal(size=3) * 0.3
             row["color"] = row["normals"] = color
+            row["tolerance"] = 0.02
             row["exposure"] = self.rng.uniform(0.5, 2.0)
         return rows

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from morse.kernel import threads
 from morse.kernel.drawing.arrays import (
     DITHERED,
     DOUBLE_SIDED,
@@ -25,6 +28,8 @@ from morse.scene import is_shown, slot_materials
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from morse.physics import World
@@ -39,18 +44,46 @@ _OPAQUE = 0.99
 
 
 class MeshStore:
-    """Cache of meshes divided into clusters, kept across arrangements of a world."""
+    """Cache of meshes divided into clusters, kept across arrangements of a world.
 
-    def __init__(self) -> None:
-        self._known: dict[tuple[int, int], tuple[Mesh, Clusters]] = {}
+    Args:
+        simplified: make levels of detail.
+    """
 
-    def clusters(self, mesh: Mesh, slots: int) -> Clusters:
-        """The clusters of a mesh."""
-        key = (id(mesh), slots)
-        if key not in self._known:
-            # keeps the mesh alive, so that its id is not reused
-            self._known[key] = (mesh, clusters_of(mesh, slots))
-        return self._known[key][1]
+    def __init__(self, *, simplified: bool = False) -> None:
+        self._simplified = simplified
+        self._known: dict[tuple[int, int, bool], tuple[Mesh, Clusters]] = {}
+        self._alike: dict[tuple[bytes, int, bool], Clusters] = {}
+
+    def clusters(self, wanted: Sequence[tuple[Mesh, int, bool]]) -> list[Clusters]:
+        """The clusters of meshes; equal meshes have the same.
+
+        Args:
+            wanted: meshes, the numbers of their material slots, and whether texture coordinates are used.
+        """
+        keys = [(id(mesh), slots, textured) for mesh, slots, textured in wanted]
+        new = {key: request for key, request in zip(keys, wanted, strict=True) if key not in self._known}
+        alike = {key: (_digest(request[0]), *key[1:]) for key, request in new.items()}
+        missing = {alike[key]: request for key, request in new.items() if alike[key] not in self._alike}
+        with ThreadPoolExecutor(threads.count(), thread_name_prefix="morse-meshes") as pool:
+            made = pool.map(self._made, missing.values())
+            self._alike.update(zip(missing, made, strict=True))
+        # keeps the meshes alive, so that their ids are not reused
+        self._known.update({key: (new[key][0], self._alike[alike[key]]) for key in new})
+        return [self._known[key][1] for key in keys]
+
+    def _made(self, wanted: tuple[Mesh, int, bool]) -> Clusters:
+        mesh, slots, textured = wanted
+        return clusters_of(mesh, slots, textured=textured, simplified=self._simplified)
+
+
+def _digest(mesh: Mesh) -> bytes:
+    digest = hashlib.blake2b(digest_size=16)
+    for array in (mesh.vertices, mesh.triangles, mesh.material_index, mesh.uvs, mesh.normals):
+        known = np.ascontiguousarray(np.zeros(0) if array is None else array)
+        digest.update(f"{array is None} {known.dtype} {known.shape}".encode())
+        digest.update(known)
+    return digest.digest()
 
 
 class Frames(NamedTuple):
@@ -77,7 +110,8 @@ class Contents:
         drawing: their triangles and surfaces.
         nodes: the node of each instance; the id image contains their indices.
         names: the names of the nodes.
-        moving: (P,) whether each part of the drawing may move.
+        finest: (P,) whether each part of the drawing belongs to the finest level of detail, which casts the shadows.
+        moving: (P,) whether it also may move.
         placed: (I, 3, 4) mesh to world, at the poses of the scene.
     """
 
@@ -98,10 +132,16 @@ class Contents:
         self._offsets = np.zeros((len(self.nodes), 3, 4))
         surfaces_of = [slot_materials(node, node.mesh) for node in self.nodes if node.mesh is not None]
         textures.read_ahead(m.image for surfaces in surfaces_of for m in surfaces if m.image is not None)
+        cuts = meshes.clusters(
+            [
+                (node.mesh, len(surfaces), any(surface.image is not None for surface in surfaces))
+                for node, surfaces in zip(self.nodes, surfaces_of, strict=True)
+                if node.mesh is not None
+            ]
+        )
         slots: list[int] = []
         parts: list[tuple[int, int, int, int]] = []
-        for number, (node, surfaces) in enumerate(zip(self.nodes, surfaces_of, strict=True)):
-            assert node.mesh is not None
+        for number, (node, surfaces, cut) in enumerate(zip(self.nodes, surfaces_of, cuts, strict=True)):
             frame = rigid_frame(node)
             self._stretches[number] = [list(row) for row in frame.stretch]
             rotation = np.array([list(row) for row in frame.rotation])
@@ -110,7 +150,7 @@ class Contents:
             flags |= MOVES * int(not world.is_fixed(self._groups[number]))
             own = [self._material(material, node.color or material.color) for material in surfaces]
             flags |= SOLID * int(not any(self._has_holes[material] for material in own))
-            parts += [(c, number, len(slots), flags) for c in self._clusters(meshes.clusters(node.mesh, len(surfaces)))]
+            parts += [(c, number, len(slots), flags) for c in self._clusters(cut)]
             slots += own
         self._settle(range(len(self.nodes)))
         count = len(self.nodes)
@@ -132,8 +172,10 @@ class Contents:
             textured,
             np.concatenate([np.zeros(0, np.uint8), *(c.closed for c in self._chunks)]),
             np.concatenate([np.zeros(0, np.float32), *(c.guards for c in self._chunks)]),
+            np.concatenate([np.zeros((0, 6), np.float32), *(c.levels for c in self._chunks)]),
         )
-        self.moving = self.drawing.parts[:, 3] & MOVES != 0
+        self.finest = self.drawing.levels[self.drawing.parts[:, 0], 4] == 0.0
+        self.moving = (self.drawing.parts[:, 3] & MOVES != 0) & self.finest
 
     # -- contents --------------------------------------------------------------------------
 

@@ -8,6 +8,8 @@ import numpy as np
 
 from morse.kernel.drawing.arrays import CLUSTER, VERTEX
 from morse.rendering.closed import closed_parts
+from morse.rendering.levels import levels_of
+from morse.rendering.rows import different
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,6 +35,7 @@ class Clusters(NamedTuple):
         spheres: (C, 4) float32, centre and radius.
         closed: (T,) uint8, 0, `CLOSED` or `MIXED`; see `morse.kernel.drawing.Drawing`.
         guards: (C,) float32, radius of the sphere around the same centre that contains these parts.
+        levels: (C, 6) float32, see `morse.kernel.drawing.Drawing`.
     """
 
     vertices: NDArray[np.void]
@@ -41,17 +44,23 @@ class Clusters(NamedTuple):
     spheres: NDArray[np.float32]
     closed: NDArray[np.uint8]
     guards: NDArray[np.float32]
+    levels: NDArray[np.float32]
 
 
-def clusters_of(mesh: Mesh, slots: int, at_once: int = _AT_ONCE) -> Clusters:
-    """Divide a mesh into clusters, and merge equal corners.
+def clusters_of(
+    mesh: Mesh, slots: int, at_once: int = _AT_ONCE, *, textured: bool = True, simplified: bool = False
+) -> Clusters:
+    """Divide a mesh and its levels of detail into clusters, and merge equal corners.
 
     Triangles with corners that are not finite or do not exist are left out.
 
     Args:
         slots: number of material slots; triangles of other slots get the last one.
         at_once: number of triangles that are processed at once, a multiple of `CLUSTER`, which bounds the temporary
-            memory. Larger meshes are not searched for closed parts; nothing else depends on it.
+            memory. Larger meshes are not searched for closed parts, and have no other levels of detail; nothing else
+            depends on it.
+        textured: whether texture coordinates are used; otherwise they are 0.
+        simplified: make levels of detail.
     """
     index = np.asarray(mesh.triangles).reshape(-1, 3)
     points = np.asarray(mesh.vertices, dtype=np.float32).reshape(-1, 3)
@@ -65,8 +74,17 @@ def clusters_of(mesh: Mesh, slots: int, at_once: int = _AT_ONCE) -> Clusters:
     del centres, chosen
     slot = np.clip(_column(mesh.material_index, len(index)), 0, slots - 1)
     ordered = [order[part] for part in _parts(len(order), at_once)] or [order]
-    stacked = _stacked([_joined(_rows(mesh, points, index, part), slot[part]) for part in ordered])
-    return stacked if len(order) > at_once else _guarded(stacked, closed_parts(points, index[order], slot[order]))
+    if len(order) > at_once:
+        return _stacked([_joined(_rows(mesh, points, index, part, textured), slot[part]) for part in ordered])
+    rows, slot = _rows(mesh, points, index, order, textured), slot[order]
+    levels = levels_of(rows, slot, textured=textured) if simplified else []
+    copies = [_joined(rows, slot), *(_joined(level.rows, slot[level.origin]) for level in levels)]
+    errors = [0.0, *(level.error for level in levels), np.inf]
+    whole = _spheres(rows.reshape(-1, 8)[:, :3], np.zeros(min(len(rows), 1), np.intp))
+    for number, copy in enumerate(copies):
+        copy.levels[:, :4], copy.levels[:, 4:] = whole, errors[number : number + 2]
+    origins = np.concatenate([np.arange(len(order)), *(level.origin for level in levels)])
+    return _guarded(_stacked(copies), closed_parts(points, index[order], slot), origins)
 
 
 def _parts(count: int, at_once: int) -> list[slice]:
@@ -81,14 +99,14 @@ def _usable(index: NDArray[np.integer], usable: NDArray[np.bool_]) -> NDArray[np
 
 
 def _rows(
-    mesh: Mesh, points: NDArray[np.float32], index: NDArray[np.integer], chosen: NDArray[np.intp]
+    mesh: Mesh, points: NDArray[np.float32], index: NDArray[np.integer], chosen: NDArray[np.intp], textured: bool
 ) -> NDArray[np.float32]:
     """(N, 3, 8) position, normal and texture coordinates of the corners of some triangles."""
     corners = points[index[chosen]]
     rows = np.zeros((len(chosen), 3, 8), np.float32)
     rows[..., :3] = corners
     rows[..., 3:6] = _normals(mesh, chosen, len(index), corners)
-    if mesh.uvs is not None and len(mesh.uvs) == len(index):
+    if textured and mesh.uvs is not None and len(mesh.uvs) == len(index):
         uvs = np.asarray(np.asarray(mesh.uvs)[chosen], dtype=np.float32).reshape(-1, 3, 2)
         rows[..., 6:] = np.clip(np.nan_to_num(uvs), -_FARTHEST_UV, _FARTHEST_UV)
     rows += np.float32(0.0)  # the sum converts -0 to 0
@@ -109,12 +127,13 @@ def _stacked(parts: list[Clusters]) -> Clusters:
         np.concatenate([part.spheres for part in parts]),
         np.concatenate([part.closed for part in parts]),
         np.concatenate([part.guards for part in parts]),
+        np.concatenate([part.levels for part in parts]),
     )
 
 
-def _guarded(made: Clusters, solids: ClosedParts) -> Clusters:
-    """Return the clusters of a mesh with its closed parts."""
-    part, kind, spheres = solids
+def _guarded(made: Clusters, solids: ClosedParts, origins: NDArray[np.intp]) -> Clusters:
+    """Return the clusters of a mesh with its closed parts; `origins` (T,) are the triangles of the mesh."""
+    part, kind, spheres = solids.part[origins], solids.kind[origins], solids.spheres
     guards = made.spheres[:, 3].copy()
     owner = np.repeat(np.arange(len(made.clusters)), made.clusters[:, 3])
     inside = part >= 0
@@ -150,15 +169,7 @@ def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
     cluster = np.arange(count) // CLUSTER
     owner = np.repeat(cluster, 3)
     flat = np.ascontiguousarray(rows.reshape(-1, 8))
-    # one number for each corner, so that sorting is fast; rows with equal numbers are compared below
-    words = flat.view(np.uint32).astype(np.uint64)
-    factors = np.random.default_rng(1).integers(1, 2**63, size=9, dtype=np.uint64) | np.uint64(1)
-    mixed = words * factors[:8]
-    mixed ^= mixed >> np.uint64(29)
-    key = (mixed.sum(axis=1, dtype=np.uint64) & np.uint64(0xFFFFFFFF)) | (owner.astype(np.uint64) << np.uint64(32))
-    first, inverse = _grouped(key)
-    if count and not np.array_equal(flat[first][inverse], flat):
-        first = inverse = np.arange(len(flat))  # hash collision of two corners, not expected
+    first, inverse = different(flat, owner)
     firsts = np.searchsorted(owner[first], np.arange(cluster[-1] + 1 if count else 0))
     sizes = np.diff(np.append(firsts, len(first)))
     starts = np.arange(0, count, CLUSTER)
@@ -168,23 +179,10 @@ def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
     vertices = flat[first].view(VERTEX).reshape(-1)
     numbers = np.column_stack([firsts, sizes, starts, np.diff(np.append(starts, count))]).astype(np.int32)
     spheres = _spheres(vertices["p"], firsts)
+    levels = np.column_stack([spheres, np.zeros(len(spheres)), np.full(len(spheres), np.inf)]).astype(np.float32)
     return Clusters(
-        vertices, triangles, numbers.reshape(-1, 4), spheres, np.zeros(count, np.uint8), spheres[:, 3].copy()
+        vertices, triangles, numbers.reshape(-1, 4), spheres, np.zeros(count, np.uint8), spheres[:, 3].copy(), levels
     )
-
-
-def _grouped(key: NDArray[np.uint64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """One member of each group of equal keys, and the index of the group of each member.
-
-    ``np.unique`` does the same with stable sorts, which take three times as long.
-    """
-    order = np.argsort(key)
-    ordered = key[order]
-    begins = np.ones(len(key), bool)
-    np.not_equal(ordered[1:], ordered[:-1], out=begins[1:])
-    group = np.empty(len(key), np.intp)
-    group[order] = np.cumsum(begins) - 1
-    return order[begins], group
 
 
 def _spheres(points: NDArray[np.float32], firsts: NDArray[np.intp]) -> NDArray[np.float32]:

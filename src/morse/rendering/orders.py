@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ class Order(NamedTuple):
     """An image to be rendered.
 
     Attributes:
-        lens, color, normals, exposure, motion: see `CameraRequest`.
+        lens, color, normals, exposure, screen_space_error, motion: see `CameraRequest`.
         position: (3,) m, of the camera.
         rotation: (3, 3) camera to world.
         velocity: (1, 3) m/s and (1, 3) rad/s, world axes; None if the image shows one instant only.
@@ -36,6 +37,7 @@ class Order(NamedTuple):
     color: bool
     normals: bool
     exposure: float
+    screen_space_error: float
     motion: Motion | None
     position: NDArray[np.float64]
     rotation: NDArray[np.float64]
@@ -57,6 +59,7 @@ def order_of(request: CameraRequest) -> Order:
         request.color,
         request.normals,
         request.exposure,
+        request.screen_space_error,
         request.motion,
         np.array(position, np.float64),
         np.reshape(np.array(rotation, np.float64), (3, 3)),
@@ -112,9 +115,20 @@ def cameras_of(orders: Sequence[Order], time: float) -> NDArray[Any]:
         # one assignment takes a fraction of the time of one for each field
         cameras[number] = (
             *(lens.fx, lens.fy, lens.cx, lens.cy, lens.near, lens.far, axes, position, order.exposure),
+            order.screen_space_error / _magnification(lens),
             *(lens.width, lens.height, 0, order.color, order.normals, 0),
         )
     return cameras
+
+
+def _magnification(lens: Lens) -> float:
+    """The largest shift in an undistorted image, pixels, for a shift of a point by its depth."""
+    # a point at x = X / Z that moves by (dX, dZ) shifts by (dX - x dZ) / Z
+    x, y = (
+        max(at, size - at) / focal
+        for at, size, focal in ((lens.cx, lens.width, lens.fx), (lens.cy, lens.height, lens.fy))
+    )
+    return max(lens.fx, lens.fy) * math.sqrt(1.0 + x * x + y * y)
 
 
 def cut(made: Pictures, row: Any) -> Drawn:

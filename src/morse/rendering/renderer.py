@@ -32,6 +32,7 @@ class Renderer:
         self._samples = samples
         self._meshes, self._textures = MeshStore(), TextureStore()
         self._stage: Stage | None = None
+        self._simplified = False
         self._beside = Beside()
 
     @property
@@ -56,6 +57,10 @@ class Renderer:
         asked = [request for request in requests if request.wanted()]
         if not asked:
             return
+        if not self._simplified and any(request.screen_space_error > 0.0 for request in asked):
+            # levels of detail take time and memory: they are made for the first camera that allows an error
+            self._simplified, self._stage = True, None
+            self._meshes = MeshStore(simplified=True)
         stage = self._present_stage()
         now = [request for request in asked if not request.beside]
         if now:

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from morse.rendering.shot import Shot
 
 
+#: bound of the error of simplified meshes in an image, pixels; meshes are not simplified
+SCREEN_SPACE_ERROR = 0.0
+
+
 class Placed(Protocol):
     """An object with a pose: an object of the world, or a `morse.rendering.viewpoint.Viewpoint`."""
 
@@ -41,6 +45,7 @@ class CameraRequest:
         color: whether the image has colours, not only depth and ids.
         normals: whether the image has normals.
         exposure: factor of the light.
+        screen_space_error: bound of the error of simplified meshes in the image, pixels; 0 for full detail.
         motion: when the rows are exposed; None for an image of the present instant.
         wanted: returns whether an image is requested now.
         beside: whether images are rendered in a thread while the simulation goes on; `picture` waits for them.
@@ -53,6 +58,7 @@ class CameraRequest:
         self.server = server
         self.obj, self.lens, self.color, self.normals, self.wanted = obj, lens, color, normals, wanted
         self.exposure = 1.0
+        self.screen_space_error = SCREEN_SPACE_ERROR
         self.motion: Motion | None = None
         self.beside = False
         self.shot: Shot | None = None

@@ -63,7 +63,7 @@ class Shadows:
     def __init__(self, contents: Contents, drawer: Caster, sunny: NDArray[np.float64], light: Light) -> None:
         self.sunny = sunny
         axes = _axes(sunny)
-        low, high = _extent(contents, axes, np.ones(len(contents.moving), bool), _AROUND)
+        low, high = _extent(contents, axes, contents.finest, _AROUND)
         frame, shape = _frame(axes, low, high, _MOST)
         self._maps = []
         if contents.moving.any() and frame[12] > _FINEST:
@@ -107,9 +107,9 @@ class ShadowMap:
         self._drawer = drawer
         shadow = np.full(shape, NO_SURFACE, np.float32)
         self.light = light._replace(sun=frame.astype(np.float32), shadow=shadow, shadow_bounds=bounds_for(shadow))
-        moving = contents.moving
-        self._still, self._movers = np.flatnonzero(~moving), np.flatnonzero(moving)
-        self._still_instances = np.unique(contents.drawing.parts[~moving, 1])
+        moving, still = contents.moving, contents.finest & ~contents.moving
+        self._still, self._movers = np.flatnonzero(still), np.flatnonzero(moving)
+        self._still_instances = np.unique(contents.drawing.parts[still, 1])
         self._stood = np.zeros((0, 12), np.float32)
         self._moving: Movers | None = None
 

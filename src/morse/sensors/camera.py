@@ -118,6 +118,16 @@ class Camera(Sensor):
         "string",
         "Coefficients k1, k2, p1, p2, k3; of the fisheye lens 'equidistant' k1, k2, k3, k4",
     )
+    add_property(
+        "screen_space_error",
+        0.0,
+        "screen_space_error",
+        "float",
+        "Bound of the error of simplified meshes in the image; 0 for full detail",
+        unit="px",
+        low=0.0,
+        high=1e3,
+    )
     add_property("capturing", True, "capturing", "bool", "Take pictures")
 
     color = True
@@ -135,6 +145,7 @@ class Camera(Sensor):
     far_clipping: float
     lens_model: str
     distortion: str
+    screen_space_error: float
     vertical_flip: bool
     capturing: bool
 
@@ -218,6 +229,8 @@ class Camera(Sensor):
         super().interrupt()
 
     def _wants(self) -> bool:
+        # asked before each image
+        self.request.screen_space_error = self.screen_space_error
         return self.capturing and self._left != 0
 
     def watched_space(self) -> WatchedSpace | None:

@@ -33,6 +33,18 @@ static inline float stretch_of(const float *m) {
     return sqrtf(scale);
 }
 
+// An upper bound of the largest stretch of a model that is exact for rotations: the root of the largest sum of a row of
+// its square.
+static inline float scale_of(const float *m) {
+    float most = 0;
+    EACH(i, 3) {
+        float row = 0;
+        EACH(j, 3) row += fabsf(m[i] * m[j] + m[4 + i] * m[4 + j] + m[8 + i] * m[8 + j]);
+        most = row > most ? row : most;
+    }
+    return sqrtf(most);
+}
+
 // Mesh to (x w, y w, w) of a camera. Differences of positions are computed first, in double precision.
 static inline void projection(const Camera *k, const float *m, double a[3][4]) {
     const float *r = k->axes;

@@ -36,6 +36,23 @@ static int may_be_seen(const Camera *k, const float *m, const float *s, float *n
     return side[2] * q[2] + fy * q[1] >= -size * length[2] && side[3] * q[2] - fy * q[1] >= -size * length[3];
 }
 
+// Whether a cluster belongs to the level of detail that a camera sees: the error of the level is allowed, that of the
+// next one is not.
+static int is_level(const Camera *k, const float *m, const float *level) {
+    const float *r = k->axes;
+    float depth = 0;
+    // most meshes are not simplified
+    if (level[4] == 0 && level[5] == INFINITY) return 1;
+    EACH(i, 3) {
+        const float x = m[4 * i] * level[0] + m[4 * i + 1] * level[1] + m[4 * i + 2] * level[2] + m[4 * i + 3];
+        depth += r[6 + i] * (x - k->eye[i]);
+    }
+    const float scale = scale_of(m), nearest = depth - level[3] * scale;
+    // false for NaN
+    const float allowed = nearest > k->near ? nearest * k->tolerance : 0;
+    return level[4] * scale <= allowed && !(level[5] * scale <= allowed);
+}
+
 static int32_t rank_of(float nearest) {
     int32_t bits;
     // false for NaN
@@ -53,7 +70,9 @@ static int32_t find(Frame *f, int32_t camera, int32_t first, int64_t *size) {
     EACH(p, f->part_count) {
         const Part *part = f->parts + p;
         float nearest;
-        if (!may_be_seen(f->cameras + camera, f->models[part->instance], f->spheres[part->cluster], &nearest)) continue;
+        const float *m = f->models[part->instance];
+        if (!is_level(f->cameras + camera, m, f->levels[part->cluster])) continue;
+        if (!may_be_seen(f->cameras + camera, m, f->spheres[part->cluster], &nearest)) continue;
         f->found[count][0] = p, f->found[count][1] = rank_of(nearest);
         places[f->found[count++][1] + 1]++;
         *size += triangles_of(f, p);

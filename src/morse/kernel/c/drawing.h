@@ -16,9 +16,10 @@ enum { MIRRORED = 2, SOLID = 4 };
 // Closed parts of a mesh: of one material, and of several.
 enum { CLOSED = 1, MIXED = 2 };
 
-// A pinhole camera. Axes are rows: right, down, forward. `pixel` is its first pixel, `tile` its first tile.
+// A pinhole camera. Axes are rows: right, down, forward. `pixel` is its first pixel, `tile` its first tile. `tolerance`
+// is the allowed error of surfaces, relative to their depth.
 typedef struct {
-    float fx, fy, cx, cy, near, far, axes[9], eye[3], exposure;
+    float fx, fy, cx, cy, near, far, axes[9], eye[3], exposure, tolerance;
     int32_t width, height, tile, color, normals;
     int64_t pixel;
 } Camera;
@@ -101,6 +102,7 @@ typedef struct {
     const uint8_t *encoded;     // 4096 steps of linear light as sRGB
     const uint8_t *closed;      // CLOSED or MIXED for triangles of closed parts
     const float *guards;        // radii of spheres around these parts, with the centres of `spheres`
+    const float (*levels)[6];   // spheres around meshes, and the errors of levels of detail
     const float (*models)[12];  // mesh to world, of each instance
     const float (*turns)[9];    // the same for normals
     const Camera *cameras;

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.kernel.drawing.arrays import Drawing, Light, Pictures, Poses
+from morse.kernel.drawing.simplification import Simplification
 from morse.kernel.loading import library
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from morse.kernel.drawing.native import NativeDrawer
     from morse.kernel.drawing.reference import ReferenceDrawer
 
-__all__ = ["Drawing", "Light", "Pictures", "Poses", "closed_labels", "drawer"]
+__all__ = ["Drawing", "Light", "Pictures", "Poses", "Simplification", "closed_labels", "drawer", "simplify"]
 
 
 def drawer(drawing: Drawing) -> NativeDrawer | ReferenceDrawer:
@@ -39,3 +40,15 @@ def closed_labels(points: NDArray[np.float32], index: NDArray[np.int32]) -> NDAr
     from morse.kernel.drawing.native_closed import closed_labels as of_kernel
 
     return of_kernel(native, points, index)
+
+
+def simplify(mesh: Simplification, limit: float) -> int:
+    """Simplify a mesh up to an error; see `morse.kernel.drawing.reference_simplify.simplify`."""
+    native = library()
+    if native is None:
+        from morse.kernel.drawing.reference_simplify import simplify as by_python
+
+        return by_python(mesh, limit)
+    from morse.kernel.drawing.native_simplify import simplify as by_kernel
+
+    return by_kernel(native, mesh, limit)

@@ -64,6 +64,7 @@ CAMERA = np.dtype(
         ("axes", "f4", 9),
         ("eye", "f4", 3),
         ("exposure", "f4"),
+        ("tolerance", "f4"),
         ("width", "i4"),
         ("height", "i4"),
         ("tile", "i4"),
@@ -107,6 +108,10 @@ class Drawing(NamedTuple):
         closed: (T,) uint8, `CLOSED` or `MIXED` for triangles of closed parts of a mesh. Their back faces are not
             visible from outside, and are left out unless the surface has holes.
         guards: (C,) float32, radius of the sphere around the centre of the cluster that contains these parts.
+        levels: (C, 6) float32, centre and radius of a sphere around the mesh, and the errors of the level of detail to
+            which the cluster belongs and of the next one, m. A level is drawn if its error is allowed and that of the
+            next one is not; the allowed error is `CAMERA` ``tolerance`` times the depth of the nearest point of the
+            sphere.
     """
 
     vertices: NDArray[Any]
@@ -120,6 +125,7 @@ class Drawing(NamedTuple):
     textures: NDArray[Any]
     closed: NDArray[np.uint8]
     guards: NDArray[np.float32]
+    levels: NDArray[np.float32]
 
 
 class Poses(NamedTuple):

@@ -57,7 +57,7 @@ def project(drawing: Drawing, camera: NDArray[Any], poses: Poses, samples: int) 
     found = [
         one
         for part in range(len(drawing.parts))
-        if _may_be_seen(drawing, camera, poses, part)
+        if _is_level(drawing, camera, poses, part) and _may_be_seen(drawing, camera, poses, part)
         for one in [_part(drawing, camera, poses, part, 0.9 if samples > 1 else 0.5)]
     ]
     none = np.zeros(0, np.int64)
@@ -94,6 +94,31 @@ def _may_be_seen(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> 
     if any(apart):
         return False
     return bool(side[2] * q[2] + fy * q[1] >= -size * length[2] and side[3] * q[2] - fy * q[1] >= -size * length[3])
+
+
+def _is_level(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> bool:
+    """Whether a cluster belongs to the level of detail that a camera sees."""
+    cluster, instance = drawing.parts[part, :2]
+    s, m, r = drawing.levels[cluster], poses.models[instance].reshape(3, 4), k["axes"]
+    depth, zero = np.float32(0), np.float32(0)
+    for i in range(3):
+        depth += r[6 + i] * (m[i, 0] * s[0] + m[i, 1] * s[1] + m[i, 2] * s[2] + m[i, 3] - k["eye"][i])
+    scale = _scale(m)
+    nearest = depth - s[3] * scale
+    allowed = nearest * k["tolerance"] if nearest > k["near"] else zero
+    # the error of the last level is infinite
+    return bool(s[4] * scale <= allowed and not (s[5] < np.inf and s[5] * scale <= allowed))
+
+
+def _scale(m: NDArray[np.float32]) -> np.float32:
+    """An upper bound of the largest stretch that is exact for rotations."""
+    most = np.float32(0)
+    for i in range(3):
+        row = np.float32(0)
+        for j in range(3):
+            row += np.abs(m[0, i] * m[0, j] + m[1, i] * m[1, j] + m[2, i] * m[2, j])
+        most = max(most, row)
+    return np.float32(np.sqrt(most))
 
 
 def _is_outside(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> bool:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
-    closed guards
+    closed guards levels
     models turns cameras shadow sun near_shadow near_sun lamp_shadow lamp_frame
     shadow_bounds near_bounds lamp_bounds points corners point_counts
     jobs found starts counts chunks shares seen bounds firsts members tiles rgba depth ids normals"""
