@@ -80,9 +80,11 @@ def clusters_of(
     levels = levels_of(rows, slot, textured=textured) if simplified else []
     copies = [_joined(rows, slot), *(_joined(level.rows, slot[level.origin]) for level in levels)]
     errors = [0.0, *(level.error for level in levels), np.inf]
-    whole = _spheres(rows.reshape(-1, 8)[:, :3], np.zeros(min(len(rows), 1), np.intp))
-    for number, copy in enumerate(copies):
-        copy.levels[:, :4], copy.levels[:, 4:] = whole, errors[number : number + 2]
+    if levels:
+        # all clusters of a mesh show the same level
+        whole = _spheres(rows.reshape(-1, 8)[:, :3], np.zeros(1, np.intp))
+        for number, copy in enumerate(copies):
+            copy.levels[:, :4], copy.levels[:, 4:] = whole, errors[number : number + 2]
     origins = np.concatenate([np.arange(len(order)), *(level.origin for level in levels)])
     return _guarded(_stacked(copies), closed_parts(points, index[order], slot), origins)
 
