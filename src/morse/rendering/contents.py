@@ -82,7 +82,7 @@ def _digest(mesh: Mesh) -> bytes:
     for array in (mesh.vertices, mesh.triangles, mesh.material_index, mesh.uvs, mesh.normals):
         known = np.ascontiguousarray(np.zeros(0) if array is None else array)
         digest.update(f"{array is None} {known.dtype} {known.shape}".encode())
-        digest.update(known)
+        digest.update(known.data)
     return digest.digest()
 
 
