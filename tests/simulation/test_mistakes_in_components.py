@@ -78,7 +78,7 @@ def test_a_component_that_does_not_return_is_named_and_interrupted(
 ) -> None:
     monkeypatch.setattr(stuck_ticks, "_INTERVAL", 0.01)
     with with_sensor("Endless") as simulation:
-        stuck = stuck_ticks.StuckTicks(simulation, warn_after=3600.0, end_after=0.1)
+        stuck = stuck_ticks.StuckTicks(simulation, warn_after=3600.0, end_after=0.4)
         signal.signal(signal.SIGINT, stuck.end)
         try:
             with pytest.raises(KeyboardInterrupt):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import _thread
 import logging
+import math
 import signal
 import sys
 import sysconfig
@@ -88,6 +89,7 @@ class StuckTicks:
 
     def _watch(self) -> None:
         tick, since, told = -1, monotonic(), ""
+        interrupted = -math.inf
         while not self._over.wait(_INTERVAL):
             now = monotonic()
             if self._simulation.ticks != tick:
@@ -105,7 +107,9 @@ class StuckTicks:
             if end != told:
                 told = end
                 logger.warning("a component has not returned for %.1f s: %s; %s ends it", now - since, line, end)
-            if asked is not None and now - asked > self._end_after:
+            if asked is not None and now - max(asked, interrupted) > self._end_after:
+                # not again before the next timeout: the first interruption may not have taken effect yet
+                interrupted = now
                 self._interrupt()
 
     def _interrupt(self) -> None:
