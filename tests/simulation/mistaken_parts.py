@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import signal
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import add_data
 from morse.core.sensor import Sensor
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 
 class Orphan(Sensor):
@@ -40,6 +44,28 @@ class Sloppy(Sensor):
         self.local_data["slope"] = "steep"
         self.local_data["slop"] = 1.0
         self.local_data["image"] = [1, 2]
+
+
+class Broken(list[float]):
+    """Its items cannot be read."""
+
+    def __iter__(self) -> Iterator[float]:
+        raise KeyError("no items")
+
+
+class Unreadable(Sensor):
+    """Its data contain themselves, never end, cannot be read, and are too large."""
+
+    for _field in ("loop", "endless", "broken", "huge"):
+        add_data(_field, 0.0, "float", "A number")
+
+    def default_action(self) -> None:
+        loop: list[object] = []
+        loop.append(loop)
+        self.local_data["loop"] = loop
+        self.local_data["endless"] = itertools.count()
+        self.local_data["broken"] = Broken([1.0])
+        self.local_data["huge"] = 10**400
 
 
 class Endless(Sensor):

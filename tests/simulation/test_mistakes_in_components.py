@@ -65,6 +65,15 @@ def test_data_that_do_not_match_their_declarations_are_reported_once(caplog: pyt
     assert "image" not in caplog.text
 
 
+def test_data_that_cannot_be_read_are_named_and_end_nothing(caplog: pytest.LogCaptureFixture) -> None:
+    with with_sensor("Unreadable") as simulation:
+        simulation.step(3)
+        assert simulation.ticks == 3
+    for field, text in (("loop", "contains itself"), ("endless", "only once"), ("broken", "KeyError"), ("huge", "")):
+        (line,) = [line for line in caplog.messages if f"the data field '{field}'" in line]
+        assert text in line
+
+
 @pytest.fixture
 def handlers() -> Iterator[None]:
     before = signal.getsignal(signal.SIGINT)

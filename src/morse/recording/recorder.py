@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.journal import Entry
-    from morse.recording.made.writing import Made
+    from morse.recording.made.made import Made
 
 logger = logging.getLogger(__name__)
 

@@ -15,7 +15,7 @@ from morse.core.exceptions import MorseBuilderError
 from morse.core.hints import nearest
 from morse.core.quoting import short, shown
 from morse.core.state import StateError
-from morse.recording.made.writing import Made
+from morse.recording.made.made import Made
 from morse.scene import Scene
 from morse.simulation.loader import connect, load_components
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from morse.core.journal import Journal
     from morse.core.observer import Observer
     from morse.physics import World
-    from morse.recording.made.writing import Made
+    from morse.recording.made.made import Made
     from morse.recording.recorder import Recorder
     from morse.scene import Scene
     from morse.simulation.futures import LocalFuture

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core.declarations import fields_of_component
 from morse.core.declarations.refused import numbers_in
@@ -14,6 +14,7 @@ from morse.core.validation.fields import spec_of_field
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from morse.core.declarations.fields import DataField
     from morse.core.object import Object
 
 
@@ -44,8 +45,25 @@ def misfits(component: Object) -> Iterator[Misfit]:
                 near = closest(name, fields)
                 meant = f"; did you mean '{near}'?" if near is not None else ""
                 yield Misfit(name, False, f"it publishes '{name}' without declaring it: add_data('{name}', ...){meant}")
-        elif isinstance(component, Sensor) and all(map(math.isfinite, numbers_in(value))):
+        elif isinstance(component, Sensor):
             try:
-                spec_of_field(fields[name], fields[name].default).check()(value)
-            except ValueError as error:
-                yield Misfit(name, True, f"the data field '{name}' is {value!r:.80}, expected {error}")
+                text = _misfit(value, fields[name])
+            except RecursionError:
+                text = "is nested too deeply, or contains itself"
+            except Exception as error:  # values are objects of any class of users, and their methods may fail
+                text = f"cannot be read: {type(error).__name__}: {error!s:.80}"
+            if text:
+                yield Misfit(name, True, f"the data field '{name}' {text}")
+
+
+def _misfit(value: Any, field: DataField) -> str:
+    """Return what is wrong with a value; empty if nothing is."""
+    if hasattr(value, "__iter__") and not hasattr(value, "__len__"):
+        return f"is {value!r:.80}, which can be read only once"
+    if not all(map(math.isfinite, numbers_in(value))):
+        return ""
+    try:
+        spec_of_field(field, field.default).check()(value)
+    except ValueError as error:
+        return f"is {value!r:.80}, expected {error}"
+    return ""

@@ -10,7 +10,7 @@ import numpy as np
 
 from morse.core.classpath import load_class
 from morse.core.exceptions import MorseError
-from morse.middleware.ros2.datastream import Ros2DatastreamManager
+from morse.middleware.ros2.mapping import MIDDLEWARE
 from morse.recording.made import form
 
 if TYPE_CHECKING:
@@ -158,8 +158,7 @@ class Packing:
         return known
 
     def _component(self, declared: ComponentDeclaration) -> form.ComponentForm:
-        manager = Ros2DatastreamManager.classpath
-        topic = next((stream.options for stream in declared.streams if stream.manager == manager), {})
+        topics = [stream.options for stream in declared.streams if stream.manager == MIDDLEWARE.stream_manager]
         return form.ComponentForm(
             self._places[declared.node],
             self._places[declared.robot],
@@ -167,7 +166,7 @@ class Packing:
             _classes(declared.classpath),
             declared.frequency,
             declared.level,
-            _plain_items(topic),
+            _plain_items(topics[0] if topics else {}),
             [(modifier.classpath, _plain_items(modifier.options)) for modifier in declared.modifiers],
             declared.options.get("wheels"),  # type: ignore[arg-type]
             declared.options.get("realism"),  # type: ignore[arg-type]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import zstandard
 
@@ -14,10 +14,10 @@ from morse.middleware.ros2.cdr import encode
 from morse.recording.made.packing import Packing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Mapping
 
-    from morse.builder.assembly.spawning import Newcomer
     from morse.recording.disk import Disk
+    from morse.recording.made.made import Made
     from morse.recording.mcap.writer import McapWriter
     from morse.recording.streams import Tape
 
@@ -26,21 +26,6 @@ logger = logging.getLogger(__name__)
 #: topic of the names, and prefixes of the attachments
 TOPIC, TYPE, DESCRIPTIONS, BLOCKS = "/morse/made", "std_msgs/msg/String", "made/", "blocks/"
 _MEDIA_TYPE = "application/zstd"
-
-
-class Made(NamedTuple):
-    """An object that a function spawned.
-
-    Attributes:
-        identity: another object for each spawned object, also of the same name.
-        position, rotation: given to the function, m and rad.
-        describe: returns the content of the object.
-    """
-
-    identity: object
-    position: Sequence[float]
-    rotation: Sequence[float]
-    describe: Callable[[], Newcomer]
 
 
 class MadeObjects:

@@ -1,0 +1,25 @@
+"""An object that a function spawned; scenes that are not recorded need only this."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from morse.builder.assembly.spawning import Newcomer
+
+
+class Made(NamedTuple):
+    """An object that a function spawned.
+
+    Attributes:
+        identity: another object for each spawned object, also of the same name.
+        position, rotation: given to the function, m and rad.
+        describe: returns the content of the object.
+    """
+
+    identity: object
+    position: Sequence[float]
+    rotation: Sequence[float]
+    describe: Callable[[], Newcomer]
