@@ -168,6 +168,8 @@ class Bench:
             component.action()
         self.context.clock.advance()
         self.streams.flush()
+        # as the loop of a simulation does: a tick that has waited for a client has borrowed the network's event loop
+        self.context.network.tend()
 
     def tick_until(self, condition: Callable[[], Any], timeout: float = 60.0) -> Any:
         def ticked() -> Any:
