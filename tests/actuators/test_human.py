@@ -6,7 +6,6 @@ import math
 
 import pytest
 
-import morse
 from morse.core.exceptions import MorseRPCInvokationError
 
 SCENE = """
@@ -34,21 +33,6 @@ for name, y, mark in (("Cup", -0.45, True), ("Plate", -0.75, True), ("Rock", -0.
     thing.properties(Graspable=mark)
 env = Environment("empty", fastmode=True)
 """
-
-
-@pytest.fixture(scope="module")
-def loaded(tmp_path_factory):
-    path = tmp_path_factory.mktemp("human") / "scene.py"
-    path.write_text(SCENE)
-    with morse.load(path) as simulation:
-        yield simulation
-
-
-@pytest.fixture
-def simulation(loaded):
-    loaded.restart()
-    loaded.step()
-    return loaded
 
 
 def component(simulation, name):

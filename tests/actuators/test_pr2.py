@@ -8,7 +8,6 @@ from types import SimpleNamespace
 
 import pytest
 
-import morse
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.middleware.sockets.jointstate import JOINTS, PR2JointStatePublisher
 
@@ -23,21 +22,6 @@ plain.morseable("morse.robots.pr2.PR2")
 plain.translate(y=-4)
 env = Environment("empty", fastmode=True)
 """
-
-
-@pytest.fixture(scope="module")
-def loaded(tmp_path_factory):
-    path = tmp_path_factory.mktemp("pr2") / "scene.py"
-    path.write_text(SCENE)
-    with morse.load(path) as simulation:
-        yield simulation
-
-
-@pytest.fixture
-def simulation(loaded):
-    loaded.restart()
-    loaded.step()
-    return loaded
 
 
 def component(simulation, name):

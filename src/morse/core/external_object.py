@@ -19,13 +19,10 @@ class ExternalObject(Actuator):
 
     def action(self) -> None:
         """One tick: pose, streams that are read, `default_action`, modifiers, streams that are sent."""
-        if not self._active:
-            return
-        self.position_3d.update(self.bge_object)
-        if self.input_functions:
-            self.take_input()
-        self.default_action()
-        self.send_output()
+        acts = self._active
+        super().action()
+        if acts:
+            self.send_output()
 
     def send_output(self) -> None:
         """Apply the modifiers of the output, and publish ``local_data``."""
