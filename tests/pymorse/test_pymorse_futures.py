@@ -135,10 +135,10 @@ def test_closing_frees_a_thread_that_waits(simu: Morse) -> None:
 def test_a_service_is_cancelled_by_its_future_or_its_number(simulation: ScriptedSimulation, simu: Morse) -> None:
     never = simu.call("n", "never")
     number = never.request
-    for given in (never, number, str(number)):
-        before = len(simulation.rpc.lines)
+    cancel = f"{number} cancel\n".encode()
+    for count, given in enumerate((never, number, str(number)), start=1):
         simu.cancel(given)
-        wait_until(lambda before=before: simulation.rpc.lines[before:] == [f"{number} cancel\n".encode()])
+        wait_until(lambda count=count: simulation.rpc.lines.count(cancel) == count)
     for wrong in ("never", None, 1.5):
         with pytest.raises(TypeError, match="takes the future of a service, or its number"):
             simu.cancel(wrong)  # type: ignore[arg-type]
