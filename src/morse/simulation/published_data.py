@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from morse.core.declarations import fields_of_component
 from morse.core.validation.published import misfits
 
 if TYPE_CHECKING:
@@ -48,10 +47,9 @@ class PublishedData:
         return self._next
 
     def _check(self, sensor: Object) -> None:
-        fields = fields_of_component(sensor)
-        for field, declared, text in misfits(sensor):
+        for field, _, text in misfits(sensor, _is_definite):
             key = sensor.name(), field, type(sensor)
-            if key in self._told or (declared and not _is_definite(fields[field])):
+            if key in self._told:
                 continue
             self._told.add(key)
             logger.warning("%s (%s): %s", sensor.name(), type(sensor).__name__, text)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from morse.core.declarations import fields_of_component
 from morse.core.declarations.refused import numbers_in
 from morse.core.hints import closest
@@ -12,7 +14,7 @@ from morse.core.sensor import Sensor
 from morse.core.validation.fields import spec_of_field
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from morse.core.declarations.fields import DataField
     from morse.core.object import Object
@@ -32,10 +34,13 @@ class Misfit(NamedTuple):
     text: str
 
 
-def misfits(component: Object) -> Iterator[Misfit]:
+def misfits(component: Object, is_checked: Callable[[DataField], bool] = lambda field: True) -> Iterator[Misfit]:
     """Yield the fields of ``local_data`` that are not declared, and those of a sensor with another type or range.
 
     NaN and infinity are not reported.
+
+    Args:
+        is_checked: whether the values of a declared field are checked.
     """
     fields = fields_of_component(component)
     for name, value in component.local_data.items():
@@ -45,7 +50,7 @@ def misfits(component: Object) -> Iterator[Misfit]:
                 near = closest(name, fields)
                 meant = f"; did you mean '{near}'?" if near is not None else ""
                 yield Misfit(name, False, f"it publishes '{name}' without declaring it: add_data('{name}', ...){meant}")
-        elif isinstance(component, Sensor):
+        elif isinstance(component, Sensor) and is_checked(fields[name]):
             try:
                 text = _misfit(value, fields[name])
             except RecursionError:
@@ -60,7 +65,11 @@ def _misfit(value: Any, field: DataField) -> str:
     """Return what is wrong with a value; empty if nothing is."""
     if hasattr(value, "__iter__") and not hasattr(value, "__len__"):
         return f"is {value!r:.80}, which can be read only once"
-    if not all(map(math.isfinite, numbers_in(value))):
+    if isinstance(value, np.ndarray) and value.dtype.kind in "fiub":
+        is_finite = bool(np.isfinite(value).all())
+    else:
+        is_finite = all(map(math.isfinite, numbers_in(value)))
+    if not is_finite:
         return ""
     try:
         spec_of_field(field, field.default).check()(value)
