@@ -47,3 +47,8 @@ class TimeShare:
         """Return whether the share of this tick is used; called after `spend`."""
         self._debt = max(0.0, self._rested - self._allowed)
         return self._debt > 0.0
+
+    def end_request(self) -> bool:
+        """Count a request that has just been served; return whether the share of this tick is used."""
+        self.spend()
+        return self.is_used()

@@ -140,8 +140,7 @@ class RosRequestManager(RequestManager):
             for _ in range(min(len(self._queue), _EACH_TICK)):
                 waiting = self._queue.popleft()
                 waiting.begin(waiting.end)
-                self._share.spend()
-                if self._share.is_used():
+                if self._share.end_request():
                     break
         for action in list(self._actions.values()):
             action.act(self._context.clock)

@@ -174,10 +174,6 @@ class Ros2RequestManager(RequestManager):
         for action in list(self._actions.values()):
             action.act(self._context.clock)
 
-    def _is_used(self) -> bool:
-        self._share.spend()
-        return self._share.is_used()
-
     def _serve_offers(self) -> bool:
         """Serve services of components; return whether the share of this tick is used."""
         offers = list(self._offers.items())
@@ -188,7 +184,7 @@ class Ros2RequestManager(RequestManager):
                 if not taken:
                     break
                 self._handle(component, service, offer, *taken[0])
-                if self._is_used():
+                if self._share.end_request():
                     self._next_offer = number
                     return True
         return False
@@ -202,12 +198,12 @@ class Ros2RequestManager(RequestManager):
                 caller, request = taken[0]
                 arguments = [getattr(request, name) for name in request.get_fields_and_field_types()]
                 self.call(component, service, arguments, _typed_answer(server, caller))
-                if self._is_used():
+                if self._share.end_request():
                     return True
         return False
 
     def _serve_simulation(self) -> bool:
-        return self._simulation is not None and self._simulation.serve(self._is_used)
+        return self._simulation is not None and self._simulation.serve(self._share.end_request)
 
     def _handle(self, component: str, service: str, offer: _Offer, caller: Any, request: dict[str, Any]) -> None:
         def answer(outcome: Outcome) -> None:

@@ -104,8 +104,7 @@ class YarpRequestManager(RequestManager):
         for _ in range(min(len(self._arrived), _EACH_TICK)):
             component, values = self._arrived.popleft()
             self._handle(component, values)
-            share.spend()
-            if share.is_used():
+            if share.end_request():
                 return
         if self._arrived:
             self._context.wake()
