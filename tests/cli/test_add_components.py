@@ -195,6 +195,13 @@ def test_a_digit_in_front_gets_an_underscore(morse, project):
     assert "import _3po" in answer.out
 
 
+@pytest.mark.parametrize("name", ["class", "_class", "none", "con"])
+def test_reserved_words_are_refused_with_a_free_name(morse, project, name):
+    answer = morse("add", "sensor", name, "ranger_sim")
+    assert answer.status == 1
+    assert f"Use, for example, '{name.strip('_')}1'" in answer.err
+
+
 @pytest.mark.parametrize("name", ["../evil", "/evil", "a/b", "..\\evil", ".", "..", "", "_", "--", "!?"])
 def test_bad_names_are_refused(morse, project, name):
     before = files_below(morse.directory.parent)
@@ -246,6 +253,9 @@ def test_an_environment_with_capitals_keeps_one_package(morse):
 
 
 names = st.text(min_size=1, max_size=30) | st.from_regex(r"[\w .-]{1,20}", fullmatch=True)
+FORBIDDEN = {"con", "prn", "aux", "nul", *(word.lower() for word in keyword.kwlist)} | {
+    f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10)
+}
 reserved = st.sampled_from([*keyword.kwlist, *(word.lower() for word in keyword.kwlist), "con", "NUL", "lpt1"])
 
 
@@ -265,10 +275,9 @@ def test_safe_names_can_be_imported(text):
     assert class_name(name) in namespace
 
 
-@given(st.from_regex(r"[A-Za-z][A-Za-z0-9]{0,20}", fullmatch=True).filter(lambda t: not keyword.iskeyword(t)))
+@given(st.from_regex(r"[A-Za-z][A-Za-z0-9]{0,20}", fullmatch=True).filter(lambda t: t.lower() not in FORBIDDEN))
 def test_letters_and_digits_stay_as_they_are(text):
-    name = component_name(text)
-    assert name == text or (name == "_" + text and class_name(text) in (*keyword.kwlist, class_name(text)))
+    assert component_name(text) == text
 
 
 @settings(max_examples=examples(30), deadline=None)

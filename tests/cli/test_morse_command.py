@@ -65,6 +65,12 @@ def test_help(morse, option):
         assert answer.err == ""
 
 
+def test_narrow_help_has_whole_names(tmp_path):
+    answer = program(MORSE, "-h", home=tmp_path, COLUMNS="40")
+    assert answer.returncode == 0
+    assert {"--reverse-color", "--install-completion"} <= set(answer.stdout.split())
+
+
 @pytest.mark.parametrize(("typed", "meant"), [("crete", "create"), ("runn", "run"), ("chek", "check"), ("ad", "add")])
 def test_a_mistyped_command_gives_the_nearest(morse, typed, meant):
     answer = morse(typed)

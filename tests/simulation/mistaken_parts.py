@@ -68,6 +68,29 @@ class Unreadable(Sensor):
         self.local_data["huge"] = 10**400
 
 
+class Named(Sensor):
+    """Hides a method that every component has."""
+
+    name = "left"  # type: ignore[assignment]
+
+
+class NamedLater(Sensor):
+    """Hides it while it runs."""
+
+    add_data("x", "position at the start", "float")
+
+    def default_action(self) -> None:
+        self.name = "left"  # type: ignore[assignment,method-assign]
+
+
+class Timed(Sensor):
+    """Has an attribute with the name of a method that MORSE 1.4 did not have."""
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self.progress = 0.5  # type: ignore[assignment,method-assign]
+
+
 class Endless(Sensor):
     """Never returns, once Ctrl+C was pressed."""
 

@@ -40,6 +40,7 @@ def with_sensor(name: str) -> Any:
     ("name", "text"),
     [
         ("Orphan", r"Orphan.__init__ does not call super\(\).__init__\(obj, parent\)"),
+        ("Named", r"Named has the attribute 'name' \(str\), but name\(\) is a method of all components: rename it"),
         ("Alone", r"Alone.__init__\(self, obj.*cannot be called; expected __init__\(self, obj, parent=None\)"),
     ],
 )
@@ -52,6 +53,22 @@ def test_a_misspelt_attribute(caplog: pytest.LogCaptureFixture) -> None:
     with with_sensor("Misspelt") as simulation:
         simulation.step()
     assert "no attribute 'positon_3d'; did you mean 'position_3d'?" in caplog.text
+
+
+def test_a_method_that_is_hidden_while_the_component_runs(caplog: pytest.LogCaptureFixture) -> None:
+    with with_sensor("NamedLater") as simulation:
+        simulation.step(4)
+        assert simulation.ticks == 4
+    (line,) = [line for line in caplog.messages if "'name'" in line]
+    assert line.startswith("robot.sensor: NamedLater has the attribute")
+
+
+def test_a_newer_method_may_be_hidden_by_an_older_component(caplog: pytest.LogCaptureFixture) -> None:
+    with with_sensor("Timed") as simulation:
+        simulation.step(2)
+    (line,) = [line for line in caplog.messages if "'progress'" in line]
+    assert "sensor 'robot.sensor'" in line
+    assert "ERROR" not in caplog.text
 
 
 def test_data_that_do_not_match_their_declarations_are_reported_once(caplog: pytest.LogCaptureFixture) -> None:

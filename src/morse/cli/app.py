@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import shutil
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -32,6 +33,10 @@ _MODULES = {
 }
 
 
+#: the tables of Rich cut the names of options on narrow terminals; plain help wraps its lines
+_MARKUP: Any = "rich" if shutil.get_terminal_size().columns >= 80 else None
+
+
 @dataclass(frozen=True, slots=True)
 class GlobalOptions:
     """The options before the subcommand."""
@@ -53,7 +58,7 @@ class _Commands(typer.core.TyperGroup):
         if cmd_name not in _MODULES:
             return None
         module = importlib.import_module(_MODULES[cmd_name])
-        application = typer.Typer(add_completion=False, rich_markup_mode="rich")
+        application = typer.Typer(add_completion=False, rich_markup_mode=_MARKUP)
         application.command(cmd_name, context_settings=getattr(module, "CONTEXT_SETTINGS", None))(module.command)
         return typer.main.get_command(application)
 
@@ -72,7 +77,7 @@ app = typer.Typer(
     help="MORSE, the Modular OpenRobots Simulation Engine.",
     epilog="Start with: morse create my_simulation && morse run my_simulation",
     add_completion=True,
-    rich_markup_mode="rich",
+    rich_markup_mode=_MARKUP,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 

@@ -53,19 +53,29 @@ def component_name(text: str) -> str:
     """The safe form of the name of a component: only its letters and digits.
 
     Raises:
-        CommandError: the name is a path, or has no letters and digits.
+        CommandError: the name is a path, has no letters and digits, or is a reserved word.
     """
     if any(separator in text for separator in "/\\") or text in (".", ".."):
         raise CommandError(f"'{text}' is a path: give the plain name of the component.")
     name = _identifier(text, keep="", replace="")
     if not name:
         raise CommandError(f"'{text}' cannot be the name of a component: use letters and digits.")
+    word = name.removeprefix("_")
+    if _is_reserved(word):
+        raise CommandError(
+            f"'{text}' cannot be the name of a component: the word is reserved. Use, for example, '{word}1'."
+        )
     return name
 
 
 def class_name(name: str) -> str:
     """The name of the class of a component, e.g. ``Ranger`` for ``ranger`` and ``Mybot`` for ``myBot``."""
     return unicodedata.normalize("NFKC", name.capitalize())
+
+
+def _is_reserved(name: str) -> bool:
+    """Whether a name, or that of its class, is a keyword of Python, or the name is that of a device on Windows."""
+    return keyword.iskeyword(name) or keyword.iskeyword(name.capitalize()) or name.lower() in _WINDOWS_DEVICES
 
 
 def _identifier(text: str, keep: str, replace: str) -> str:
@@ -75,5 +85,4 @@ def _identifier(text: str, keep: str, replace: str) -> str:
     name = "".join(c if c in keep or (c.isalnum() and ("a" + c).isidentifier()) else replace for c in normal)
     if not name:
         return ""
-    reserved = keyword.iskeyword(name) or keyword.iskeyword(name.capitalize()) or name.lower() in _WINDOWS_DEVICES
-    return "_" + name if reserved or not name.isidentifier() else name
+    return "_" + name if _is_reserved(name) or not name.isidentifier() else name

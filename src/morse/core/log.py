@@ -207,12 +207,18 @@ def set_level(component: str, level: str) -> None:
     Raises:
         ValueError: the level does not exist, or ``component`` is not a dotted name.
     """
-    if level.upper() not in LEVELS:
+    if level.upper() not in (*LEVELS, "SECTION", "ENDSECTION"):
         raise ValueError(f"there is no log level {level!r:.80}: expected one of {', '.join(LEVELS).lower()}")
     name = component.removeprefix("morse.")
-    if len(name) > _MAX_NAME or name.count(".") >= _MAX_DEPTH or not _NAME.fullmatch(name):
+    if not is_component(name):
         raise ValueError(f"{component!r:.80} is not a name of a logger, such as core.request_manager")
     logging.getLogger("morse" if name == "morse" else f"morse.{name}").setLevel(level.upper())
+
+
+def is_component(name: str) -> bool:
+    """Whether a text is a dotted name, as those of loggers are, with or without ``morse.`` before it."""
+    name = name.removeprefix("morse.")
+    return len(name) <= _MAX_NAME and name.count(".") < _MAX_DEPTH and _NAME.fullmatch(name) is not None
 
 
 def known_components() -> set[str]:

@@ -46,7 +46,7 @@ class Supervision(AbstractObject):
 
     @service
     def reset_objects(self) -> str:
-        """Move every object to its initial pose."""
+        """Move every object to its initial pose; components keep their data, so that an arm holds its last command."""
         self.context.world.reset()
         return "Objects restored to initial position"
 

@@ -12,6 +12,7 @@ from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
 from morse.core.external_object import ExternalObject
 from morse.core.kinds import findings_of
+from morse.core.overwritten import hidden_methods
 from morse.core.robot import Robot
 from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel
@@ -116,6 +117,7 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
         component = _instance(cls, obj, robot)
         if "output_modifiers" not in vars(component):
             raise LoadError(f"{cls.__name__}.__init__ does not call super().__init__(obj, parent)")
+        _check_methods(component, declaration)
         realism = declaration.options.get("realism")
         if isinstance(realism, RealismModel):
             component.realism = component.make_realism(realism)
@@ -124,6 +126,13 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
         raise LoadError(f"{_where(declaration)}: {error}") from None
     except Exception as error:
         raise LoadError(f"{_where(declaration)} could not be created: {describe(error)}") from error
+
+
+def _check_methods(component: Any, declaration: ComponentDeclaration) -> None:
+    for text, is_essential in hidden_methods(component):
+        if is_essential:
+            raise LoadError(text)
+        logger.warning("%s: %s", _where(declaration), text)
 
 
 def _instance(cls: type[Any], obj: Any, robot: Robot | None) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
+from morse.core.overwritten import uncover
 from morse.core.validation.published import misfits
 
 if TYPE_CHECKING:
@@ -47,6 +48,10 @@ class PublishedData:
         return self._next
 
     def _check(self, sensor: Object) -> None:
+        for text in uncover(sensor):
+            if (sensor.name(), text, type(sensor)) not in self._told:
+                self._told.add((sensor.name(), text, type(sensor)))
+                logger.warning("%s: %s", sensor.name(), text)
         for field, _, text in misfits(sensor, _is_definite):
             key = sensor.name(), field, type(sensor)
             if key in self._told:

@@ -8,6 +8,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from morse.core.context import acting
+from morse.core.overwritten import uncover
 from morse.core.realism import Realism
 from morse.core.requests import serve
 from morse.core.sensor import Sensor
@@ -222,6 +223,8 @@ class Ticker:
 
     def _switch_off(self, component: Object, error: Exception) -> None:
         component.active = False
+        for text in uncover(component):
+            logger.error("[ERROR][MORSE] %s: %s", component.name(), text)
         self._context.failed.add(component.name())
         logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", component.name(), describe(error))
 

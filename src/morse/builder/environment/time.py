@@ -11,6 +11,7 @@ from morse.builder.components.interfaces import Interfaces
 from morse.builder.errors import checks
 from morse.builder.errors.options import manager_options
 from morse.builder.names import frames
+from morse.core import log
 from morse.core.clock import SLOWEST
 from morse.middleware import registry
 from morse.scene import TimeStrategies
@@ -189,6 +190,9 @@ class TimeMethods(EnvironmentDescription):
     def set_log_level(self, component: str, level: str) -> None:
         """Set the log level of ``morse.<component>``: ``DEBUG``, ``INFO``, ``WARNING``, ``ERROR`` or ``CRITICAL``."""
         name = checks.text(component, "env.set_log_level(component)")
+        if not log.is_component(name):
+            expected = "the name of a module, such as 'core.request_manager'"
+            raise ValueError(f"env.set_log_level(component) takes {expected}, got {name!r:.80}")
         word = checks.text(level, "env.set_log_level(level)").upper()
         self._log_levels[name] = checks.choice(word, _LOG_LEVELS, "env.set_log_level(level)")
 

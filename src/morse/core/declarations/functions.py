@@ -54,7 +54,8 @@ def add_data(
 
     Args:
         name: name of the field, as clients see it.
-        default_value: value before the first measurement or command.
+        default_value: value before the first measurement or command. As in MORSE 1.4, a string may describe the
+            initial value of a field of another type, e.g. ``"position of the robot"``: the component then sets it.
         type: type shown in the documentation: ``float``, ``vec3<float>``.
         doc: description of the field.
         level: the abstraction level or levels that have the field, or ``"all"``.
