@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 # tests/middleware runs the examples that need another program
 ELSEWHERE = {
     DOCS / f"{name}.md"
-    for name in ("ros1", "ros2", "text-files", "rosbridge", "foxglove", "mqtt", "moos", "yarp", "mavlink")
+    for name in ("ros1", "ros2", "text-files", "rosbridge", "foxglove", "mqtt", "moos", "yarp", "mavlink", "multinode")
 }
 SCENES = [
     block

@@ -17,6 +17,7 @@ from morse.cli.scenes import resolve
 from morse.cli.script_arguments import check_arguments
 from morse.core import log
 from morse.core.clock import SLOWEST
+from morse.core.node_name import node_name
 from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ def command(
     """
     check_geometry(geometry)
     resolved = resolve(scene or [])
-    node = name or os.environ.get("MORSE_NODE") or socket.gethostname()
+    node = name or node_name()
     # scripts of several nodes read from it which node they describe
     os.environ["MORSE_NODE"] = node
     options = RunOptions(

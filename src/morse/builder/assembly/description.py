@@ -29,6 +29,7 @@ class EnvironmentDescription:
     _default_interfaces: list[str]
     _manager_options: dict[str, dict[str, object]]
     _multinode: dict[str, object] | None
+    _distribution: dict[str, list[str]]
     _log_levels: dict[str, str]
 
     def add_default_interface(self, interface: str) -> None:

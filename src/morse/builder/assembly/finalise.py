@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from morse.builder.abstractcomponent import AbstractComponent
+from morse.builder.assembly.nodes import distribute, of_own_robots
 from morse.builder.components.passive import Zone as ZoneComponent
 from morse.builder.components.robot import Robot, connect
 from morse.builder.errors import ScriptError, Step
@@ -33,9 +34,11 @@ def build_scene(workspace: Workspace) -> Scene:
             if isinstance(part, Robot):
                 connect(part, interface)
     settings = environment.settings
-    components = [
-        declare(part) for part in workspace.components if isinstance(part, AbstractComponent) and part.is_morseable()
-    ]
+    if environment._multinode is not None:
+        robots = [part for part in workspace.components if isinstance(part, Robot)]
+        distribute(robots, environment._distribution)
+    parts = [part for part in workspace.components if isinstance(part, AbstractComponent) and part.is_morseable()]
+    components = [declare(part) for part in of_own_robots(parts)]
     fastest = max((c.frequency for c in components if c.frequency is not None), default=0.0)
     if environment._auto_tune and settings.time_strategy is TimeStrategies.BestEffort:
         settings.frequency = max(settings.frequency, fastest)

@@ -15,7 +15,7 @@ from morse.scene import Bounds, PhysicsType
 
 if TYPE_CHECKING:
     from morse.builder.abstractcomponent import AbstractComponent
-    from morse.scene import Material, Node
+    from morse.scene import ComponentDeclaration, Material, Node
 
 _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
 
@@ -160,6 +160,15 @@ class Robot(Component):
 
     def _scene_kind(self) -> str:
         return "external_robot" if self.is_external else "robot"
+
+    def _declaration(self, robot: AbstractComponent) -> ComponentDeclaration:
+        declared = super()._declaration(robot)
+        # its node moves it, with its wheels and legs
+        return (
+            replace(declared, classpath=Robot._classpath, options={}, streams=[], managers=[])
+            if self.is_external
+            else declared
+        )
 
     def _scene_options(self) -> dict[str, object]:
         return {"record_animation": True} if self.records_animation else {}

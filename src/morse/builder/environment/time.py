@@ -160,13 +160,17 @@ class TimeMethods(EnvironmentDescription):
         server_port: str | int = "65000",
         distribution: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
-        """Distribute the simulation over several nodes.
+        """Distribute the simulation over several nodes, which all run this scene.
+
+        Each node, ``morse run --name NODE``, simulates its robots with their components, and shows the others where the
+        server says that they are. The server is the program ``multinode_server``.
 
         Args:
-            protocol: ``socket`` or ``hla``.
+            protocol: ``socket``; ``hla`` of MORSE 1.4 is not available.
             server_address: address of the multi-node server.
             server_port: its TCP port.
-            distribution: name of a node to the names of the robots that it simulates.
+            distribution: name of a node to the names of the robots that it simulates; without it, each node simulates
+                all robots of its script, and sends their poses to the server.
         """
         what = "env.configure_multinode({})"
         port = int(server_port) if isinstance(server_port, str) and server_port.isdecimal() else server_port
@@ -180,6 +184,7 @@ class TimeMethods(EnvironmentDescription):
                     f"{what.format('distribution')} takes lists of names of robots, got {checks.shown(robots)}"
                 )
             shares[checks.text(node, what.format("distribution"))] = list(robots)
+        self._distribution = shares
         self._multinode = {
             "protocol": checks.choice(protocol, _PROTOCOLS, what.format("protocol")),
             "server_address": checks.text(server_address, what.format("server_address")),
@@ -202,4 +207,5 @@ class TimeMethods(EnvironmentDescription):
         self._default_interfaces = []
         self._manager_options = {}
         self._multinode = None
+        self._distribution = {}
         self._log_levels = {}

@@ -1,0 +1,59 @@
+"""``multinode_server``: passes the poses of robots on between the nodes of a simulation."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import signal
+import sys
+import threading
+from typing import TYPE_CHECKING, Any
+
+from morse.core.exceptions import MorseError
+from morse.core.network import Network
+from morse.middleware.multinode.messages import PORT
+from morse.middleware.multinode.server import MultinodeServer
+from morse.middleware.socket.listener import listen, port_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+logger = logging.getLogger("multinode_server")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point of ``multinode_server``; returns the exit status."""
+    options = _parser().parse_args(arguments)
+    logging.basicConfig(level=logging.INFO, format="* %(message)s")
+    if options.debug:
+        logging.getLogger("morse").setLevel(logging.DEBUG)
+    try:
+        listener = listen(options.host, [options.port])
+    except (MorseError, OSError, OverflowError) as error:
+        print(f"* {error}", file=sys.stderr)
+        return 1
+    ended = threading.Event()
+
+    def end(_number: int, _frame: Any) -> None:
+        ended.set()
+
+    for name in ("SIGINT", "SIGTERM"):
+        signal.signal(getattr(signal, name), end)
+    network = Network()
+    server = MultinodeServer(listener, network)
+    logger.info("nodes may connect to %s:%d; Ctrl+C ends the server", options.host, port_of(listener))
+    ended.wait()
+    server.close()
+    network.stop()
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="multinode_server",
+        description="Passes the poses of robots on between simulations whose scene has env.configure_multinode(...).",
+    )
+    parser.add_argument("-H", "--host", default="127.0.0.1", help="address to listen on; 0.0.0.0 for all networks")
+    parser.add_argument("-P", "--port", type=int, default=PORT, help="TCP port; 0 for any free one")
+    parser.add_argument("-d", "--debug", action="store_true", help="print who connects")
+    return parser
