@@ -19,11 +19,19 @@
 // Bound of the rounding error of a plane, relative to the sum of its terms.
 #define ROUNDING (1.0f / (1 << 20))
 
+// The lines of a block, and their number in groups of lanes: samples at the same place of the pixels of a row.
+#define GROUPS ((MOST_SAMPLES * BLOCK_ROWS + LANES - 1) / LANES)
+typedef union {
+    F8 groups[GROUPS];
+    float each[GROUPS * LANES];
+} Lines;
+
 typedef struct {
     F8 inverse[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];  // 1 / depth
     I8 shown[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];    // index of the triangle, -1 for none
     F8 dx, dy;                                              // the positions of the samples of a pixel
     I8 used;                                                // the lanes of samples
+    Lines rows, downs;  // the centres of the rows of pixels from the top of a block, and the samples from these
     // of each column, with one number for each block: arrays, because lanes of vectors are accessed by copies of them
     int32_t flat[COLUMNS][LANES] __attribute__((aligned(32)));  // the only triangle, -1 for none, or MANY
     float low[COLUMNS][LANES] __attribute__((aligned(32)));     // bounds of 1 / depth of all samples
@@ -117,19 +125,13 @@ static inline F8 without_holes(const Frame *f, const Seen *s, F8 z, F8 old, F8 x
     return z;
 }
 
-// The rows of a block in which a triangle may cover a sample between two columns of pixels, a bit for each.
-static inline unsigned rows_of(const Tile *t, const float e[3][3], const float *errors, int row, Box b) {
-    const Extent x = extent_of(t, b);
-    const F8 y = STEPS + ((float)(t->top + row * BLOCK_ROWS) + 0.5f);
-    I8 out = splat_int(0);
-    EACH(i, 3) {
-        const float at = e[i][0] * (e[i][0] > 0 ? x.x1 : x.x0) + fabsf(e[i][1]) * t->spread;
-        out |= bits_of(e[i][1] * y + (at + e[i][2] + errors[i]));
-    }
-    return ~lanes_of(out);
+// Whether any of the samples in each lane may be inside of an edge between two columns of pixels: the sign of a lane is
+// set if none is. `above` is the part of the edge that is the same for a row.
+static inline I8 misses_edge(const float *e, float error, const Extent *x, F8 above) {
+    return bits_of(above + (e[0] * (e[0] > 0 ? x->x1 : x->x0) + error));
 }
 
-// The same as `cover_block` below for one sample for each pixel, its centre, and surfaces without holes: all rows at a
+// The same as `cover_lines` below for one sample for each pixel, its centre, and surfaces without holes: all rows at a
 // time, because the processor would predict their number wrongly.
 static inline void cover_block_centres(const Frame *f, const Seen *s, int32_t number, Tile *t, int column, int row,
                                        const Box *b, const int inside) {
@@ -165,54 +167,93 @@ static inline void cover_block_centres(const Frame *f, const Seen *s, int32_t nu
 
 // Writes a triangle into the samples of a block where it is the nearest; `inside` if it contains all of them.
 //
+// The lines of a block are the samples at the same place of the pixels of a row, in the order of Tile.inverse. What is
+// the same for all samples of a line is computed for eight lines at a time; lines without a sample inside are left out.
+//
 // The signs of all conditions are collected in the sign of 1 / depth, which is positive for visible surfaces: compilers
 // narrow masks of several comparisons, and widen the result again.
-static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Tile *t, int column, int row,
-                               const Box *b, const float *errors, const int samples, const int inside,
-                               const int holes) {
-    if (samples == 1 && !holes) {
-        cover_block_centres(f, s, number, t, column, row, b, inside);
-        return;
-    }
-    const F8 nearest = splat(t->nearest);
-    const I8 who = splat_int(number), at = WHOLE_STEPS + column * LANES, beside = (at - b->x0) | (b->x1 - at);
+static ALWAYS_INLINE void cover_lines(const Frame *f, const Seen *s, int32_t number, Tile *t, int column, int row,
+                                      const Box *b, const float *errors, const int samples, const int inside,
+                                      const int holes) {
     const int left = t->left + column * LANES, top = t->top + row * BLOCK_ROWS, block = column * LANES + row;
     float w[3], e[3][3];
     EACH(n, 3) w[n] = s->w[n];
     EACH(i, 3) EACH(n, 3) e[i][n] = s->e[i][n];
-    unsigned rows = (1u << BLOCK_ROWS) - 1;
+    Lines y, depth, base[3];
+    unsigned lines = (1u << samples * BLOCK_ROWS) - 1;
+    EACH(g, GROUPS) y.groups[g] = ((float)top + t->rows.groups[g]) + t->downs.groups[g];
     if (!inside) {
-        const int first = b->y0 - row * BLOCK_ROWS, last = b->y1 - row * BLOCK_ROWS, end = column * LANES + LANES - 1;
-        if (first > 0) rows &= rows << first;
-        if (last < BLOCK_ROWS - 1) rows &= (2u << last) - 1;
-        const Box part = {b->x0 > column * LANES ? b->x0 : column * LANES, b->y0, b->x1 < end ? b->x1 : end, b->y1};
-        // with one sample, the test takes as long as the rows that it saves
-        if (samples > 1) rows &= rows_of(t, e, errors, row, part);
-        if (!rows) return;
-    }
-    expand(f, t, column, row);
-    EACH(n, samples) {
-        const F8 x = STEPS + ((float)left + 0.5f + f->samples[2 * n]), wx = w[0] * x;
-        const F8 x0 = e[0][0] * x, x1 = e[1][0] * x, x2 = e[2][0] * x;
-        const float down = f->samples[2 * n + 1];
-        for (unsigned more = rows; more; more &= more - 1) {
-            const int r = __builtin_ctz(more);
-            const float y = (float)(top + r) + 0.5f + down;
-            F8 *inverse = &t->inverse[block][n][r];
-            I8 *shown = &t->shown[block][n][r];
-            F8 z = wx + (w[1] * y + w[2]);
-            if (!inside) {
-                const F8 y0 = x0 + above(e[0], y), y1 = x1 + above(e[1], y), y2 = x2 + above(e[2], y);
-                const I8 out = beside | bits_of(y0) | bits_of(y1) | bits_of(y2) | ~bits_of(z - nearest);
-                z = from_bits(bits_of(z) | (out & SIGNS));
+        const int first = column * LANES, last = first + LANES - 1;
+        const Extent x = extent_of(t, (Box){b->x0 > first ? b->x0 : first, 0, b->x1 < last ? b->x1 : last, 0});
+        const float y0 = (float)(t->top + b->y0), y1 = (float)(t->top + b->y1 + 1);
+        unsigned out = 0;
+        EACH(g, GROUPS) {
+            // the positions of samples are inside of their pixels
+            I8 away = bits_of(y.groups[g] - y0) | bits_of(y1 - y.groups[g]);
+            EACH(i, 3) {
+                base[i].groups[g] = e[i][1] * y.groups[g] + e[i][2] + 0.0f;
+                away |= misses_edge(e[i], errors[i], &x, base[i].groups[g]);
             }
-            const F8 old = *inverse;
-            if (holes) z = without_holes(f, s, z, old, x, y, left + n, top + r + 2 * n);
-            const I8 before = *shown, mine = nearer(z, who, old, before);
-            NO_MASKED_STORE;
-            *inverse = pick(mine, z, old), *shown = pick_int(mine, who, before);
+            out |= lanes_of(away) << g * LANES;
         }
+        lines &= ~out;
+        if (!lines) return;
     }
+    EACH(g, GROUPS) depth.groups[g] = w[1] * y.groups[g] + w[2];
+    expand(f, t, column, row);
+    const F8 nearest = splat(t->nearest);
+    const I8 who = splat_int(number), at = WHOLE_STEPS + column * LANES;
+    const I8 beside = inside ? splat_int(0) : (at - b->x0) | (b->x1 - at);
+    F8 x[MOST_SAMPLES], wx[MOST_SAMPLES], ex[MOST_SAMPLES][3];
+    EACH(n, samples) {
+        x[n] = STEPS + ((float)left + 0.5f + f->samples[2 * n]), wx[n] = w[0] * x[n];
+        if (!inside) EACH(i, 3) ex[n][i] = e[i][0] * x[n];
+    }
+    for (; lines; lines &= lines - 1) {
+        const int line = __builtin_ctz(lines), n = line / BLOCK_ROWS, r = line % BLOCK_ROWS;
+        F8 *inverse = (F8 *)t->inverse[block] + line;
+        I8 *shown = (I8 *)t->shown[block] + line;
+        F8 z = wx[n] + depth.each[line];
+        if (!inside) {
+            const I8 out = beside | bits_of(ex[n][0] + base[0].each[line]) | bits_of(ex[n][1] + base[1].each[line]) |
+                           bits_of(ex[n][2] + base[2].each[line]) | ~bits_of(z - nearest);
+            z = from_bits(bits_of(z) | (out & SIGNS));
+        }
+        const F8 old = *inverse;
+        if (holes) z = without_holes(f, s, z, old, x[n], y.each[line], left + n, top + r + 2 * n);
+        const I8 before = *shown, mine = nearer(z, who, old, before);
+        NO_MASKED_STORE;
+        *inverse = pick(mine, z, old), *shown = pick_int(mine, who, before);
+    }
+}
+
+// The loops are compiled once for each case: without this, compilers test the case for each line.
+static __attribute__((noinline)) void cover_lines_in(const Frame *f, const Seen *s, int32_t number, Tile *t, int column,
+                                                     int row, const Box *b, const float *errors) {
+    cover_lines(f, s, number, t, column, row, b, errors, MOST_SAMPLES, 0, 0);
+}
+
+static __attribute__((noinline)) void cover_all_lines(const Frame *f, const Seen *s, int32_t number, Tile *t,
+                                                      int column, int row) {
+    cover_lines(f, s, number, t, column, row, NULL, NULL, MOST_SAMPLES, 1, 0);
+}
+
+static __attribute__((noinline)) void cover_lines_with_holes(const Frame *f, const Seen *s, int32_t number, Tile *t,
+                                                             int column, int row, const Box *b, const float *errors) {
+    cover_lines(f, s, number, t, column, row, b, errors, t->samples, 0, 1);
+}
+
+static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Tile *t, int column, int row,
+                               const Box *b, const float *errors, const int samples, const int inside,
+                               const int holes) {
+    if (holes)
+        cover_lines_with_holes(f, s, number, t, column, row, b, errors);
+    else if (samples == 1)
+        cover_block_centres(f, s, number, t, column, row, b, inside);
+    else if (inside)
+        cover_all_lines(f, s, number, t, column, row);
+    else
+        cover_lines_in(f, s, number, t, column, row, b, errors);
 }
 
 // Empties a tile.
@@ -221,5 +262,10 @@ static inline void clear(const Frame *f, Tile *t, int left, int top, int samples
     t->empty[0] = t->empty[1] = 0, t->empty[2] = 1 / far;
     EACH(c, COLUMNS) * (I8 *)t->flat[c] = splat_int(-1), *(F8 *)t->low[c] = *(F8 *)t->high[c] = splat(1 / far);
     t->dx = t->dy = splat(0), t->used = splat_int(0);
+    EACH(line, GROUPS * LANES) {
+        const int n = line / BLOCK_ROWS;
+        t->rows.each[line] = (float)(line % BLOCK_ROWS) + 0.5f;
+        t->downs.each[line] = n < samples ? f->samples[2 * n + 1] : 0;
+    }
     EACH(n, samples) t->dx[n] = f->samples[2 * n], t->dy[n] = f->samples[2 * n + 1], t->used[n] = -1;
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 typedef float F8 __attribute__((vector_size(32)));
 typedef int32_t I8 __attribute__((vector_size(32)));
@@ -12,6 +13,7 @@ typedef int64_t L4 __attribute__((vector_size(32)));
 #define LANES 8
 // Prevents masked stores, which are many times slower than a load, a selection and a store.
 #define NO_MASKED_STORE __asm__ volatile("" ::: "memory")
+#define ALWAYS_INLINE inline __attribute__((always_inline))
 #define EACH_LANE(j) for (int j = 0; j < LANES; j++)
 
 static inline F8 splat(float a) { return (F8){a, a, a, a, a, a, a, a}; }
@@ -47,12 +49,20 @@ static inline int any(I8 mask) {
     return r != 0;
 }
 
-// A bit for each negative lane, the first is the lowest.
+// A bit for each negative lane, the first is the lowest. Compilers do not find the instruction for it.
 static inline unsigned lanes_of(I8 a) {
+#if defined(__AVX__)
+    return (unsigned)__builtin_ia32_movmskps256(from_bits(a));
+#elif defined(__SSE__)
+    F4 low, high;
+    memcpy(&low, &a, sizeof low), memcpy(&high, (const char *)&a + sizeof low, sizeof high);
+    return (unsigned)__builtin_ia32_movmskps(low) | (unsigned)__builtin_ia32_movmskps(high) << 4;
+#else
     const I8 bits = (a >> 31) & (I8){1, 2, 4, 8, 16, 32, 64, 128};
     int32_t r = 0;
     EACH_LANE(j) r |= bits[j];
     return (unsigned)r;
+#endif
 }
 
 // base ** exponent for positive bases, to about six digits; results are clipped to 2**-100 ... 2**100.
