@@ -5,6 +5,7 @@ service.
 """
 
 from morse.core.validation.arguments import Arguments, Range
+from morse.core.validation.client_commands import ClientCommands
 from morse.core.validation.commands import Commands
 from morse.core.validation.errors import CommandError, OptionError, PropertyError
 from morse.core.validation.options import checked_options, with_defaults
@@ -12,6 +13,7 @@ from morse.core.validation.properties import checked_property, checked_value
 
 __all__ = [
     "Arguments",
+    "ClientCommands",
     "CommandError",
     "Commands",
     "OptionError",

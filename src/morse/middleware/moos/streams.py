@@ -5,11 +5,10 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
 from morse.core.datastream import AbstractDatastream
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.quoting import shown
-from morse.core.validation import CommandError, Commands
+from morse.core.validation import ClientCommands
 from morse.middleware.moos.mapping import STREAM_OPTIONS
 from morse.middleware.moos.variables import commands_of, constants_of, form_of
 from morse.middleware.socket.encoding import from_json
@@ -92,8 +91,7 @@ class MoosReader(MoosStream):
         """Register the variables."""
         super().initialize()
         self._arrived: dict[str, Any] = {}
-        self._commands = Commands(self.component_instance)
-        self._complaints = Complaints(logger)
+        self._commands = ClientCommands(self.component_instance, logger, "command")
         self._fields = {f"{self.prefix}_{name}": field for name, field in commands_of(self.component_instance).items()}
         for variable in self._fields:
             self.manager.listen(self.database, variable, self._take)
@@ -113,7 +111,7 @@ class MoosReader(MoosStream):
         try:
             self._arrived[field] = self._read(field, value)
         except ValueError as error:
-            self._complaints.warn(variable, f"{self.component_name}: {variable} is refused: {error}: {shown(value)}")
+            self._commands.complain(variable, f"{variable} is refused: {error}: {shown(value)}")
 
     def _read(self, field: str, value: Any) -> Any:
         known = self.data.get(field)
@@ -137,15 +135,5 @@ class MoosReader(MoosStream):
         # a wrong variable does not invalidate the others
         taken = False
         for field, value in fields:
-            taken = self._command(field, value) or taken
+            taken = self._commands.take(dict, [(field, value)]) or taken
         return taken
-
-    def _command(self, field: str, value: Any) -> bool:
-        try:
-            remark = self._commands.take({field: value})
-        except CommandError as error:
-            self._complaints.warn(f"field {error.field}", f"{self.component_name}: a command is refused: {error}")
-            return False
-        if remark is not None:
-            logger.warning("%s: %s", self.component_name, remark)
-        return True

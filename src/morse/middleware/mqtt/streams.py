@@ -6,12 +6,11 @@ import logging
 import re
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
 from morse.core.datastream import AbstractDatastream
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.kinds import bind
 from morse.core.quoting import shown
-from morse.core.validation import CommandError, Commands
+from morse.core.validation import ClientCommands
 from morse.middleware.mqtt.mapping import STREAM_OPTIONS
 from morse.middleware.socket.encoding import from_json
 from morse.middleware.socket.inbox import Inbox
@@ -83,8 +82,7 @@ class MqttReader(MqttStream):
         """Listen."""
         super().initialize()
         self._inbox = Inbox()
-        self._commands = Commands(self.component_instance)
-        self._complaints = Complaints(logger)
+        self._commands = ClientCommands(self.component_instance, logger)
         self.topic = f"{self.topic}/set" if self.kwargs["topic"] is None else self.topic
         self.manager.claim(self.topic, self.component_name)
         self.manager.broker.listen(self.topic, self.kwargs["qos"], self._arrived)
@@ -92,8 +90,7 @@ class MqttReader(MqttStream):
     def _arrived(self, data: bytes) -> None:
         """A message has arrived; in the thread of the connection."""
         if len(data) > _LONGEST:
-            text = f"{self.component_name}: a message is refused: {len(data)} bytes are more than {_LONGEST}"
-            self._complaints.warn("large", text)
+            self._commands.complain("large", f"a message is refused: {len(data)} bytes are more than {_LONGEST}")
         else:
             self._inbox.put(data)
 
@@ -112,23 +109,8 @@ class MqttReader(MqttStream):
             return False
         messages, dropped = self._inbox.take()
         if dropped:
-            text = f"{dropped} messages arrived too fast: newer messages replace them"
-            self._complaints.warn("dropped", f"{self.component_name}: {text}")
+            self._commands.complain("dropped", f"{dropped} messages arrived too fast: newer messages replace them")
         taken = False
         for data in messages:
-            taken = self._take(data) or taken
+            taken = self._commands.take(from_json, data) or taken
         return taken
-
-    def _take(self, data: bytes) -> bool:
-        try:
-            remark = self._commands.take(from_json(data))
-        except CommandError as error:
-            self._complaints.warn(f"field {error.field}", f"{self.component_name}: a message is refused: {error}")
-            return False
-        except ValueError as error:
-            text = f"{self.component_name}: this message cannot be read ({error}): {shown(data[:80])}"
-            self._complaints.warn("read", text)
-            return False
-        if remark is not None:
-            logger.warning("%s: %s", self.component_name, remark)
-        return True

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import logging
 import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
-from morse.core.exceptions import MorseError
-from morse.core.request_manager import Outcome, RequestManager
+from morse.core.answered_requests import AnsweredRequests
 from morse.core.status import FAILED, SUCCESS
 from morse.core.time_share import TimeShare
 from morse.middleware.ros.actions import ActionServer
@@ -24,11 +21,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.context import Context
+    from morse.core.request_manager import Outcome
 
-logger = logging.getLogger(__name__)
-
-#: maximum number of calls that are begun in one tick, and of active calls
-_EACH_TICK, _MOST_RUNNING = 64, 1024
+#: maximum number of calls that are begun in one tick
+_EACH_TICK = 64
 #: interval in which a waiting thread checks whether the simulation has ended, s
 _LOOK = 0.5
 
@@ -46,7 +42,7 @@ class _Waiting:
         self.done.set()
 
 
-class RosRequestManager(RequestManager):
+class RosRequestManager(AnsweredRequests):
     """Services and actions of ROS 1.
 
     Methods with `ros_service` and `ros_action` have the declared types. All other services without arguments are
@@ -63,8 +59,6 @@ class RosRequestManager(RequestManager):
         self._servers: dict[tuple[str, str], Any] = {}
         self._actions: dict[tuple[str, str], ActionServer] = {}
         self._queue: deque[_Waiting] = deque()
-        self._ends: dict[uuid.UUID, Callable[[Outcome], object]] = {}
-        self._complaints = Complaints(logger)
         self._share = TimeShare()
         self._closed = False
 
@@ -147,29 +141,9 @@ class RosRequestManager(RequestManager):
 
     def _begin(self, component: str, service: str) -> Callable[..., uuid.UUID | None]:
         def begin(arguments: list[Any], ended: Callable[[Outcome], object]) -> uuid.UUID | None:
-            if len(self._ends) >= _MOST_RUNNING:
-                ended((FAILED, f"{_MOST_RUNNING} calls are active: wait until they end"))
-                return None
-            try:
-                done, outcome = self.on_incoming_request(component, service, arguments)
-            except MorseError as error:
-                ended((FAILED, str(error)))
-            except Exception as error:
-                ended((FAILED, self._complaints.service_failed(f"the service {service} of {component}", error)))
-            else:
-                if not done:
-                    self._ends[outcome] = ended
-                    return outcome  # type: ignore[no-any-return]
-                ended(outcome)
-            return None
+            return self.call(component, service, arguments, ended)
 
         return begin
-
-    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
-        """See `RequestManager.on_service_completion`."""
-        ended = self._ends.pop(request_id, None)
-        if ended is not None:
-            ended(result)
 
 
 def _fields(request: Any) -> list[Any]:

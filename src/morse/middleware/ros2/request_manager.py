@@ -5,9 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.core.complaints import Complaints
+from morse.core.answered_requests import AnsweredRequests
 from morse.core.exceptions import MorseError
-from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import FAILED, SUCCESS
 from morse.core.time_share import TimeShare
 from morse.middleware.ros2.actions import ActionServer
@@ -23,12 +22,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.context import Context
+    from morse.core.request_manager import Outcome
     from morse.middleware.ros2.backends.backend import Backend, ServiceServer
 
 logger = logging.getLogger(__name__)
 
-#: maximum number of calls that a service takes in one tick, and of active calls
-_EACH_TICK, _MOST_RUNNING = 16, 1024
+#: maximum number of calls that a service takes in one tick
+_EACH_TICK = 16
 
 
 class _Offer(NamedTuple):
@@ -36,7 +36,7 @@ class _Offer(NamedTuple):
     call: Call
 
 
-class Ros2RequestManager(RequestManager):
+class Ros2RequestManager(AnsweredRequests):
     """Services of components as services of ROS 2, below the topics of the component.
 
     They need a backend with services: rclpy. Types are those of `morse.middleware.ros2.calls`. The services of the
@@ -52,8 +52,6 @@ class Ros2RequestManager(RequestManager):
         self._offers: dict[tuple[str, str], _Offer] = {}
         self._typed: dict[tuple[str, str], Any] = {}
         self._actions: dict[tuple[str, str], Any] = {}
-        self._pending: dict[uuid.UUID, Callable[[Outcome], object]] = {}
-        self._complaints = Complaints(logger)
         self._share = TimeShare()
         self._turn = self._next_offer = 0
         self._backend: Backend | None = None
@@ -220,39 +218,6 @@ class Ros2RequestManager(RequestManager):
             answer((FAILED, str(error)))
             return
         self.call(component, service, arguments, answer)
-
-    def call(
-        self, component: str, service: str, arguments: list[Any], ended: Callable[[Outcome], object]
-    ) -> uuid.UUID | None:
-        """Call a service of this manager.
-
-        Args:
-            ended: called with status and result, in this tick or in a later one.
-
-        Returns:
-            The call, if it is asynchronous.
-        """
-        if len(self._pending) >= _MOST_RUNNING:
-            ended((FAILED, f"{_MOST_RUNNING} calls are active: wait until they end"))
-            return None
-        try:
-            done, outcome = self.on_incoming_request(component, service, arguments)
-        except MorseError as error:
-            ended((FAILED, str(error)))
-        except Exception as error:
-            ended((FAILED, self._complaints.service_failed(f"the service {service} of {component}", error)))
-        else:
-            if not done:
-                self._pending[outcome] = ended
-                return outcome  # type: ignore[no-any-return]
-            ended(outcome)
-        return None
-
-    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
-        """See `RequestManager.on_service_completion`."""
-        ended = self._pending.pop(request_id, None)
-        if ended is not None:
-            ended(result)
 
 
 def _typed_answer(server: Any, caller: Any) -> Callable[[Outcome], object]:

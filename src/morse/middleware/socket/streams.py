@@ -5,11 +5,10 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
 from morse.core.datastream import AbstractDatastream
 from morse.core.declarations import kinds
 from morse.core.kinds.table import GENERAL
-from morse.core.validation import CommandError, Commands
+from morse.core.validation import ClientCommands
 from morse.middleware.socket.encoding import from_json, to_json
 from morse.middleware.socket.frames import data_frame, line_frame
 from morse.middleware.socket.images import cloud_fields, image_fields
@@ -124,8 +123,7 @@ class SocketReader(SocketStream):
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         super().__init__(component_instance, kwargs)
-        self._commands = Commands(component_instance)
-        self._complaints = Complaints(logger)
+        self._commands = ClientCommands(component_instance, logger)
 
     @property
     def waiting(self) -> Collection[Any] | None:
@@ -146,34 +144,8 @@ class SocketReader(SocketStream):
             return False
         lines, dropped = self.server.inbox.take()
         if dropped:
-            self._complain("dropped", f"{dropped} messages arrived too fast: newer messages replace them")
+            self._commands.complain("dropped", f"{dropped} messages arrived too fast: newer messages replace them")
         taken = False
         for line in lines:
-            taken = self._take(line) or taken
+            taken = self._commands.take(self.decode, line) or taken
         return taken
-
-    def _take(self, line: bytes) -> bool:
-        try:
-            message = self.decode(line)
-        except Exception as error:  # decode may be user code: a message must not deactivate the component
-            self._refuse("decode", f"this message cannot be read ({type(error).__name__}: {error}): {line[:80]!r}")
-            return False
-        if message is None:
-            return False
-        try:
-            remark = self._commands.take(message)
-        except CommandError as error:
-            self._refuse("field " + error.field, f"a message is refused: {error}")
-            return False
-        if remark is not None:
-            logger.warning("%s: %s", self.component_name, remark)
-        return True
-
-    def _refuse(self, kind: str, text: str) -> None:
-        if self.component_instance.context.strict:
-            self._complaints.log(logging.ERROR, kind, f"[ERROR][MORSE] {self.component_name}: {text}")
-        else:
-            self._complain(kind, text)
-
-    def _complain(self, kind: str, text: str) -> None:
-        self._complaints.warn(kind, f"{self.component_name}: {text}")

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import ast
-import logging
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
-from morse.core.exceptions import MorseError
+from morse.core.answered_requests import AnsweredRequests
 from morse.core.quoting import shown
-from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import FAILED
 from morse.core.time_share import TimeShare
 from morse.middleware.text.values import written
@@ -18,19 +15,17 @@ from morse.middleware.yarp.bottle import encode
 from morse.middleware.yarp.ports import Ports, ports_of
 
 if TYPE_CHECKING:
-    import uuid
     from collections.abc import Callable
 
     from morse.core.context import Context
+    from morse.core.request_manager import Outcome
     from morse.middleware.yarp.port import Port
 
-logger = logging.getLogger(__name__)
-
-#: limits: requests in one tick, requests that wait, active calls, letters of the arguments
-_EACH_TICK, _MOST_WAITING, _MOST_RUNNING, _LONGEST = 64, 1024, 1024, 1 << 16
+#: limits: requests in one tick, requests that wait, letters of the arguments
+_EACH_TICK, _MOST_WAITING, _LONGEST = 64, 1024, 1 << 16
 
 
-class YarpRequestManager(RequestManager):
+class YarpRequestManager(AnsweredRequests):
     """Requests on ``/morse/services/component/request``, outcomes on ``/morse/services/component/reply``.
 
     A request is a bottle of an id, a component, a service, and the arguments as the text of a Python list. Its outcome
@@ -47,8 +42,6 @@ class YarpRequestManager(RequestManager):
         self._requests: dict[str, Port] = {}
         self._replies: dict[str, Port] = {}
         self._arrived: deque[tuple[str, list[Any]]] = deque(maxlen=_MOST_WAITING)
-        self._pending: dict[uuid.UUID, tuple[str, str]] = {}
-        self._complaints = Complaints(logger)
         self._share = TimeShare()
 
     def initialization(self) -> bool:
@@ -113,26 +106,10 @@ class YarpRequestManager(RequestManager):
         number = str(values[0]) if values else ""
         try:
             component, service, arguments = _request(values)
-            if len(self._pending) >= _MOST_RUNNING:
-                raise ValueError(f"{_MOST_RUNNING} calls are active: wait until they end")
-            done, outcome = self.on_incoming_request(component, service, arguments)
-        except (MorseError, ValueError) as error:
+        except ValueError as error:
             self._answer(place, number, (FAILED, str(error)))
-        except Exception as error:
-            self._answer(
-                place, number, (FAILED, self._complaints.service_failed(f"the service {service} of {component}", error))
-            )
-        else:
-            if done:
-                self._answer(place, number, outcome)
-            else:
-                self._pending[outcome] = (place, number)
-
-    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
-        """See `RequestManager.on_service_completion`."""
-        known = self._pending.pop(request_id, None)
-        if known is not None:
-            self._answer(*known, result)
+            return
+        self.call(component, service, arguments, lambda outcome: self._answer(place, number, outcome))
 
     def _answer(self, place: str, number: str, outcome: Outcome) -> None:
         port = self._replies.get(place)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.complaints import Complaints
 from morse.core.datastream import AbstractDatastream
 from morse.core.kinds import bind
-from morse.core.quoting import shown
-from morse.core.validation import CommandError, Commands
+from morse.core.validation import ClientCommands
 from morse.middleware.yarp.bottle import as_dict
 from morse.middleware.yarp.mapping import STREAM_OPTIONS
 
@@ -95,7 +94,7 @@ class YarpReader(YarpStream):
     def initialize(self) -> None:
         """Listen."""
         self._arrived: deque[list[Any]] = deque(maxlen=_MOST_WAITING)
-        self._commands = Commands(self.component_instance)
+        self._commands = ClientCommands(self.component_instance, logger, "bottle")
         self._fields = [name for name in self.data if name != "timestamp"]
         super().initialize()
 
@@ -111,7 +110,7 @@ class YarpReader(YarpStream):
         """Process received bottles; True if there were any."""
         taken = False
         while self._arrived:
-            taken = self._take(self._arrived.popleft()) or taken
+            taken = self._commands.take(self.message, self._arrived.popleft()) or taken
         return taken
 
     def message(self, values: list[Any]) -> Any:
@@ -132,17 +131,3 @@ class YarpReader(YarpStream):
         if isinstance(known, dict) and isinstance(value, list):
             return as_dict(value) or value
         return value
-
-    def _take(self, values: list[Any]) -> bool:
-        try:
-            remark = self._commands.take(self.message(values))
-        except CommandError as error:
-            self.complaints.warn(f"field {error.field}", f"{self.component_name}: a bottle is refused: {error}")
-            return False
-        except ValueError as error:
-            text = f"{self.component_name}: this bottle is refused ({error}): {shown(values)}"
-            self.complaints.warn("read", text)
-            return False
-        if remark is not None:
-            logger.warning("%s: %s", self.component_name, remark)
-        return True

@@ -1,0 +1,70 @@
+"""Messages of clients, written into the data of a component; refused messages are logged."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.core.complaints import Complaints
+from morse.core.quoting import shown
+from morse.core.validation.commands import Commands
+from morse.core.validation.errors import CommandError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: number of letters of a message in the log
+_SHOWN = 80
+
+
+class ClientCommands:
+    """The commands of the clients of a stream.
+
+    Args:
+        component: their target.
+        logger: of the middleware.
+        what: what the middleware calls a message.
+
+    Attributes:
+        complaints: the log of refused messages.
+    """
+
+    def __init__(self, component: Any, logger: logging.Logger, what: str = "message") -> None:
+        self._component, self._logger, self._what = component, logger, what
+        self._commands = Commands(component)
+        self.complaints = Complaints(logger)
+
+    def take(self, read: Callable[[Any], Any], message: Any) -> bool:
+        """Write the fields of a message into the data of the component; whether that was possible.
+
+        Args:
+            read: returns the fields of the message, or None if it has none. It may be code of a user: an exception only
+                refuses the message.
+            message: as it has arrived.
+        """
+        try:
+            fields = read(message)
+        except Exception as error:
+            text = shown(message[:_SHOWN] if isinstance(message, (bytes, str)) else message)
+            self._refuse("read", f"this {self._what} cannot be read ({type(error).__name__}: {error}): {text}")
+            return False
+        if fields is None:
+            return False
+        try:
+            remark = self._commands.take(fields)
+        except CommandError as error:
+            self._refuse(f"field {error.field}", f"a {self._what} is refused: {error}")
+            return False
+        if remark is not None:
+            self._logger.warning("%s: %s", self._component.name(), remark)
+        return True
+
+    def complain(self, kind: str, text: str) -> None:
+        """Log a problem of a client, at most once in a while for each kind."""
+        self.complaints.warn(kind, f"{self._component.name()}: {text}")
+
+    def _refuse(self, kind: str, text: str) -> None:
+        if self._component.context.strict:
+            self.complaints.log(logging.ERROR, kind, f"[ERROR][MORSE] {self._component.name()}: {text}")
+        else:
+            self.complain(kind, text)
