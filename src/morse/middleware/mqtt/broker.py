@@ -18,6 +18,8 @@ logger = logging.getLogger(__name__)
 
 #: limits of the send queue: messages and bytes
 _MOST_MESSAGES, _MOST_BYTES = 2000, 32 << 20
+#: largest packet that is received, bytes, and limits of the messages with QoS 2 that a broker has not completed
+_LARGEST_PACKET, _MOST_INCOMPLETE, _MOST_INCOMPLETE_BYTES = 4 << 20, 64, 16 << 20
 #: wall-clock seconds between two attempts to connect: initial and maximum value
 _FIRST_PAUSE, _LONGEST_PAUSE = 1, 5
 
@@ -47,10 +49,11 @@ class Broker:
         self._takers: dict[str, tuple[int, Callable[[bytes], object]]] = {}
         self._pending: deque[tuple[Any, int]] = deque()
         self._pending_size = 0
-        self._is_new = False
+        self._is_new = self._has_answered = False
         self._complaints = Complaints(logger)
         try:
-            self._client = client.Client(enums.CallbackAPIVersion.VERSION2, client_id=options["client_id"])
+            made = _made(client.Client, enums.MQTTErrorCode.MQTT_ERR_PROTOCOL)
+            self._client = made(enums.CallbackAPIVersion.VERSION2, client_id=options["client_id"])
             if options["username"] is not None:
                 self._client.username_pw_set(options["username"], options["password"])
             if options["tls"]:
@@ -122,6 +125,7 @@ class Broker:
     # -- in the thread of the connection -----------------------------------------------------
 
     def _on_connect(self, client: Any, userdata: Any, flags: Any, reason: Any, properties: Any) -> None:
+        self._has_answered = True
         if reason.is_failure:
             self._complaints.warn("refused", f"mqtt: the broker {self.place} refuses the connection: {reason}")
             return
@@ -129,7 +133,8 @@ class Broker:
             client.subscribe(topic, qos)
         client.publish(self._status, b"online", qos=1, retain=True)
         self._is_new = self.connected = True
-        logger.info("mqtt: connected to the broker %s", self.place)
+        # a broker may break every connection
+        self._complaints.log(logging.INFO, "connected", f"mqtt: connected to the broker {self.place}")
 
     def _on_connect_fail(self, client: Any, userdata: Any) -> None:
         self._complaints.warn(
@@ -140,9 +145,48 @@ class Broker:
         if self.connected:
             self.connected = False
             if reason.is_failure:
-                self._complaints.warn("gone", f"mqtt: the broker {self.place} has disconnected: {reason}")
+                text = self._client.refusal or str(reason)
+                self._complaints.warn("gone", f"mqtt: the broker {self.place} has disconnected: {text}")
+        elif reason.is_failure and not self._has_answered:
+            text = f"mqtt: what is at {self.place} does not answer as a broker; the simulation continues without it"
+            self._complaints.warn("absent", text)
+        self._client.refusal, self._has_answered = "", False
 
     def _on_message(self, client: Any, userdata: Any, message: Any) -> None:
         known = self._takers.get(message.topic)
         if known is not None:
             known[1](message.payload)
+
+
+def _made(base: Any, refused: Any) -> Any:
+    """The client of paho-mqtt, with limits for what a broker sends.
+
+    Args:
+        base: its class.
+        refused: error code for a packet that ends the connection.
+    """
+
+    class Client(base):  # type: ignore[misc]
+        #: why the present connection is ended, for the log
+        refusal = ""
+
+        def _sock_recv(self, bufsize: int) -> bytes:
+            # a header announces up to 256 MB, for which memory would be reserved at once
+            if bufsize > _LARGEST_PACKET:
+                self.refusal = f"a packet of {bufsize} bytes, {_LARGEST_PACKET} are allowed"
+                raise ConnectionError(self.refusal)
+            return bytes(super()._sock_recv(bufsize))
+
+        def _handle_publish(self) -> Any:
+            result = super()._handle_publish()
+            waiting = self._in_messages.values()
+            if waiting and (
+                len(waiting) > _MOST_INCOMPLETE
+                or sum(len(message.payload) for message in waiting) > _MOST_INCOMPLETE_BYTES
+            ):
+                self.refusal = "it does not complete its messages with QoS 2"
+                self._in_messages.clear()
+                return refused
+            return result
+
+    return Client
