@@ -18,28 +18,7 @@ enum { NORMAL_X, NORMAL_Y, NORMAL_Z, TEXTURE_U, TEXTURE_V, WHOLE, INVERSE };
 // The attributes as planes: their changes to the right and down, and their values at pixel 0, 0.
 typedef struct {
     F8 across, down, start;
-    int32_t who, material;
 } Planes;
-
-// Size of the cache: most triangles are visible again in the next row.
-#define MOST_PLANES 64
-
-// Eight samples before they are shaded: a row of attributes for each. Those without a surface have no attributes, those
-// without a texture no changes of them.
-typedef struct {
-    F8 value[LANES], across[LANES], down[LANES];
-    F8 x, y, share;  // position in the image; share of the pixel
-    int32_t pixel[LANES], material[LANES];
-} Points;
-
-// Number of groups of samples that are shaded one after the other: they are stored long before they are loaded.
-#define MOST_GROUPS 8
-
-// Fills a lane that is not used.
-static inline void repeat_point(Points *p, int lane) {
-    p->value[lane] = p->value[0], p->across[lane] = p->across[0], p->down[lane] = p->down[0];
-    p->x[lane] = p->x[0], p->y[lane] = p->y[0], p->material[lane] = p->material[0];
-}
 
 static inline F8 at_point(const Planes *p, float x, float y) { return p->across * x + p->down * y + p->start; }
 

@@ -6,6 +6,8 @@
 #include "draw_cover.h"
 #include "draw_light.h"
 #include "draw_looks.h"
+#include "draw_mixed.h"
+#include "draw_shown.h"
 #include "draw_surface.h"
 #include "draw_texture.h"
 #include "drawing.h"
@@ -14,43 +16,24 @@
 // Number of triangles between a prefetch and its use.
 #define AHEAD 6
 
-// Triangles of a material in a pixel are shaded together if the cosine of the angle between their normals is larger,
-// and the relative difference of their 1 / depth is smaller.
-#define ALIKE 0.95f
-#define APART 0.125f
-
-// Light is added up in integers, so that the result does not depend on the order: ONE_LIGHT of them are 1.
-#define LIGHT_SHIFT 16
-#define ONE_LIGHT (4095.0f * (1 << LIGHT_SHIFT))
-
-// Samples are shaded with others of their kind.
-enum { NO_SURFACES, PLAIN_SURFACES, TEXTURED_SURFACES, KINDS };
-
-// Samples that wait.
+// Eight pixels of a row that show only one triangle; x and y are those in the image.
 typedef struct {
-    Points groups[MOST_GROUPS];
-    int32_t count;
-} Queue;
+    int32_t who, place;
+    int16_t x, y;
+} Row;
 
 // What a thread needs for a tile.
 typedef struct {
     Tile tile;
-    Looks one;              // samples of the same triangle
-    Queue queues[KINDS];    // samples of different triangles
+    Shown shown;
+    Samples samples;
+    Looks looks;
     I4 total[TILE * TILE];  // red, green and blue of the pixels of rows with different triangles
-    uint8_t mixed[COLUMNS * LANES * BLOCK_ROWS];
-    int32_t mixed_count;
-    Planes planes[MOST_PLANES];
+    Row rows[TILE * COLUMNS], mixed[TILE * COLUMNS];
+    int32_t row_count, mixed_count;
 } __attribute__((aligned(64))) Work;
 
-// The samples of a triangle, or of several that are alike, in a pixel.
-typedef struct {
-    F8 value, across, down;
-    float x, y;
-    int32_t material, textured, shares;
-} Spot;
-
-static inline V3 shown(V3 c) { return (V3){within(c.x, 0, 1), within(c.y, 0, 1), within(c.z, 0, 1)}; }
+static inline V3 visible(V3 c) { return (V3){within(c.x, 0, 1), within(c.y, 0, 1), within(c.z, 0, 1)}; }
 
 // The directions of eight samples, for a depth of 1.
 static inline V3 ray_of(const Camera *k, F8 x, F8 y) {
@@ -61,7 +44,7 @@ static inline V3 ray_of(const Camera *k, F8 x, F8 y) {
 
 // The light of the sky in eight samples, 0 to 1.
 static __attribute__((noinline)) V3 shade_sky(const Frame *f, const Camera *k, F8 x, F8 y) {
-    return shown(tone(scaled(sky_in(f->sky, unit(ray_of(k, x, y))), splat(k->exposure))));
+    return visible(tone(scaled(sky_in(f->sky, unit(ray_of(k, x, y))), splat(k->exposure))));
 }
 
 // The light of surfaces in eight samples, 0 to 1.
@@ -70,7 +53,7 @@ static __attribute__((noinline)) V3 shade(const Frame *f, const Camera *k, Looks
     const V3 ray = ray_of(k, l->x, l->y);
     add_textures(f, l);
     const V3 base = {l->r, l->g, l->b};
-    if (!any(~l->plain)) return shown(base);
+    if (!any(~l->plain)) return visible(base);
     const F8 depth = 1 / l->inverse;
     const V3 place = sum(everywhere(k->eye), scaled(ray, depth)), n = unit((V3){l->nx, l->ny, l->nz});
     V3 c = lit(f, place, n, scaled(unit(ray), splat(-1)), base, l->metallic, l->roughness);
@@ -79,7 +62,7 @@ static __attribute__((noinline)) V3 shade(const Frame *f, const Camera *k, Looks
         const F8 t = within((depth - sky[15]) * (1 / sky[16]), 0, 1);
         c = mixed(c, everywhere(sky), t * t * (3 - 2 * t));
     }
-    return shown(chosen(l->plain, base, tone(scaled(c, splat(k->exposure)))));
+    return visible(chosen(l->plain, base, tone(scaled(c, splat(k->exposure)))));
 }
 
 // A step of the table of sRGB.
@@ -97,145 +80,127 @@ static inline void write_colours(const Frame *f, V3 c, int count, uint8_t (*to)[
 }
 
 // Adds the light of eight samples to their pixels.
-static inline void add_light(Work *w, const Points *p, V3 c, int count) {
-    const I8 r = to_int(c.x * p->share), g = to_int(c.y * p->share), b = to_int(c.z * p->share);
-    EACH(j, count) w->total[p->pixel[j]] += (I4){r[j], g[j], b[j], 0};
+static inline void add_light(I4 *total, const int16_t *pixels, F8 share, V3 c, int count) {
+    const I8 r = to_int(c.x * share), g = to_int(c.y * share), b = to_int(c.z * share);
+    EACH(j, count) total[pixels[j]] += (I4){r[j], g[j], b[j], 0};
 }
 
-// Shades the samples of a queue, and adds them to their pixels.
+// Shades the samples of a kind that wait, and adds them to their pixels.
 static void finish(const Frame *f, const Camera *k, Work *w, int kind) {
-    Queue *q = w->queues + kind;
-    const int count = q->count;
-    for (int j = count; j % LANES; j++) repeat_point(q->groups + j / LANES, j % LANES);
-    for (int i = 0; i < count; i += LANES) {
-        const Points *p = q->groups + i / LANES;
+    Waiting *q = w->samples.waiting + kind;
+    const Shown *s = &w->shown;
+    Looks *l = &w->looks;
+    for (int i = 0; i < q->count; i += LANES) {
+        const int count = q->count - i < LANES ? q->count - i : LANES;
+        F8 share;
+        memcpy(&l->x, q->x + i, sizeof l->x), memcpy(&l->y, q->y + i, sizeof l->y);
+        memcpy(&share, q->share + i, sizeof share);
         V3 c;
         if (kind == NO_SURFACES) {
-            c = shade_sky(f, k, p->x, p->y);
+            c = shade_sky(f, k, l->x, l->y);
         } else {
-            Looks l;
-            look_at_points(f, &l, p, kind == TEXTURED_SURFACES);
-            c = shade(f, k, &l);
+            const Planes *planes[LANES];
+            int32_t materials[LANES];
+            // lanes that are not used are those of the first sample
+            EACH_LANE(j) {
+                const int place = q->place[j < count ? i + j : i];
+                planes[j] = s->planes + place, materials[j] = s->material[place];
+            }
+            look_at_samples(f, l, planes, materials, kind == TEXTURED_SURFACES);
+            c = shade(f, k, l);
         }
-        add_light(w, p, c, count - i < LANES ? count - i : LANES);
+        add_light(w->total, q->pixel + i, share, c, count);
     }
     q->count = 0;
 }
 
-// Whether two samples of a material are nearly on one plane.
-static inline int on_a_plane(const float *a, const float *b) {
-    const float cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    const float most = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
-    return cosine > 0 && cosine * cosine > ALIKE * ALIKE * most && fabsf(a[INVERSE] - b[INVERSE]) < APART * a[INVERSE];
+// Makes room for the planes of more triangles.
+static inline void make_room(const Frame *f, const Camera *k, Work *w, int triangles) {
+    if (w->shown.count + triangles <= MOST_SHOWN) return;
+    EACH(i, KINDS) finish(f, k, w, i);
+    w->shown.count = w->shown.complete = 0;
 }
 
-// Whether a coordinate of a texture continues from one triangle to another: it changes by less than in a pixel.
-static inline int continues(const Spot *one, const float *a, const float *b, int which) {
-    const float at = a[which] / a[WHOLE];
-    const float right = one->across[which] - at * one->across[WHOLE], down = one->down[which] - at * one->down[WHOLE];
-    return fabsf(b[which] / b[WHOLE] - at) * fabsf(a[WHOLE]) <= fabsf(right) + fabsf(down);
+// Lets a sample wait.
+static inline void add_spot(const Frame *f, const Camera *k, Work *w, const Spot *spot, int pixel) {
+    Samples *s = &w->samples;
+    const int kind = spot->place < 0 ? NO_SURFACES : w->shown.kind[spot->place];
+    Waiting *q = s->waiting + kind;
+    if (q->count == MOST_WAITING) finish(f, k, w, kind);
+    const int i = q->count++;
+    q->x[i] = s->x[spot->sample][pixel % TILE], q->y[i] = s->y[spot->sample][pixel / TILE];
+    q->share[i] = s->shares[spot->shares], q->pixel[i] = (int16_t)pixel, q->place[i] = (int16_t)spot->place;
 }
 
-// Whether a sample can be shaded with another one.
-static inline int alike(const Spot *one, const Spot *other) {
-    if (one->material != other->material || one->material < 0) return 0;
-    const float *a = (const float *)&one->value, *b = (const float *)&other->value;
-    if (!on_a_plane(a, b)) return 0;
-    return !one->textured || (continues(one, a, b, TEXTURE_U) && continues(one, a, b, TEXTURE_V));
-}
-
-// A sample of a triangle.
-static inline void set_spot(const Frame *f, Work *w, int32_t who, float x, float y, Spot *s) {
-    s->x = x, s->y = y, s->shares = 0;
-    if (who < 0) {
-        s->material = -1, s->textured = 0;
-        return;
+// Joins the samples that have been collected; then they wait to be shaded.
+static void join_collected(const Frame *f, const Camera *k, Work *w) {
+    Samples *s = &w->samples;
+    int16_t places[MOST_COLLECTED];
+    make_room(f, k, w, s->count);
+    EACH(i, s->count) {
+        const int32_t who = s->collected[i].who;
+        places[i] = (int16_t)(who < 0 ? -1 : place_of(f, &w->shown, who));
     }
-    const Planes *plane = planes_of(f, w->planes, who);
-    s->value = at_point(plane, x, y), s->material = plane->material;
-    s->textured = f->materials[s->material].texture >= 0;
-    if (s->textured) s->across = plane->across, s->down = plane->down;
-}
-
-// Adds a sample to its queue.
-static inline void add_spot(const Frame *f, const Camera *k, Work *w, const Spot *s, int pixel, float share) {
-    const int kind = s->material < 0 ? NO_SURFACES : s->textured ? TEXTURED_SURFACES : PLAIN_SURFACES;
-    Queue *q = w->queues + kind;
-    if (q->count == MOST_GROUPS * LANES) finish(f, k, w, kind);
-    Points *p = q->groups + q->count / LANES;
-    const int j = q->count++ % LANES;
-    p->x[j] = s->x, p->y[j] = s->y, p->pixel[j] = pixel, p->share[j] = share * ONE_LIGHT;
-    if (kind == NO_SURFACES) return;
-    p->value[j] = s->value, p->material[j] = s->material;
-    if (kind == TEXTURED_SURFACES) p->across[j] = s->across, p->down[j] = s->down;
-}
-
-// Collects the samples of a pixel that shows different triangles.
-static void collect_pixel(const Frame *f, const Camera *k, Work *w, int pixel, float x, float y, const int32_t *who) {
-    Spot spots[MOST_SAMPLES];
-    int32_t firsts[MOST_SAMPLES];  // the sample with which each one is shaded
-    const int samples = f->sample_count;
-    EACH(n, samples) {
-        int at = 0;
-        while (at < n && who[at] != who[n]) at++;
-        if (at < n) {
-            at = firsts[at];
-        } else {
-            const float *by = f->samples + 2 * n;
-            set_spot(f, w, who[n], x + by[0], y + by[1], spots + n);
-            at = 0;
-            while (at < n && !(firsts[at] == at && alike(spots + at, spots + n))) at++;
-        }
-        firsts[n] = at, spots[at].shares++;
+    complete(f, &w->shown);
+    for (int i = 0, end; i < s->count; i = end) {
+        const int pixel = s->collected[i].pixel;
+        for (end = i + 1; end < s->count && s->collected[end].pixel == pixel;) end++;
+        Spot spots[MOST_SAMPLES];
+        const int count = join(s, &w->shown, s->collected + i, places + i, end - i, spots);
+        EACH(n, count) add_spot(f, k, w, spots + n, pixel);
     }
-    EACH(n, samples)
-    if (firsts[n] == n) add_spot(f, k, w, spots + n, pixel, (float)spots[n].shares / (float)samples);
-}
-
-// Eight pixels of different triangles.
-static void collect(const Frame *f, const Camera *k, Work *w, int block, int r, int x, int y, int count) {
-    const Tile *t = &w->tile;
-    const int row = block * BLOCK_ROWS + r, samples = t->samples;
-    w->mixed[w->mixed_count++] = (uint8_t)row;
-    I8 other = splat_int(0);
-    for (int n = 1; n < samples; n++) other |= t->shown[block][n][r] ^ t->shown[block][0][r];
-    EACH(j, count) {
-        const int pixel = row * LANES + j;
-        const float px = (float)(x + j) + 0.5f, py = (float)y + 0.5f;
-        w->total[pixel] = (I4){0, 0, 0, 0};
-        if (other[j]) {
-            int32_t who[MOST_SAMPLES];
-            EACH(n, samples) who[n] = t->shown[block][n][r][j];
-            collect_pixel(f, k, w, pixel, px, py, who);
-        } else {
-            Spot s;
-            set_spot(f, w, t->shown[block][0][r][j], px + f->samples[0], py + f->samples[1], &s);
-            add_spot(f, k, w, &s, pixel, 1);
-        }
-    }
+    s->count = 0;
 }
 
 // Eight pixels in a row of the only triangle that they show.
-static inline void draw_same(const Frame *f, const Camera *k, Work *w, int32_t who, int x, int y, int count,
-                             uint8_t (*to)[4]) {
-    Looks *l = &w->one;
-    l->x = STEPS + ((float)x + 0.5f + f->samples[0]), l->y = splat((float)y + 0.5f + f->samples[1]);
-    if (who < 0) {
+static inline void draw_same(const Frame *f, const Camera *k, Work *w, const Row *row) {
+    Looks *l = &w->looks;
+    const int count = k->width - row->x < LANES ? k->width - row->x : LANES;
+    uint8_t (*to)[4] = f->rgba + (k->pixel + (int64_t)row->y * k->width + row->x);
+    l->x = STEPS + ((float)row->x + 0.5f + f->samples[0]), l->y = splat((float)row->y + 0.5f + f->samples[1]);
+    if (row->who < 0) {
         write_colours(f, shade_sky(f, k, l->x, l->y), count, to);
     } else {
-        look_at_triangle(f, w->planes, l, who);
+        look_at_triangle(l, w->shown.planes + row->place, f->materials + w->shown.material[row->place]);
         write_colours(f, shade(f, k, l), count, to);
     }
 }
 
+// Eight pixels of different triangles, from their light.
+static inline void write_mixed(const Frame *f, const Camera *k, const Work *w, const Row *row) {
+    const int count = k->width - row->x < LANES ? k->width - row->x : LANES;
+    const I4 *total = w->total + (row->y - w->tile.top) * TILE + (row->x - w->tile.left);
+    uint8_t (*to)[4] = f->rgba + (k->pixel + (int64_t)row->y * k->width + row->x);
+    EACH(j, count) {
+        const I4 c = (total[j] + (1 << (LIGHT_SHIFT - 1))) >> LIGHT_SHIFT;
+        write_pixel(f, c[0], c[1], c[2], to[j]);
+    }
+}
+
+// Shades everything that the tile shows.
+static void draw_colours(const Frame *f, const Camera *k, Work *w) {
+    join_collected(f, k, w);
+    make_room(f, k, w, w->row_count);
+    EACH(i, w->row_count) {
+        Row *row = w->rows + i;
+        if (row->who >= 0) row->place = place_of(f, &w->shown, row->who);
+    }
+    complete(f, &w->shown);
+    EACH(i, w->row_count) draw_same(f, k, w, w->rows + i);
+    EACH(i, KINDS) finish(f, k, w, i);
+    EACH(i, w->mixed_count) write_mixed(f, k, w, w->mixed + i);
+}
+
 // The unit normals of eight pixels along the axes of the camera; 0 without a surface.
-static void write_normals(const Frame *f, const Camera *k, Planes *cache, I8 shown, int x, int y, int count,
-                          float (*to)[3]) {
+static void write_normals(const Frame *f, const Camera *k, Work *w, I8 shown, int x, int y, int count, float (*to)[3]) {
     const float *r = k->axes, fy = (float)y + 0.5f;
+    make_room(f, k, w, LANES);
     EACH(j, count) {
         float n[3] = {0, 0, 0};
         if (shown[j] >= 0) {
-            const F8 at = at_point(planes_of(f, cache, shown[j]), (float)(x + j) + 0.5f, fy);
+            const int place = place_of(f, &w->shown, shown[j]);
+            complete(f, &w->shown);
+            const F8 at = at_point(w->shown.planes + place, (float)(x + j) + 0.5f, fy);
             EACH(i, 3) n[i] = at[i];
         }
         const float square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
@@ -283,24 +248,18 @@ static void draw_row(const Frame *f, const Camera *k, Work *w, int column, int b
         inverse = row_of(surface_of(f, t, flat), STEPS + ((float)x + 0.5f + by[0]), (float)y + 0.5f + by[1]);
     }
     write_surfaces(f, shown, inverse, same, count, pixel);
-    if (k->normals) write_normals(f, k, w->planes, shown, x, y, count, f->normals + pixel);
+    if (k->normals) write_normals(f, k, w, shown, x, y, count, f->normals + pixel);
     if (!k->color) return;
-    if (same)
-        draw_same(f, k, w, shown[0], x, y, count, f->rgba + pixel);
-    else
-        collect(f, k, w, block, r, x, y, count);
-}
-
-// Eight pixels of different triangles, from their light.
-static void write_mixed(const Frame *f, const Camera *k, const Work *w, int row) {
-    const int block = row / BLOCK_ROWS, x = w->tile.left + block / LANES * LANES;
-    const int y = w->tile.top + block % LANES * BLOCK_ROWS + row % BLOCK_ROWS;
-    const int count = k->width - x < LANES ? k->width - x : LANES;
-    uint8_t (*to)[4] = f->rgba + (k->pixel + (int64_t)y * k->width + x);
-    EACH(j, count) {
-        const I4 c = (w->total[row * LANES + j] + (1 << (LIGHT_SHIFT - 1))) >> LIGHT_SHIFT;
-        write_pixel(f, c[0], c[1], c[2], to[j]);
+    const Row row = {shown[0], 0, (int16_t)x, (int16_t)y};
+    if (same) {
+        w->rows[w->row_count++] = row;
+        return;
     }
+    const int first = (y - t->top) * TILE + column * LANES;
+    if (w->samples.count > MOST_COLLECTED - MOST_OF_ROW) join_collected(f, k, w);
+    w->mixed[w->mixed_count++] = row;
+    EACH(j, LANES) w->total[first + j] = (I4){0, 0, 0, 0};
+    collect(&w->samples, t, block, r, first, count);
 }
 
 static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
@@ -312,20 +271,20 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
         __builtin_prefetch(f->seen + ahead), __builtin_prefetch(f->bounds + ahead);
         cover(f, k, f->members[m], t);
     }
-    w->mixed_count = 0;
-    EACH(i, KINDS) w->queues[i].count = 0;
+    w->row_count = w->mixed_count = w->shown.count = w->shown.complete = 0;
+    if (k->color) place_samples(f, &w->samples, left, top, samples);
     for (int c = 0; c < COLUMNS && left + c * LANES < k->width; c++)
         for (int y = 0; y < TILE && top + y < k->height; y++) draw_row(f, k, w, c, y / BLOCK_ROWS, y % BLOCK_ROWS);
-    EACH(i, KINDS) finish(f, k, w, i);
-    EACH(i, w->mixed_count) write_mixed(f, k, w, w->mixed[i]);
+    if (k->color) draw_colours(f, k, w);
 }
 
 // All pixels of all tiles, shared by the threads.
 void draw_pixels(Frame *f) {
     Work w;
     // lanes without a texture are computed, too
-    memset(&w.one, 0, sizeof w.one);
-    EACH(i, MOST_PLANES) w.planes[i].who = -1;
+    memset(&w.looks, 0, sizeof w.looks);
+    // and lanes without a sample, and places in a table that is empty
+    memset(&w.samples, 0, sizeof w.samples), memset(&w.shown, 0, sizeof w.shown);
     int64_t *next = &f->stages[PIXELS].next;
     for (int64_t t; (t = __atomic_fetch_add(next, 1, __ATOMIC_RELAXED)) < f->tile_count;)
         draw_tile(f, f->cameras + f->tiles[t][0], t, &w);

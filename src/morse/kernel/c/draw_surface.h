@@ -11,11 +11,8 @@ static inline F8 attributes_of(const Vertex *v, F8 x, F8 y, F8 z, float facing) 
     return a;
 }
 
-// The planes of a triangle, from the cache or computed.
-static inline const Planes *planes_of(const Frame *f, Planes *cache, int32_t who) {
-    Planes *p = cache + (who & (MOST_PLANES - 1));
-    if (p->who == who) return p;
-    const Seen *s = f->seen + who;
+// The planes of a triangle.
+static inline Planes planes_of(const Frame *f, const Seen *s) {
     const Part *part = f->parts + s->part;
     const Vertex *base = f->vertices + f->clusters[part->cluster].vertex;
     const int32_t *c = f->triangles[s->triangle];
@@ -23,12 +20,12 @@ static inline const Planes *planes_of(const Frame *f, Planes *cache, int32_t who
     const F8 x = {t[0], t[3], t[6]}, y = {t[1], t[4], t[7]}, z = {t[2], t[5], t[8]};
     F8 corner[3];
     EACH(i, 3) corner[i] = attributes_of(base + c[i], x, y, z, facing);
-    F8 *plane[3] = {&p->across, &p->down, &p->start};
+    Planes p;
+    F8 *plane[3] = {&p.across, &p.down, &p.start};
     EACH(i, 3) {
         *plane[i] = s->e[0][i] * corner[0] + s->e[1][i] * corner[1] + s->e[2][i] * corner[2];
         (*plane[i])[INVERSE] = s->w[i];
     }
-    p->who = who, p->material = s->material;
     return p;
 }
 
@@ -41,9 +38,7 @@ static inline void set_surface(Looks *l, const Surface *m) {
 }
 
 // Eight samples of the same triangle.
-static inline void look_at_triangle(const Frame *f, Planes *cache, Looks *l, int32_t who) {
-    const Planes *p = planes_of(f, cache, who);
-    const Surface *m = f->materials + p->material;
+static inline void look_at_triangle(Looks *l, const Planes *p, const Surface *m) {
     const F8 x = l->x, y = l->y;
     l->inverse = at_points(p, INVERSE, x, y);
     l->nx = at_points(p, NORMAL_X, x, y), l->ny = at_points(p, NORMAL_Y, x, y), l->nz = at_points(p, NORMAL_Z, x, y);
@@ -97,14 +92,18 @@ static inline void set_surfaces(const Frame *f, Looks *l, const int32_t *materia
 }
 
 // Eight samples of different triangles.
-static inline void look_at_points(const Frame *f, Looks *l, const Points *p, int textured) {
-    F8 at[LANES], across[LANES], down[LANES];
-    transpose(p->value, at);
-    l->x = p->x, l->y = p->y;
+static inline void look_at_samples(const Frame *f, Looks *l, const Planes *const *planes, const int32_t *materials,
+                                   int textured) {
+    F8 rows[LANES], at[LANES], across[LANES], down[LANES];
+    EACH_LANE(j) rows[j] = at_point(planes[j], l->x[j], l->y[j]);
+    transpose(rows, at);
     l->inverse = at[INVERSE], l->nx = at[NORMAL_X], l->ny = at[NORMAL_Y], l->nz = at[NORMAL_Z];
-    set_surfaces(f, l, p->material);
+    set_surfaces(f, l, materials);
     if (!textured) return;
-    transpose(p->across, across), transpose(p->down, down);
+    EACH_LANE(j) rows[j] = planes[j]->across;
+    transpose(rows, across);
+    EACH_LANE(j) rows[j] = planes[j]->down;
+    transpose(rows, down);
     const F8 w = 1 / at[WHOLE], u = at[TEXTURE_U] * w, v = at[TEXTURE_V] * w;
     l->u = u, l->ux = (across[TEXTURE_U] - u * across[WHOLE]) * w, l->uy = (down[TEXTURE_U] - u * down[WHOLE]) * w;
     l->v = v, l->vx = (across[TEXTURE_V] - v * across[WHOLE]) * w, l->vy = (down[TEXTURE_V] - v * down[WHOLE]) * w;
