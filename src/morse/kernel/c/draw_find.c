@@ -36,6 +36,24 @@ static int may_be_seen(const Camera *k, const float *m, const float *s, float *n
     return side[2] * q[2] + fy * q[1] >= -size * length[2] && side[3] * q[2] - fy * q[1] >= -size * length[3];
 }
 
+// Whether a box is beside the image or behind the camera, with all that is in it. In double precision: a sample is at
+// least a tenth of a pixel from the border of the image, which is more than all rounding errors.
+static int is_beside(const Camera *k, const float *m, const float *box) {
+    double a[3][4], sides[5][4];
+    projection(k, m, a);
+    EACH(i, 4) {
+        sides[0][i] = a[0][i], sides[1][i] = k->width * a[2][i] - a[0][i];
+        sides[2][i] = a[1][i], sides[3][i] = k->height * a[2][i] - a[1][i];
+        sides[4][i] = a[2][i] - (i == 3 ? (double)k->near : 0);
+    }
+    EACH(n, 5) {
+        double most = sides[n][3];
+        EACH(i, 3) most += sides[n][i] * (double)box[sides[n][i] > 0 ? i + 3 : i];
+        if (most < 0) return 1;
+    }
+    return 0;
+}
+
 // Whether a cluster belongs to the level of detail that a camera sees: the error of the level is allowed, that of the
 // next one is not.
 static int is_level(const Camera *k, const float *m, const float *level) {
@@ -73,6 +91,7 @@ static int32_t find(Frame *f, int32_t camera, int32_t first, int64_t *size) {
         const float *m = f->models[part->instance];
         if (!is_level(f->cameras + camera, m, f->levels[part->cluster])) continue;
         if (!may_be_seen(f->cameras + camera, m, f->spheres[part->cluster], &nearest)) continue;
+        if (is_beside(f->cameras + camera, m, f->boxes[part->cluster])) continue;
         f->found[count][0] = p, f->found[count][1] = rank_of(nearest);
         places[f->found[count++][1] + 1]++;
         *size += triangles_of(f, p);

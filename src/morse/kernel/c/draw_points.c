@@ -1,4 +1,6 @@
 // Finds the vertices of each cluster that have the same position: vertices of flat faces differ in their normals only.
+// The box around them is smaller than the sphere of the cluster.
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -34,12 +36,22 @@ static int32_t distinct(const Vertex *v, int count, float (*points)[3], uint16_t
     return known;
 }
 
-// Sets the points of all clusters.
+static void surround(const float (*points)[3], int count, float *box) {
+    EACH(i, 3) box[i] = INFINITY, box[i + 3] = -INFINITY;
+    EACH(n, count) EACH(i, 3) {
+        // NaN has no effect: triangles with it are not drawn
+        if (points[n][i] < box[i]) box[i] = points[n][i];
+        if (points[n][i] > box[i + 3]) box[i + 3] = points[n][i];
+    }
+}
+
+// Sets the points and the boxes of all clusters.
 void morse_draw_points(Frame *f) {
     uint16_t index[MOST_VERTICES];
     EACH(c, f->cluster_count) {
         const Cluster *k = f->clusters + c;
         f->point_counts[c] = distinct(f->vertices + k->vertex, k->vertices, f->points + k->vertex, index);
+        surround((const float (*)[3])(f->points + k->vertex), f->point_counts[c], f->boxes[c]);
         for (int t = k->triangle; t < k->triangle + k->triangles; t++) {
             EACH(i, 3) f->corners[t][i] = index[f->triangles[t][i]];
         }

@@ -114,6 +114,7 @@ typedef struct {
     float (*points)[3];      // the positions of the vertices of each cluster without repetitions, from its first vertex
     uint16_t (*corners)[3];  // three of them for each triangle
     int32_t *point_counts;   // of each cluster
+    float (*boxes)[6];       // around the points of each cluster: the lowest and the highest coordinates
     int32_t (*jobs)[2];      // pairs of camera and part, the nearest parts of each camera first
     int32_t (*found)[2];     // pairs of part and distance, for one camera
     int64_t *starts, *counts;  // the triangles of each job in `seen` and `bounds`; in the order of parts

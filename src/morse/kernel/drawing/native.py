@@ -42,6 +42,7 @@ class NativeDrawer:
             points=np.empty((len(drawing.vertices) + 1, 3), np.float32),
             corners=np.empty((len(drawing.triangles) + 1, 3), np.uint16),
             point_counts=np.empty(len(drawing.clusters) + 1, np.int32),
+            boxes=np.empty((len(drawing.clusters) + 1, 6), np.float32),
         )
         library.morse_draw_points(ctypes.byref(frame))
         self._seen = 0
