@@ -446,6 +446,7 @@ class SemanticCamera(CameraCreator):
         relative: bool = ...,
         noocclusion: bool = ...,
         tag: str = ...,
+        visibility: Literal["pixels", "ray"] = ...,
         **kwargs: Any,
     ) -> None: ...
 

@@ -45,13 +45,24 @@ class Noise:
         """
         model, measured = self.model, truth
         if model.bias_walk > 0.0:
-            self._bias = self._bias + self._random.normal(0.0, 1.0, () if common else truth.shape) * self._step
+            shape = () if common else self._shape_of_bias(truth)
+            if np.shape(self._bias) not in ((), shape):
+                self._bias = 0.0  # the number of values has changed
+            self._bias = self._bias + self._random.normal(0.0, 1.0, shape) * self._step
             measured = measured + self._bias
         if model.gaussian > 0.0:
             measured = measured + self._random.normal(0.0, model.gaussian, truth.shape)
         if model.quantization > 0.0:
             measured = np.round(measured / model.quantization) * model.quantization
         return measured
+
+    def _shape_of_bias(self, truth: NDArray[np.float64]) -> tuple[int, ...]:
+        """One bias for each value, but a common one along the axes of free length: pixels and points come and go."""
+        declared = None if self._field is None else self._field.shape
+        if declared is None or None not in declared:
+            return truth.shape
+        free = len(declared) - declared[::-1].index(None)
+        return truth.shape[free:]
 
     def possible(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the nearest values that the field can contain.
@@ -97,7 +108,7 @@ def measured(value: Any, noise: Noise) -> Any:
         return value
     result = noise.possible(noise.errors(truth))
     if isinstance(value, np.ndarray):
-        return result.astype(value.dtype)
+        return (np.rint(result) if value.dtype.kind in "iu" else result).astype(value.dtype)
     if isinstance(value, (int, float, list)):
         return result.tolist()
     return type(value)(result.tolist())

@@ -33,7 +33,11 @@ class Realism:
         random = sensor.context.random
         fields: dict[str, NoiseModel] = {}
         for name, noise in model.noise.items():
-            fields.update(dict.fromkeys([name] if name else sensor.noisy_fields(), noise))
+            noisy = [name] if name else sensor.noisy_fields()
+            if not noisy:
+                text = f"{sensor.name()}: noise() without a field has no effect, {sensor.noise_mend}"
+                sensor.context.complaints.warn(text, text)
+            fields.update(dict.fromkeys(noisy, noise))
         declared = fields_of_component(sensor)
         self._noises = {
             name: Noise(noise, random(f"{sensor.name()}/noise/{name}"), declared.get(name))

@@ -36,6 +36,10 @@ class Sensor(Object):
     add_data("timestamp", 0.0, "float", "Simulated time of the measurement", unit="s")
 
     realism: Realism | None = None
+    #: the remedy if ``noise()`` without a field changes no field
+    noise_mend: ClassVar[str] = "because the sensor measures no numbers"
+    #: fields that cannot have noise, although they are arrays of numbers
+    without_noise: ClassVar[tuple[str, ...]] = ()
     #: whether the class overrides `report`
     _reports: ClassVar[bool] = False
 

@@ -164,6 +164,7 @@ class Camera(Sensor):
         #: tick of the last image
         self._taken = -1
         try:
+            self.check_properties()
             self._look()
         except ValueError as error:
             raise MorseBuilderError(str(error)) from None
@@ -176,6 +177,9 @@ class Camera(Sensor):
             self.capturing = False
             text = f"{self.name()} captures no images: the environment is in fastmode"
             self.context.complaints.warn(text, text)
+
+    def check_properties(self) -> None:
+        """Raise `ValueError` if the values of the properties do not fit together; the lens is checked separately."""
 
     def _look(self) -> None:
         """Create the lens from the properties.
@@ -202,6 +206,7 @@ class Camera(Sensor):
         before = dict(self.__dict__)
         super().set_property(name, value)
         try:
+            self.check_properties()
             lens = self._make_lens()
             if isinstance(self.realism, DelayedPictures):
                 self.realism.check_memory(lens)

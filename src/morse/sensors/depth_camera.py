@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults
-from morse.core.exceptions import MorseBuilderError
 from morse.core.limits import ANGLE
 from morse.core.local_data import Later, LocalData
 from morse.helpers.components import add_data, add_kind, add_property
@@ -117,20 +117,25 @@ class DepthCamera(AbstractDepthCamera):
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         self.local_data = LocalData(self.local_data)
-        try:
-            self._rows_kept = rows_kept(self.keep_list)
-        except ValueError as error:
-            raise MorseBuilderError(str(error)) from None
+
+    def check_properties(self) -> None:
+        """Raise `ValueError` if ``keep_list`` is not a list of rows; warn about rows that the image does not have."""
+        rows, height = self._rows_kept(), self.image_height
+        if rows and rows[-1] >= height:
+            text = f"{self.name()}: keep_list contains the row {rows[-1]}; the image has the rows 0 to {height - 1}"
+            self.context.complaints.warn(text, text)
+
+    def _rows_kept(self) -> list[int] | None:
+        return rows_kept(None if self.keep_list is None else str(self.keep_list))
 
     def take(self, picture: Picture) -> None:
         """Store the points of the pixels that show a surface."""
         depth, lens = self.depth_of(picture), self.lens
-        rows = self._rows_kept
+        rows = self._rows_kept()
         seen = depth > 0.0
         if rows is not None:
-            chosen = [row for row in rows if row < len(depth)]
             mask = np.zeros(len(depth), bool)
-            mask[chosen] = True
+            mask[[row for row in rows if row < len(mask)]] = True
             seen &= mask[:, None]
         flip, whole = self.vertical_flip, self.keep_resolution
 
@@ -245,15 +250,16 @@ class RawImage(AbstractDepthCamera):
         self.local_data["image"] = self.ordered(buffer.astype(np.float32))
 
 
+@lru_cache(maxsize=64)
 def rows_kept(text: str | None) -> list[int] | None:
     """Return the rows in ``keep_list``, counted from the top; None for all.
 
     Raises:
         ValueError: the text is not a list of non-negative integers.
     """
-    if text is None or not str(text).strip():
+    if text is None or not text.strip():
         return None
-    words = str(text).strip().strip("[]()").replace(",", " ").split()
+    words = text.strip().strip("[]()").replace(",", " ").split()
     if not all(word.isdecimal() for word in words):
         raise ValueError(f"keep_list lists rows of the image, such as '[1, 17, 34]', got {text!r:.80}")
     return sorted({int(word) for word in words})

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults
+from morse.core.exceptions import MorseRPCTypeError
+from morse.core.hints import nearest
+from morse.core.quoting import shown
+from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.sensors.camera_unit import CameraUnit
 from morse.sensors.depth_camera import DepthCamera
@@ -64,9 +68,31 @@ class DepthCameraAggregator(CameraUnit):
         """
         return self._master(self.clouds())
 
-    def _master(self, cameras: list[DepthCamera]) -> DepthCamera:
+    @service
+    def set_property(self, name: str, value: Any) -> None:
+        """Change a property while the simulation runs."""
+        before = self.master_camera
+        super().set_property(name, value)
+        if name == "master_camera" and self.master_camera and not self._named(self.clouds()):
+            problem, self.master_camera = self._no_master(), before
+            raise MorseRPCTypeError(problem)
+
+    def _named(self, cameras: list[DepthCamera]) -> list[DepthCamera]:
         wanted = self.master_camera
-        named = [c for c in cameras if wanted and (c.name() == wanted or c.name().endswith(f".{wanted}"))]
+        return [c for c in cameras if c.name() == wanted or c.name().endswith(f".{wanted}")]
+
+    def _no_master(self) -> str:
+        known = [camera.name().rpartition(".")[2] for camera in self.clouds()]
+        return (
+            f"{self.name()}: it has no depth camera {shown(self.master_camera)}, which 'master_camera' names"
+            f"{nearest(self.master_camera, known)}"
+        )
+
+    def _master(self, cameras: list[DepthCamera]) -> DepthCamera:
+        named = self._named(cameras) if self.master_camera else cameras
+        if not named:
+            problem = f"{self._no_master()}; the cloud is in the frame of {cameras[0].name()}"
+            self.context.complaints.warn(problem, problem)
         return (named or cameras)[0]
 
     def measured_from(self) -> Pose:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from morse.core.mathutils import Matrix
+from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
@@ -24,6 +25,8 @@ logger = logging.getLogger(__name__)
 _MOST = 65535
 #: the class of robots
 _ROBOT = "robot"
+#: properties that determine the objects and their classes
+_OF_LABELS = {"tag", "class_tag", "class_names"}
 
 
 def _ids(camera: SegmentationCamera) -> NDArray[np.uint16]:
@@ -107,6 +110,8 @@ class SegmentationCamera(Camera):
 
     color = False
     uses = ("ids",)
+    noise_mend = "because ids cannot have noise"
+    without_noise = ("image", "classes")
     #: PNG files have no quality setting
     quality = 100
     not_state: ClassVar[tuple[str, ...]] = ("_things", "_of_nodes", "_table")
@@ -120,13 +125,25 @@ class SegmentationCamera(Camera):
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
-        names = dict.fromkeys(name.strip() for name in str(self.class_names).split(",") if name.strip())
         #: ids by name, which stay the same when objects are added or removed
-        self._class_ids = {name: number for number, name in enumerate(names, 1)}
+        self._class_ids = self._named_classes()
         self._thing_ids: dict[str, int] = {}
         self._things: Things | None = None
         self._of_nodes: list[Node] | None = None
         self._table: list[dict[str, Any]] = []
+
+    def _named_classes(self) -> dict[str, int]:
+        names = dict.fromkeys(name.strip() for name in str(self.class_names).split(",") if name.strip())
+        return {name: number for number, name in enumerate(names, 1)}
+
+    @service
+    def set_property(self, name: str, value: Any) -> None:
+        """Change a property while the simulation runs; other ``class_names`` give all classes new ids."""
+        super().set_property(name, value)
+        if name == "class_names":
+            self._class_ids = self._named_classes()
+        if name in _OF_LABELS:
+            self._of_nodes = None
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Restore a state, and compute the labels from it."""

@@ -31,7 +31,9 @@ def _records(camera: SemanticCamera) -> list[dict[str, Any]]:
 class SemanticCamera(Camera):
     """Lists the visible objects that have a certain property.
 
-    An object is visible if at least one pixel of the image shows it. With ``noocclusion``, occlusion is ignored.
+    An object is visible if at least one pixel of the image shows it. With ``visibility`` ``"ray"``, it is visible as in
+    MORSE 1.4: a part of its bounding box is in the field of view, and a ray from the camera to its origin hits it
+    first. The ray passes through objects without collision. With ``noocclusion``, occlusion is ignored.
     """
 
     _name = "Semantic camera"
@@ -44,6 +46,14 @@ class SemanticCamera(Camera):
     add_property("relative", False, "relative", "bool", "Poses are in the frame of the camera, not of the world")
     add_property("noocclusion", False, "noocclusion", "bool", "Ignore occlusion")
     add_property("tag", "Object", "tag", "string", "Property that marks objects")
+    add_property(
+        "visibility",
+        "pixels",
+        "visibility",
+        "string",
+        "What decides whether an object is visible: the pixels of the image, or one ray to its origin, as in MORSE 1.4",
+        choices=("pixels", "ray"),
+    )
 
     add_kind("detections", records=_records)
 
@@ -52,6 +62,7 @@ class SemanticCamera(Camera):
     relative: bool
     noocclusion: bool
     tag: str
+    visibility: str
 
     def note(self) -> list[tuple[dict[str, Any], list[str] | None]] | None:
         """Return the objects that may be visible, for an image with a delay: their data, and their `_candidates`."""
@@ -80,9 +91,9 @@ class SemanticCamera(Camera):
     def _candidates(self) -> Iterator[tuple[Any, list[str] | None]]:
         """The objects that may be visible, and the names of their meshes; None if no mesh has to be in the image."""
         for thing in self._things():
-            if not self.noocclusion:
+            if self.visibility == "pixels" and not self.noocclusion:
                 yield thing, [node.name for node in thing.node.walk()]
-            elif self._is_in_sight(thing):
+            elif self._is_in_sight(thing) and (self.noocclusion or self._is_first_on_ray(thing)):
                 yield thing, None
 
     def _things(self) -> Iterator[Any]:
@@ -108,6 +119,11 @@ class SemanticCamera(Camera):
         if len(points) == 1:
             points = [((np.array(obj.world_pose()[0]) - position) @ turn)[None]]
         return _may_show(np.concatenate(points[1:] or points), self.lens)
+
+    def _is_first_on_ray(self, obj: Any) -> bool:
+        """Whether the ray to the origin of an object hits it, a part of it, or the body that it is a part of, first."""
+        hit = self.bge_object.rayCastTo(obj)
+        return hit is not None and (hit.node in obj.node.walk() or hit.node in obj.node.ancestors())
 
     def _described(self, obj: Any) -> dict[str, Any]:
         position, rotation = obj.world_pose()

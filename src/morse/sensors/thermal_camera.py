@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.exceptions import MorseBuilderError
+from morse.core.quoting import shown
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
@@ -111,7 +112,11 @@ class ThermalCamera(Camera):
         obj = self.context.world.find_object(node)
         if obj is None:
             return None
-        value = _number(obj.get(_TEMPERATURE))
+        given = obj.get(_TEMPERATURE)
+        value = _number(given)
+        if value is None and given is not None:
+            text = f"{obj.name}: the property '{_TEMPERATURE}' is a number of degrees Celsius, not {shown(given)}"
+            self.context.complaints.warn(text, text)
         if value is None and obj.get(self._fire_tag):
             heat = _number(obj.get(self._fire_tag))
             value = self._ambient + (self._fire_temp if heat is None else heat)

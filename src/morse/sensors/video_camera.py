@@ -13,6 +13,7 @@ from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.noise import Noise
     from morse.rendering import Picture
     from morse.sensors.delayed_pictures import Exposure
 
@@ -130,6 +131,7 @@ class VideoCamera(Camera):
     add_kind("camera_info", **CAMERA_INFO)
 
     uses = ("rgb",)
+    noise_mend = "because an image has 'full_well', 'read_noise', 'stuck_pixels'; field='image' adds noise to its codes"
     exposure: float
     auto_exposure: bool
     full_well: float
@@ -195,5 +197,12 @@ class VideoCamera(Camera):
         self._adjusted = min(max(self._adjusted + step, -_FARTHEST), _FARTHEST)
 
     def noisy_fields(self) -> tuple[str, ...]:
-        """Return no fields, because noise cannot be added to an image."""
+        """Return no fields, because properties of the camera determine the noise of its sensor."""
         return ()
+
+    def add_noise(self, field: str, noise: Noise, before: Any) -> None:
+        """Add errors to the colours of an image, but not to its opacity."""
+        super().add_noise(field, noise, before)
+        image = self.local_data[field]
+        if field == "image" and image is not before and image.size:
+            image[..., 3] = 255

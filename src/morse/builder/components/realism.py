@@ -76,7 +76,8 @@ class RealisticSensor:
         cls = self.component_class()
         fields = {} if cls is None else declarations.data_fields(cls)
         measured = {name: entry for name, entry in fields.items() if name != "timestamp" and not entry.follows}
-        known = [name for name, entry in measured.items() if is_numeric(entry.default)]
+        without = getattr(cls, "without_noise", ())
+        known = [name for name, entry in measured.items() if is_numeric(entry.default) and name not in without]
         if field in known or (cls is None):
             return
         if field in fields and fields[field].follows:
