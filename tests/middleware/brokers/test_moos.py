@@ -161,6 +161,15 @@ def test_a_database_that_sends_nonsense_is_left_and_found_again(
         step_until(sim, lambda: any("MORSE_ROBOT_MOTION_X" in one.registered for one in database.clients[-1:]))
 
 
+def test_a_database_that_breaks_every_connection_is_named(
+    load: Callable[..., Any], database: Database, caplog: pytest.LogCaptureFixture
+) -> None:
+    database.wrong = struct.pack("<i", -5)
+    with load(POSE) as sim:
+        step_until(sim, lambda: len(database.clients) > 1 and "a packet of -5 bytes" in caplog.text)
+    assert len([line for line in caplog.messages if "-5 bytes" in line]) == 1
+
+
 def test_a_simulation_that_is_refused_leaves_no_connection(load: Callable[..., Any]) -> None:
     before = set(threading.enumerate())
     with pytest.raises(MorseError):

@@ -6,6 +6,7 @@ import contextlib
 import logging
 import socket
 import struct
+import time
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
@@ -19,10 +20,14 @@ logger = logging.getLogger(__name__)
 
 #: largest packet that is read, bytes, and number of messages that wait to be sent or read
 _LARGEST, _MOST_MESSAGES = 16 << 20, 20_000
+#: bytes of the packets that wait to be read
+_MOST_BYTES = 32 << 20
 #: bytes of the header of a packet
 _HEADER = 9
-#: wall-clock seconds in which the database must answer
-_TIMEOUT = 5.0
+#: bytes of packets that are read in a wall-clock second: reading takes the time of the ticks
+_MOST_PER_SECOND = 4 << 20
+#: wall-clock seconds in which the database must begin to answer, and complete its answer
+_TIMEOUT, _WHOLE_ANSWER = 5.0, 20.0
 
 
 class Database:
@@ -77,15 +82,16 @@ class Database:
 
     def received(self) -> list[tuple[str, float | str]]:
         """Return the variables that have arrived since the last call; log whether there is a database."""
-        if self.connected != self._was_connected:
-            self._was_connected = self.connected
-            if self._was_connected:
-                logger.info("moos: connected to the database %s", self.place)
-            else:
-                self._complaints.warn("gone", f"moos: the database {self.place} has disconnected")
-        if self._client.refusal:
-            refusal, self._client.refusal = self._client.refusal, ""
+        connected, refusal = self.connected, self._client.refusal
+        self._client.refusal = ""
+        if connected and not self._was_connected:
+            self._complaints.log(logging.INFO, "connected", f"moos: connected to the database {self.place}")
+        elif self._was_connected and not connected:
+            because = f": {refusal}" if refusal else ""
+            self._complaints.warn("gone", f"moos: the database {self.place} has disconnected{because}")
+        elif refusal:
             self._complaints.warn("refused", f"moos: the database {self.place} is not used: {refusal}")
+        self._was_connected = connected
         return [(message.key, message.val if message.is_double() else message.sval) for message in self._client.fetch()]
 
     def close(self) -> None:
@@ -99,44 +105,63 @@ def _made(base: Any, unpack: Any) -> Any:
     class Client(base):  # type: ignore[misc]
         #: why the last connection ended, for the log
         refusal = ""
+        _answered_by = 0.0
+        _unread = 0
 
         def _connect(self) -> None:
             try:
                 super()._connect()
-                self._sock.settimeout(_TIMEOUT)
             except (OSError, AttributeError) as error:
-                self.refusal = str(error) or type(error).__name__
+                self._close()
+                self._note(error)
                 raise ConnectionError(self.refusal) from None
+
+        def _note(self, error: Exception) -> None:
+            self.refusal = self.refusal or getattr(error, "strerror", None) or str(error) or type(error).__name__
 
         def _send_raw(self, data: bytes) -> None:
             connection = self._sock
             if connection is None:
                 raise ConnectionError("closed")
-            connection.sendall(data)
+            connection.settimeout(_TIMEOUT)
+            try:
+                connection.sendall(data)
+            except OSError as error:
+                self._note(error)
+                raise
 
         def _recv_raw(self, count: int) -> bytes:
             data, connection = bytearray(), self._sock
             while len(data) < count:
                 part = connection.recv(count - len(data)) if connection is not None else b""
                 if not part:
-                    raise ConnectionError("the database has closed the connection")
+                    raise ConnectionError("it has closed the connection")
                 data += part
+                if time.monotonic() > self._answered_by:
+                    raise ConnectionError("its answer takes too long")
             return bytes(data)
 
         def _recv_pkt(self) -> Any:
+            try:
+                return self._read_packet()
+            except OSError as error:
+                self._note(error)
+                raise
+
+        def _read_packet(self) -> Any:
+            self._answered_by = time.monotonic() + _WHOLE_ANSWER
             header = self._recv_raw(4)
             (size,) = struct.unpack("<i", header)
             if not _HEADER <= size <= _LARGEST:
-                self.refusal = f"a packet of {size} bytes"
-                raise ConnectionError(self.refusal)
+                raise ConnectionError(f"a packet of {size} bytes")
             try:
                 messages = unpack(header + self._recv_raw(size - 4))
             except (struct.error, ValueError, LookupError) as error:
-                self.refusal = f"a packet cannot be read ({error})"
-                raise ConnectionError(self.refusal) from None
-            if len(self._inbox) + len(messages) > _MOST_MESSAGES:
-                self.refusal = "it sends more messages than are read"
-                raise ConnectionError(self.refusal)
+                raise ConnectionError(f"a packet cannot be read ({error})") from None
+            time.sleep(min(1.0, size / _MOST_PER_SECOND))
+            self._unread = self._unread + size if self._inbox else size
+            if len(self._inbox) + len(messages) > _MOST_MESSAGES or self._unread > _MOST_BYTES:
+                raise ConnectionError("it sends more messages than are read")
             return messages
 
         def _close(self) -> None:
