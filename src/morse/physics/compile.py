@@ -146,6 +146,9 @@ def _compile(scene: Scene) -> Compiled:
         spec.memory = needed
         model = spec.compile()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    if np.any(model.eq_type == int(mujoco.mjtEq.mjEQ_TENDON)):
+        # the engine cannot wake what two tendons couple, and ends with an error
+        model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     geom_node = builder.resolve(model, slots)
     data = mujoco.MjData(model)
     planes = {box.id: plane.id for box, plane in builder.planes.pairs}

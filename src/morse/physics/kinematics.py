@@ -45,10 +45,10 @@ def refresh(state: EngineState) -> None:
 def settle_fixed(state: EngineState) -> None:
     """Update the poses of static bodies, after one of them was moved by an explicit call."""
     # with sleeping enabled, the engine computes the poses of static bodies only once
-    flag = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
-    state.model.opt.enableflags &= ~flag
+    flags = state.model.opt.enableflags
+    state.model.opt.enableflags = flags & ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     mujoco.mj_kinematics(state.model, state.data)
-    state.model.opt.enableflags |= flag
+    state.model.opt.enableflags = flags
 
 
 def contact_pairs(state: EngineState) -> NDArray[np.int32]:

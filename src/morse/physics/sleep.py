@@ -26,8 +26,13 @@ def check_asleep(asleep: NDArray[np.int32], trees: int) -> None:
 
 
 def set_asleep(state: EngineState, asleep: NDArray[np.int32]) -> None:
-    """Set MuJoCo's ``tree_asleep`` and all values that the engine derives from it."""
+    """Set MuJoCo's ``tree_asleep`` and all values that the engine derives from it.
+
+    All trees are awake in a model without sleep, for example after an object was added that does not support sleep.
+    """
     model, data = state.model, state.data
+    if not model.opt.enableflags & int(mujoco.mjtEnableBit.mjENBL_SLEEP):
+        asleep = np.full_like(asleep, WIDE_AWAKE)
     data.tree_asleep[:] = asleep
     awake = np.asarray(asleep) < 0
     data.tree_awake[:] = awake
