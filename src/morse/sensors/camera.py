@@ -56,6 +56,7 @@ CAMERA_INFO: dict[str, Any] = {
     "k": "intrinsic_matrix",
     "d": lambda camera: list(getattr(camera.lens, "coefficients", (0.0,) * 5)),
     "model": lambda camera: camera.lens_model,
+    "p": lambda camera: camera.projection(),
 }
 #: maximum number of images of `StereoUnit.capture` and similar services
 Pictures = Annotated[int, Range(low=-1e9, high=1e9)]
@@ -321,6 +322,19 @@ class Camera(Sensor):
     def under_way(self) -> Sequence[Exposure]:
         """The images whose delay has not passed."""
         return self.realism.exposures if isinstance(self.realism, DelayedPictures) else ()
+
+    def projection(self) -> list[list[float]] | None:
+        """Return the matrix (3, 4) that projects points in the frame of the left camera of a pair, px.
+
+        As in ``sensor_msgs/CameraInfo``: the last column of the right camera is -fx * baseline. None for a camera that
+        is not the right one of a `StereoUnit`.
+        """
+        unit: Any = self.context.component(self.name().rpartition(".")[0])
+        baseline = unit.baseline_of(self) if hasattr(unit, "baseline_of") else 0.0
+        if not baseline:
+            return None
+        matrix = [[float(number) for number in row] for row in self.lens.matrix]
+        return [[*row, -row[0] * baseline if index == 0 else 0.0] for index, row in enumerate(matrix)]
 
     def has_other_lens(self) -> bool:
         """Whether properties of the lens have changed since the last image."""

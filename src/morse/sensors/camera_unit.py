@@ -9,7 +9,13 @@ from morse.sensors.camera import Camera, Pictures
 
 
 class CameraUnit(Sensor):
-    """Carries cameras that capture images simultaneously."""
+    """Carries cameras that capture images simultaneously.
+
+    Attributes:
+        moves_parts: whether the components on it may move.
+    """
+
+    moves_parts = False
 
     def cameras(self) -> list[Camera]:
         """The cameras mounted on it."""

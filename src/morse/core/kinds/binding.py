@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations import fields_of_component, kinds, properties
+from morse.core.declarations import fields_of_component, kinds, properties, says_nothing
 from morse.core.declarations.sources import Each
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.hints import nearest
@@ -296,7 +296,7 @@ def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
         findings.append(f"{component.name()}: the kinds {names} have the same topic; set topic=... in add_kind")
     if findings:
         raise KindError(findings)
-    if bound or not fields:
+    if bound or not fields or says_nothing(type(component)):
         return tuple(bound)
     from morse.core.declarations import KindUse
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
+#: encodings of images that an option can select
+_ENCODINGS = ("rgb8", "rgba8", "bgr8", "bgra8", "mono8")
 BACKENDS = ("rclpy", "cyclonedds")
 #: the largest domain with ports below 65536
 LAST_DOMAIN = 232
@@ -32,6 +34,9 @@ STREAM_OPTIONS = {
     "qos": Option(str, "default", "sensor: best effort", choices=("default", "sensor")),
     "fields": Option(bool, False, "every data field that is in no message gets its own topic"),
     "tf": Option(bool, True, "for odometry: publish the transform from odom to base_link"),
+    "encoding": Option(str, None, "of images with colours; default: that of the camera", choices=_ENCODINGS),
+    "depth16": Option(bool, False, "depth images in whole millimetres, 16UC1; 0 where there is no depth"),
+    "points": Option(bool, False, "for laser scanners: a cloud on points, too"),
 }
 
 MIDDLEWARE = Middleware(

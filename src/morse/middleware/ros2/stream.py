@@ -9,7 +9,9 @@ from zlib import crc32
 
 import numpy as np
 
+from morse.core.exceptions import MorseMiddlewareError
 from morse.core.kind_stream import KindStream
+from morse.core.kinds import bind
 from morse.helpers.transformation import Transformation3d
 from morse.middleware.ros2.cdr import CdrError, encode_stamped
 from morse.middleware.ros2.fields import field_outlet, unsaid
@@ -110,6 +112,22 @@ class Ros2Stream(KindStream):
             together if together is not None and together.takes(self, self.sending) else None
         )
 
+    def find_kinds(self) -> tuple[BoundKind, ...]:
+        """See `KindStream.find_kinds`: with the cloud of a laser scanner if the script asks for it.
+
+        Raises:
+            MorseMiddlewareError: the component has no such cloud.
+        """
+        usual = super().find_kinds()
+        if not self.kwargs.get("points"):
+            return usual
+        found = bind(self.component_instance, on_request=True)
+        if len(found) == len(usual):
+            raise MorseMiddlewareError(
+                f"{self.component_name}: points=True is for laser scanners with one layer, at the levels raw and rssi"
+            )
+        return found
+
     def ports(self, bound: BoundKind) -> list[Any]:
         """The topics of a kind: instances of `Outlet`, or of `Inlet` if the stream receives messages."""
         method = self.manager.mapping(bound.kind.name, self.direction)
@@ -176,8 +194,12 @@ class Ros2Stream(KindStream):
         return component.master() if clouds is not None and clouds() else None
 
     def is_carried(self) -> bool:
-        """Whether it is on another component, which may move it."""
-        return "." in relative_name(self.component_instance)
+        """Whether it is on another component that may move it."""
+        component = self.component_instance
+        names = component.name().split(".")
+        depth = relative_name(component).count(".")
+        carriers = (".".join(names[: len(names) - up]) for up in range(1, depth + 1))
+        return any(getattr(component.context.component(name), "moves_parts", True) for name in carriers)
 
     @property
     def gives_transform(self) -> bool:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from morse.core.mapping import maps
 from morse.middleware.ros2.kinds.detecting import compressed_outlet
+from morse.middleware.ros2.kinds.image_forms import form_of
 from morse.middleware.ros2.outlets import LARGE, Inlet, Outlet
 from morse.middleware.ros2.parts import header
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.kinds import BoundKind, Message
+    from morse.middleware.ros2.kinds.image_forms import Form
 
 #: constants of sensor_msgs/PointField
 _UINT16, _UINT32, _FLOAT32 = 4, 6, 7
@@ -43,12 +46,14 @@ class VisionKinds:
     def image(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """On ``image``, and as JPEG; nothing while the camera does not capture."""
         camera = bound.component
+        form = form_of(stream, bound)
 
         def capturing() -> bool:
             return getattr(camera, "capturing", True)
 
+        make = _image if form is None else partial(_image, form=form)
         return [
-            Outlet("sensor_msgs/msg/Image", _image, "image", LARGE, when=capturing, takes_long=True),
+            Outlet("sensor_msgs/msg/Image", make, "image", LARGE, when=capturing, takes_long=True),
             compressed_outlet(capturing),
         ]
 
@@ -123,17 +128,19 @@ def _packed(color: Any) -> Any:
     return red << 16 | green << 8 | blue
 
 
-def _image(message: Message, frame: str) -> dict[str, Any]:
-    pixels = message.pixels
+def _image(message: Message, frame: str, form: Form | None = None) -> dict[str, Any]:
+    pixels, encoding = message.pixels, message.encoding
+    if form is not None:
+        pixels, encoding = form(pixels, encoding)
     height, width = pixels.shape[:2]
-    if message.encoding in _ENCODINGS:
-        pixels = np.ascontiguousarray(pixels, dtype="<" + _ENCODINGS[message.encoding][0])
+    if encoding in _ENCODINGS:
+        pixels = np.ascontiguousarray(pixels, dtype="<" + _ENCODINGS[encoding][0])
     data = pixels.tobytes()
     return {
         "header": header(message, frame),
         "height": height,
         "width": width,
-        "encoding": message.encoding,
+        "encoding": encoding,
         "step": len(data) // height if height else 0,
         "data": data,
     }
