@@ -57,9 +57,9 @@ class Noise:
         return measured
 
     def _shape_of_bias(self, truth: NDArray[np.float64]) -> tuple[int, ...]:
-        """One bias for each value, but a common one along the axes of free length: pixels and points come and go."""
+        """One bias for each value, but a common one for the pixels of an image and the points of a cloud."""
         declared = None if self._field is None else self._field.shape
-        if declared is None or None not in declared:
+        if declared is None or len(declared) < 2 or None not in declared:
             return truth.shape
         free = len(declared) - declared[::-1].index(None)
         return truth.shape[free:]
