@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import signal
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -136,11 +137,11 @@ def test_a_push_that_is_no_number_never_reaches_the_physics(start: Start) -> Non
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")
-@pytest.mark.parametrize("paused", [True, False])
-def test_a_paused_simulation_ends_when_it_is_told_to(start: Start, paused: bool) -> None:
+@pytest.mark.parametrize(("paused", "name"), [(True, "SIGTERM"), (False, "SIGHUP")])
+def test_a_simulation_ends_when_it_is_told_to_or_its_terminal_is_closed(start: Start, paused: bool, name: str) -> None:
     process = start(PARTS + END)
     if paused:
         Line(process.port).call("simulation", "pause")
-    process._process.terminate()
+    process._process.send_signal(getattr(signal, name))
     assert process._process.wait(60.0) == 0
     assert "EXITING SIMULATION" in process.log.read_text()

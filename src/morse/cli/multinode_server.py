@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseError
 from morse.core.network import Network
+from morse.launch.ending_signals import ending_signals
 from morse.middleware.multinode.messages import PORT
 from morse.middleware.multinode.server import MultinodeServer
 from morse.middleware.socket.listener import listen, port_of
@@ -37,8 +38,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     def end(_number: int, _frame: Any) -> None:
         ended.set()
 
-    for name in ("SIGINT", "SIGTERM"):
-        signal.signal(getattr(signal, name), end)
+    for number in ending_signals():
+        signal.signal(number, end)
     network = Network()
     server = MultinodeServer(listener, network)
     logger.info("nodes may connect to %s:%d; Ctrl+C ends the server", options.host, port_of(listener))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseError
 from morse.core.sensor import Sensor
+from morse.launch.ending_signals import ending_signals
 from morse.launch.load import described, resolve
 from morse.launch.recorded_run import complete, inputs_of, options_of
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
@@ -88,7 +89,7 @@ def _timeline(
 
 def play(view: ReplayView) -> None:
     """Log the address of the page, and play until the page, Ctrl+C or a termination signal ends it."""
-    before = {number: signal.signal(number, lambda *_: view.end()) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, lambda *_: view.end()) for number in ending_signals()}
     try:
         view.announce()
         view.run()

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.exceptions import MorseError
 from morse.core.log import endsection, section, set_level
 from morse.core.project_imports import ProjectImports
+from morse.launch.ending_signals import ending_signals
 from morse.launch.stamps import script_stamp, source_stamps
 from morse.launch.stuck_ticks import StuckTicks
 from morse.simulation.faults import describe
@@ -163,10 +164,10 @@ def _failed(error: Exception) -> None:
 
 
 def _stop_at_signals(simulation: Simulation) -> StuckTicks:
-    """Install signal handlers: Ctrl+C and SIGTERM end the simulation after its tick."""
+    """Install signal handlers: Ctrl+C, SIGTERM and a terminal that is closed end the simulation after its tick."""
     stuck = StuckTicks(simulation)
-    for name in ("SIGINT", "SIGTERM"):
-        signal.signal(getattr(signal, name), stuck.end)
+    for number in ending_signals():
+        signal.signal(number, stuck.end)
     return stuck
 
 
