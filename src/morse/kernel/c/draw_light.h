@@ -44,9 +44,14 @@ typedef struct {
 // Share of the sun's light that reaches a point in a shadow map: 4 x 4 texels, weighted by a tent; `row` is the first
 // one.
 static inline float sunlit(const float *row, int64_t width, float au, float av, float d) {
-    const float across[4] = {1 - au, 1, 1, au}, down[4] = {1 - av, 1, 1, av};
-    float lit[4] = {0, 0, 0, 0};
-    EACH(j, 4) EACH(i, 4) lit[i] += (row[j * width + i] <= d ? across[i] : 0.0f) * down[j];
+    const F4 across = {1 - au, 1, 1, au}, depth = {d, d, d, d};
+    const float down[4] = {1 - av, 1, 1, av};
+    F4 lit = {0, 0, 0, 0};
+    EACH(j, 4) {
+        F4 texels;
+        memcpy(&texels, row + j * width, sizeof texels);
+        lit += (F4)((I4)across & (texels <= depth)) * down[j];
+    }
     const float share = (lit[0] + lit[1] + lit[2] + lit[3]) * (1 / 9.0f);
     return share > WHOLLY_LIT ? 1 : share;
 }
@@ -94,11 +99,7 @@ static inline void read_map(const ShadowMap *m, F8 u, F8 v, F8 d, F8 *share) {
         on &= ~(lit | dark);
         if (!any(on)) return;
     }
-    // the texels are far apart in memory: all are prefetched before the first is read
-    EACH_LANE(j) {
-        rows[j] = m->texels + (int64_t)iv[j] * m->width + iu[j];
-        if (on[j]) EACH(i, 4) __builtin_prefetch(rows[j] + (int64_t)i * m->width);
-    }
+    EACH_LANE(j) { rows[j] = m->texels + (int64_t)iv[j] * m->width + iu[j]; }
     EACH_LANE(j) if (on[j])(*share)[j] = sunlit(rows[j], m->width, au[j], av[j], d[j]);
 }
 

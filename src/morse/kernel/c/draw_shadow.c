@@ -6,6 +6,7 @@
 #include "draw_bounds.h"
 #include "drawing.h"
 #include "export.h"
+#include "simd.h"
 
 // Number of moved parts above which all of them are drawn again.
 #define MANY_MOVED 256
@@ -32,33 +33,58 @@ MORSE_EXPORT void morse_draw_movers(Frame *f, Movers *m);
 static inline float least(float a, float b) { return a < b ? a : b; }
 static inline float most(float a, float b) { return a > b ? a : b; }
 
-static void fill(const Frame *f, const float *q[3]) {
+static inline F4 either(I4 mask, F4 a, F4 b) { return (F4)(((I4)a & mask) | ((I4)b & ~mask)); }
+
+// The edges of a triangle along a row, as base + step * x, and its distance.
+typedef struct {
+    float base[3], step[3], distance, slope;
+} Line;
+
+// Fills the texels from one column to before another one.
+static inline void fill_line(float *row, int x, int end, int width, const Line *l) {
+    for (; x < end && x + LANES <= width; x += LANES) {
+        F8 old;
+        memcpy(&old, row + x, sizeof old);
+        const F8 fx = (F8){0, 1, 2, 3, 4, 5, 6, 7} + ((float)x + 0.5f), d = l->distance + l->slope * fx;
+        I8 in = (d > old) & (fx < splat((float)end));
+        EACH(i, 3) in &= l->base[i] + l->step[i] * fx >= splat(0);
+        NO_MASKED_STORE;
+        const F8 now = pick(in, d, old);
+        memcpy(row + x, &now, sizeof now);
+    }
+    for (; x < end; x++) {
+        const float fx = (float)x + 0.5f, d = l->distance + l->slope * fx;
+        int in = d > row[x];
+        EACH(i, 3) in &= l->base[i] + l->step[i] * fx >= 0;
+        row[x] = in ? d : row[x];
+    }
+}
+
+// Draws a triangle; with `hidden`, only if its area has the other sign.
+static inline void fill(const Frame *f, const float *q[3], float hidden) {
     const float *o = q[0], size[2] = {(float)f->shadow_width, (float)f->shadow_height};
-    const float bx = q[1][0] - o[0], by = q[1][1] - o[1], bz = q[1][2] - o[2];
-    const float cx = q[2][0] - o[0], cy = q[2][1] - o[1], cz = q[2][2] - o[2], area = bx * cy - by * cx;
+    const float bx = q[1][0] - o[0], by = q[1][1] - o[1], cx = q[2][0] - o[0], cy = q[2][1] - o[1];
+    const float area = bx * cy - by * cx;
+    if (!(area > 0 || area < 0) || area * hidden > 0) return;
     const float left = o[0] + least(0, least(bx, cx)), right = o[0] + most(0, most(bx, cx));
     const float top = o[1] + least(0, least(by, cy)), bottom = o[1] + most(0, most(by, cy));
-    if (!(area > 0 || area < 0) || !(right >= 0.5f && bottom >= 0.5f && left < size[0] && top < size[1])) return;
+    if (!(right >= 0.5f && bottom >= 0.5f && left < size[0] && top < size[1])) return;
     const int x0 = (int)ceilf(most(left, 0.5f) - 0.5f), x1 = (int)(least(right, size[0]) - 0.5f);
     const int y0 = (int)ceilf(most(top, 0.5f) - 0.5f), y1 = (int)(least(bottom, size[1]) - 0.5f);
     // most small triangles are between the centres of texels
     if (x0 > x1 || y0 > y1) return;
-    const float sign = area > 0 ? 1.0f : -1.0f, dx = (bz * cy - cz * by) / area, dy = (cz * bx - bz * cx) / area;
+    const float sign = area > 0 ? 1.0f : -1.0f, bz = q[1][2] - o[2], cz = q[2][2] - o[2];
+    const float dx = (bz * cy - cz * by) / area, dy = (cz * bx - bz * cx) / area;
+    Line l = {.slope = dx};
+    EACH(i, 3) l.step[i] = -sign * (q[(i + 2) % 3][1] - q[(i + 1) % 3][1]);
     for (int y = y0; y <= y1; y++) {
-        float *row = f->shadow + (int64_t)y * f->shadow_width, base[3], step[3];
         const float fy = (float)y + 0.5f;
         EACH(i, 3) {
             const float *b = q[(i + 1) % 3], *e = q[(i + 2) % 3];
-            base[i] = sign * ((e[0] - b[0]) * (fy - b[1]) + (e[1] - b[1]) * b[0]);
-            step[i] = -sign * (e[1] - b[1]);
+            l.base[i] = sign * ((e[0] - b[0]) * (fy - b[1]) + (e[1] - b[1]) * b[0]);
         }
-        const float z = o[2] + dy * (fy - o[1]) - dx * o[0];
-        for (int x = x0; x <= x1; x++) {
-            const float fx = (float)x + 0.5f, d = z + dx * fx;
-            const int in = (base[0] + step[0] * fx >= 0) & (base[1] + step[1] * fx >= 0) &
-                           (base[2] + step[2] * fx >= 0) & (d > row[x]);
-            row[x] = in ? d : row[x];
-        }
+        l.distance = o[2] + dy * (fy - o[1]) - dx * o[0];
+        fill_line(f->shadow + (int64_t)y * f->shadow_width, x0, x1 + 1, f->shadow_width, &l);
     }
 }
 
@@ -68,23 +94,27 @@ static void cast(const Frame *f, const Part *part, int32_t *rectangle) {
     const float *m = f->models[part->instance], *s = f->sun;
     const float size[2] = {(float)f->shadow_width, (float)f->shadow_height};
     const float (*points)[3] = (const float (*)[3])(f->points + c->vertex);
-    float seen[MOST_VERTICES][3], a[3][4], low[2] = {1e9f, 1e9f}, high[2] = {-1e9f, -1e9f};
-    EACH(i, 3)
+    F4 seen[MOST_VERTICES], a[4], low = {1e9f, 1e9f, 1e9f, 1e9f}, high = -low;
     EACH(n, 4)
-    a[i][n] = s[4 * i] * m[n] + s[4 * i + 1] * m[4 + n] + s[4 * i + 2] * m[8 + n] + (n == 3 ? s[4 * i + 3] : 0);
+    EACH(i, 4)
+    a[n][i] =
+        i == 3 ? 0 : s[4 * i] * m[n] + s[4 * i + 1] * m[4 + n] + s[4 * i + 2] * m[8 + n] + (n == 3 ? s[4 * i + 3] : 0);
     EACH(v, f->point_counts[part->cluster]) {
         const float *p = points[v];
-        EACH(i, 3) seen[v][i] = a[i][0] * p[0] + a[i][1] * p[1] + a[i][2] * p[2] + a[i][3];
-        EACH(i, 2) low[i] = least(low[i], seen[v][i]), high[i] = most(high[i], seen[v][i]);
+        const F4 at = a[0] * p[0] + a[1] * p[1] + a[2] * p[2] + a[3];
+        seen[v] = at, low = either(low < at, low, at), high = either(high > at, high, at);
     }
     EACH(i, 2) {
         rectangle[i] = (int)most(least(low[i], size[i]), 0);
         rectangle[2 + i] = (int)most(least(high[i] + 1, size[i]), 0);
     }
+    // the back faces of closed parts are farther from the sun than their front faces
+    const float back = part->flags & MIRRORED ? 1.0f : -1.0f;
     for (int t = c->triangle; t < c->triangle + c->triangles; t++) {
         const uint16_t *corner = f->corners[t];
-        const float *q[3] = {seen[corner[0]], seen[corner[1]], seen[corner[2]]};
-        fill(f, q);
+        const float *q[3] = {(const float *)(seen + corner[0]), (const float *)(seen + corner[1]),
+                             (const float *)(seen + corner[2])};
+        fill(f, q, f->closed[t] ? back : 0);
     }
 }
 

@@ -9,12 +9,19 @@
 #define FARTHEST_TEXEL 8e6f
 #define SQUARED_TEXEL (1 / (1023.0f * 1023.0f))
 
-// Texels contain the square roots of linear light, 10 bits each, and 2 bits of alpha in the highest bits.
-static inline void add_texels(I8 t, F8 share, F8 *total) {
-    EACH(i, 3) {
-        const F8 c = to_float((t >> (10 * i)) & 1023);
-        total[i] += c * c * share;
-    }
+// Texels contain the square roots of linear light, 10 bits each, and 2 bits of alpha in the highest bits. Colours are
+// read at their places, without a shift: green is 2**20 times as large, blue 2**40 times.
+#define GREEN_SCALE (1.0f / (1 << 20))
+#define BLUE_SCALE (GREEN_SCALE * GREEN_SCALE)
+
+static inline F8 squared_of(I8 t, int at) {
+    const F8 c = to_float(t & (1023 << at));
+    return c * c;
+}
+
+static inline V3 add_texels(V3 total, I8 t, F8 share) {
+    return (V3){total.x + squared_of(t, 0) * share, total.y + squared_of(t, 10) * share,
+                total.z + squared_of(t, 20) * share};
 }
 
 static inline int64_t pair_at(const Frame *f, int32_t at) {
@@ -24,23 +31,23 @@ static inline int64_t pair_at(const Frame *f, int32_t at) {
 }
 
 // Two texels each: rows are one texel longer than a texture, so that neighbours are next to each other.
-static inline void add_pairs(const Frame *f, I8 at, F8 left, F8 right, F8 *total) {
+static inline V3 add_pairs(const Frame *f, V3 total, I8 at, F8 left, F8 right) {
     int32_t index[LANES];
     memcpy(index, &at, sizeof index);
     const L4 low = {pair_at(f, index[0]), pair_at(f, index[1]), pair_at(f, index[2]), pair_at(f, index[3])};
     const L4 high = {pair_at(f, index[4]), pair_at(f, index[5]), pair_at(f, index[6]), pair_at(f, index[7])};
-    add_texels(__builtin_shufflevector((I8)low, (I8)high, 0, 2, 4, 6, 8, 10, 12, 14), left, total);
-    add_texels(__builtin_shufflevector((I8)low, (I8)high, 1, 3, 5, 7, 9, 11, 13, 15), right, total);
+    total = add_texels(total, __builtin_shufflevector((I8)low, (I8)high, 0, 2, 4, 6, 8, 10, 12, 14), left);
+    return add_texels(total, __builtin_shufflevector((I8)low, (I8)high, 1, 3, 5, 7, 9, 11, 13, 15), right);
 }
 
-static inline void bilinear(const Frame *f, I8 first, I8 width, I8 height, F8 u, F8 v, F8 share, F8 *total) {
+static inline V3 bilinear(const Frame *f, V3 total, I8 first, I8 width, I8 height, F8 u, F8 v, F8 share) {
     const F8 x = within(u * to_float(width) - 0.5f, -FARTHEST_TEXEL, FARTHEST_TEXEL);
     const F8 y = within(v * to_float(height) - 0.5f, -FARTHEST_TEXEL, FARTHEST_TEXEL);
     const F8 fx = whole(x), fy = whole(y), ax = x - fx, ay = y - fy;
     const I8 ix = to_int(fx), iy = to_int(fy), stride = width + 1, column = first + (ix & (width - 1));
     const F8 top = ay * share, bottom = share - top, tr = top * ax, br = bottom * ax;
-    add_pairs(f, column + (iy & (height - 1)) * stride, bottom - br, br, total);
-    add_pairs(f, column + ((iy + 1) & (height - 1)) * stride, top - tr, tr, total);
+    total = add_pairs(f, total, column + (iy & (height - 1)) * stride, bottom - br, br);
+    return add_pairs(f, total, column + ((iy + 1) & (height - 1)) * stride, top - tr, tr);
 }
 
 // The textures of eight samples.
@@ -74,17 +81,18 @@ typedef struct {
     F8 u, v, du, dv;
 } Across;
 
-// Adds a level of the textures, with a number of samples along the longer sides of the footprints.
-static __attribute__((noinline)) void add_level(const Frame *f, const Textures *t, I8 level, const Across *a, F8 looks,
-                                                F8 weight, F8 *total) {
+// A level of the textures, with a number of samples along the longer sides of the footprints; `each` is its reciprocal.
+static __attribute__((noinline)) V3 add_level(const Frame *f, const Textures *t, V3 total, I8 level, const Across *a,
+                                              F8 looks, F8 each, F8 weight) {
     const I8 one_texel = splat_int(1), first = first_of(t, level);
     const I8 wide = greater_int(t->width >> level, one_texel), high = greater_int(t->height >> level, one_texel);
-    const F8 each = 1 / looks, share = weight * each;
+    const F8 share = weight * each;
     for (int n = 0; any(looks > splat((float)n)); n++) {
         const F8 s = ((float)n + 0.5f) * each - 0.5f;
-        bilinear(f, first, wide, high, a->u + s * a->du, a->v + s * a->dv,
-                 pick(looks > splat((float)n), share, splat(0)), total);
+        total = bilinear(f, total, first, wide, high, a->u + s * a->du, a->v + s * a->dv,
+                         pick(looks > splat((float)n), share, splat(0)));
     }
+    return total;
 }
 
 // Trilinear, with up to four samples along the longer side of a pixel's footprint: multiplies the colours of eight
@@ -95,11 +103,16 @@ static inline void add_textures(const Frame *f, Looks *l) {
     const Textures t = textures_of(f, l->texture);
     const F8 w = to_float(t.width), h = to_float(t.height), one = splat(1), zero = splat(0);
     const F8 ux = l->ux * w, vx = l->vx * h, uy = l->uy * w, vy = l->vy * h;
+    // squares of the sides of the footprints
     const F8 px = lesser(ux * ux + vx * vx, splat(1e8f)), py = lesser(uy * uy + vy * vy, splat(1e8f));
-    const F8 longer = root(greater(px, py)), shorter = root(lesser(px, py));
+    const F8 longer = greater(px, py), shorter = greater(lesser(px, py), one);
     const F8 du = pick(px < py, l->uy, l->ux), dv = pick(px < py, l->vy, l->vx);
-    const F8 looks = within(whole(longer / greater(shorter, one) + 0.4f), 1, 4);
-    F8 size = greater(longer / looks, one), total[3] = {zero, zero, zero};
+    // the ratio of the sides, rounded down from 0.6, and its reciprocal, without divisions
+    const I8 two = longer > shorter * (1.6f * 1.6f), three = longer > shorter * (2.6f * 2.6f),
+             four = longer > shorter * (3.6f * 3.6f);
+    const F8 looks = 1 - to_float(two + three + four);
+    const F8 each = pick(four, splat(0.25f), pick(three, splat(1.0f / 3), pick(two, splat(0.5f), one)));
+    F8 size = greater(root(longer) * each, one);
     const I8 bits = bits_of(size);
     I8 level = (bits >> 23) - 127;
     const I8 last = level >= t.last;
@@ -108,10 +121,11 @@ static inline void add_textures(const Frame *f, Looks *l) {
     // levels are blended only in the middle half between two levels: elsewhere one is enough
     const F8 blend = pick(last, zero, within(2 * size - 2.5f, 0, 1));
     const Across across = {l->u, l->v, du, dv};
-    if (any(blend < one)) add_level(f, &t, level, &across, looks, (1 - blend) * SQUARED_TEXEL, total);
-    // its texels are twice as large
-    const F8 fewer = whole((looks + 1) * 0.5f);
+    V3 total = grey(0);
+    if (any(blend < one)) total = add_level(f, &t, total, level, &across, looks, each, (1 - blend) * SQUARED_TEXEL);
+    // its texels are twice as large: half as many samples
     if (any(blend > zero))
-        add_level(f, &t, pick_int(last, level, level + 1), &across, fewer, blend * SQUARED_TEXEL, total);
-    l->r *= total[0], l->g *= total[1], l->b *= total[2];
+        total = add_level(f, &t, total, pick_int(last, level, level + 1), &across, pick(three, splat(2), one),
+                          pick(three, splat(0.5f), one), blend * SQUARED_TEXEL);
+    l->r *= total.x, l->g *= total.y * GREEN_SCALE, l->b *= total.z * BLUE_SCALE;
 }

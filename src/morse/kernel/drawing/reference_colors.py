@@ -183,10 +183,14 @@ def _texture(d: Drawing, numbers: NDArray[np.int32], e: Floats, uv: Floats, x: F
     w, h = t["width"].astype(np.float32), t["height"].astype(np.float32)
     ux, vx, uy, vy = across[0] * w, across[1] * h, down[0] * w, down[1] * h
     px, py = (_lesser(a * a + b * b, np.float32(1e8)) for a, b in ((ux, vx), (uy, vy)))
-    longer, shorter = np.sqrt(np.where(px > py, px, py)), np.sqrt(_lesser(px, py))
+    # the squares of both sides; the ratio of the sides, rounded down from 0.6, and its reciprocal
+    longer, shorter = np.where(px > py, px, py), _lesser(px, py)
+    shorter = np.where(shorter > _ONE, shorter, _ONE)
     du, dv = np.where(px < py, down[0], across[0]), np.where(px < py, down[1], across[1])
-    looks = within(np.floor(longer / np.where(shorter > _ONE, shorter, _ONE) + np.float32(0.4)), 1, 4)
-    size = longer / looks
+    above = [longer > shorter * _squared(limit) for limit in (1.6, 2.6, 3.6)]
+    looks = _ONE + sum(part.astype(np.float32) for part in above)
+    each = np.select(above[::-1], [np.float32(0.25), np.float32(1.0 / 3), np.float32(0.5)], _ONE)
+    size = np.sqrt(longer) * each
     size = np.where(size > _ONE, size, _ONE).astype(np.float32)
     bits = size.view(np.int32)
     level, most = (bits >> 23) - 127, t["levels"] - 1
@@ -197,17 +201,20 @@ def _texture(d: Drawing, numbers: NDArray[np.int32], e: Floats, uv: Floats, x: F
     after = np.where(last, level, level + 1)
     rows = np.arange(len(t))
     total = [np.zeros(len(t), np.float32) for _ in range(3)]
-    # the texels of the second level are twice as large
-    fewer = np.floor((looks + _ONE) * np.float32(0.5))
-    for which, number, weight in ((level, looks, _ONE - blend), (after, fewer, blend)):
+    # the texels of the second level are twice as large: half as many samples
+    half = np.where(above[1], np.float32(0.5), _ONE)
+    for which, number, part, weight in ((level, looks, each, _ONE - blend), (after, _ONE / half, half, blend)):
         wide, high = np.maximum(t["width"] >> which, 1), np.maximum(t["height"] >> which, 1)
-        each = _ONE / number
-        share = weight * _SQUARED_TEXEL * each
+        share = weight * _SQUARED_TEXEL * part
         for n in range(4):
-            s = (np.float32(n) + np.float32(0.5)) * each - np.float32(0.5)
-            part = np.where(number > n, share, np.float32(0))
-            _bilinear(d.texels, t["first"][rows, which], wide, high, at[0] + s * du, at[1] + s * dv, part, total)
+            s = (np.float32(n) + np.float32(0.5)) * part - np.float32(0.5)
+            shown = np.where(number > n, share, np.float32(0))
+            _bilinear(d.texels, t["first"][rows, which], wide, high, at[0] + s * du, at[1] + s * dv, shown, total)
     return total
+
+
+def _squared(a: float) -> np.float32:
+    return np.float32(a) * np.float32(a)
 
 
 def _lesser(a: Floats, b: np.float32 | Floats) -> Floats:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.kernel.drawing.arrays import MIRRORED
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -37,8 +39,10 @@ def cast(drawing: Drawing, parts: NDArray[np.integer], poses: Poses, light: Ligh
         low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
         row[:2] = np.maximum(np.minimum(low, size), 0)
         row[2:] = np.maximum(np.minimum(high + f(1), size), 0)
-        for corners in drawing.triangles[first : first + count, :3]:
-            _fill(shadow, seen[corners])
+        # the back faces of closed parts are farther from the sun than their front faces
+        back = f(1) if drawing.parts[part, 3] & MIRRORED else f(-1)
+        for number in range(first, first + count):
+            _fill(shadow, seen[drawing.triangles[number, :3]], back if drawing.closed[number] else f(0))
     return rectangles
 
 
@@ -89,12 +93,14 @@ class ReferenceMovers:
                 self.touched[moved] = cast(self._drawing, self._parts[moved], poses, self._light)
 
 
-def _fill(shadow: NDArray[np.float32], q: NDArray[np.float32]) -> None:
+def _fill(shadow: NDArray[np.float32], q: NDArray[np.float32], hidden: np.float32) -> None:
     height, width = shadow.shape
     o = q[0]
     bx, by, bz = q[1] - o
     cx, cy, cz = q[2] - o
     area = bx * cy - by * cx
+    if area * hidden > 0:
+        return
     left, right = o[0] + min(f(0), bx, cx), o[0] + max(f(0), bx, cx)
     top, bottom = o[1] + min(f(0), by, cy), o[1] + max(f(0), by, cy)
     if not (area > 0 or area < 0) or not (right >= 0.5 and bottom >= 0.5 and left < width and top < height):
