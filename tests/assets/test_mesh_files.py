@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import struct
+import zlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -136,6 +138,24 @@ def test_pictures_elsewhere_are_not_read(tmp_path: Path) -> None:
     library = load(folder / "m.obj")
     assert library.images == {}
     assert any("secret.png" in warning for warning in library.warnings)
+
+
+@pytest.mark.parametrize("size", [(30_000, 30_000), (9_000, 9_000), (2**31 - 1, 2**31 - 1), None])
+def test_pictures_that_cannot_be_used_are_named_before_they_are_decoded(
+    tmp_path: Path, size: tuple[int, int] | None
+) -> None:
+    """A header announces many pixels; and a text with the name of a picture."""
+    header = b"" if size is None else struct.pack(">4sIIBBBBB", b"IHDR", *size, 8, 2, 0, 0, 0)
+    checked = struct.pack(">I", 13) + header + struct.pack(">I", zlib.crc32(header))
+    (tmp_path / "p.png").write_bytes(b"no picture" if size is None else b"\x89PNG\r\n\x1a\n" + checked)
+    (tmp_path / "m.mtl").write_text("newmtl a\nKd 1 1 1\nmap_Kd p.png\n")
+    (tmp_path / "m.obj").write_text(
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n"
+    )
+    library = load(tmp_path / "m.obj")
+    assert library.images == {}
+    (warning,) = library.warnings
+    assert warning.startswith("the picture 'p.png' is left out: ")
 
 
 def test_a_gltf_reads_nothing_outside_its_folder(tmp_path: Path) -> None:

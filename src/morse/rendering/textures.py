@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
@@ -127,7 +128,10 @@ def _pixels(image: Image) -> NDArray[np.uint8]:
     from PIL import Image as Picture
 
     try:
-        with Picture.open(io.BytesIO(image.data)) as picture:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Picture.DecompressionBombWarning)
+            opened = Picture.open(io.BytesIO(image.data))
+        with opened as picture:
             if picture.width * picture.height > _MOST_PIXELS:
                 raise ValueError(f"it has {picture.width} x {picture.height} pixels")
             size = (_power_of_two(picture.width), _power_of_two(picture.height))

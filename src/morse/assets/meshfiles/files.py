@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets.meshfiles.pictures import is_picture, mistake_in
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -18,11 +20,13 @@ class Below:
 
     Attributes:
         refused: names of files that are outside of the folder, are missing or are too large.
+        unusable: names of pictures that cannot be used, with the reason.
     """
 
     def __init__(self, folder: Path) -> None:
         self._folder = Path(os.path.realpath(folder))
         self.refused: list[str] = []
+        self.unusable: dict[str, str] = {}
 
     def get(self, name: str) -> bytes:
         """The content of a file.
@@ -33,11 +37,18 @@ class Below:
         try:
             path = Path(os.path.realpath(self._folder / str(name).strip().replace("\\", "/")))
             if path.is_relative_to(self._folder) and path.is_file() and path.stat().st_size <= SIZE_LIMIT:
-                return path.read_bytes()
+                return self._checked(str(name), path.read_bytes())
         except (OSError, ValueError):
-            pass
+            if name in self.unusable:
+                raise
         self.refused.append(str(name))
         raise FileNotFoundError(f"'{name!s:.200}' cannot be read from the folder of the model")
+
+    def _checked(self, name: str, data: bytes) -> bytes:
+        if is_picture(name) and (mistake := mistake_in(data)):
+            self.unusable[name] = mistake
+            raise FileNotFoundError(f"'{name:.200}' is left out: {mistake}")
+        return data
 
     def __getitem__(self, name: str) -> bytes:
         return self.get(name)

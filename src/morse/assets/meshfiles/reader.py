@@ -60,6 +60,8 @@ def read_meshes(path: str | Path) -> Library:
     except Exception as error:  # trimesh may raise any exception for a damaged file
         what = f" ({', '.join(below.refused[:3])} cannot be read)" if below.refused else ""
         raise AssetError(path, f"it cannot be read{what}: {type(error).__name__}: {error!s:.200}") from error
+    for name, mistake in list(below.unusable.items())[:5]:
+        library.warnings.append(f"the picture '{name:.80}' is left out: {mistake}")
     if below.refused:
         names = ", ".join(f"'{name:.80}'" for name in below.refused[:5])
         library.warnings.append(f"files that are missing, or are outside of its folder, are ignored: {names}")
@@ -111,6 +113,7 @@ class _Reading:
         if not roots:
             raise AssetError(self._path, "it contains no mesh")
         library = Library(path=str(self._path), roots=roots, images=self._surfaces.images)
+        library.warnings += self._surfaces.warnings[:5]
         if self._sheared:
             library.warnings.append(f"sheared objects are shown without shear: {', '.join(self._sheared[:5])}")
         return library

@@ -9,6 +9,7 @@ import numpy as np
 
 from morse.assets.blend.normals import corner_normals
 from morse.assets.blend.polygons import Polygons
+from morse.assets.meshfiles.pictures import too_large
 from morse.mathutils.light import linear_light
 from morse.scene import Image, Material, Mesh
 
@@ -21,6 +22,10 @@ class Surfaces:
 
     Args:
         turn: (3, 3) rotation from the axes of the file to those of MORSE.
+
+    Attributes:
+        images: by name of the material.
+        warnings: pictures that are left out.
     """
 
     def __init__(self, turn: Any) -> None:
@@ -28,6 +33,7 @@ class Surfaces:
         self._meshes: dict[int, Mesh] = {}
         self._materials: dict[int, Material] = {}
         self.images: dict[str, Image] = {}
+        self.warnings: list[str] = []
 
     def mesh(self, name: str, given: Any) -> Mesh:
         """Triangles with normals and texture coordinates.
@@ -99,9 +105,17 @@ class Surfaces:
             double_sided=sided,
         )
 
-    def _image(self, name: str, picture: Any) -> Image:
+    def _image(self, name: str, picture: Any) -> Image | None:
+        mistake = too_large(picture)
         encoded = io.BytesIO()
-        picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(encoded, "PNG", compress_level=1)
+        if not mistake:
+            try:
+                picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(encoded, "PNG", compress_level=1)
+            except Exception as error:  # Pillow's readers raise many kinds of errors for damaged pictures
+                mistake = f"{error!s:.100}"
+        if mistake:
+            self.warnings.append(f"the picture of the material '{name:.80}' is left out: {mistake}")
+            return None
         image = Image(name, encoded.getvalue(), "image/png")
         self.images.setdefault(name, image)
         return image
