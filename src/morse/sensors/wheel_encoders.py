@@ -66,6 +66,11 @@ class WheelEncoders(Sensor):
         data["wheels"] = [wheel.object.name.rpartition(".")[2] for wheel in self._wheels]
         data["ticks"], data["position"], data["velocity"] = [0] * count, [0.0] * count, [0.0] * count
 
+    @property
+    def radii(self) -> list[float]:
+        """The radii of the wheels, m."""
+        return [float(wheel.radius) for wheel in self._wheels]
+
     def measure(self) -> None:
         """Measure the angles."""
         step = math.tau / self._steps if self._steps else 0.0

@@ -1,8 +1,12 @@
 """The peer of MAVLink with pymavlink: receives telemetry, sends commands, prints the received messages."""
 
 import json
+import os
 import sys
 import time
+
+if "gimbal" in " ".join(sys.argv):
+    os.environ["MAVLINK20"] = "1"  # version 1 has no messages with numbers above 255
 
 from pymavlink import mavutil
 

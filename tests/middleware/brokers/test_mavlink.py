@@ -15,6 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 import morse
@@ -203,6 +204,58 @@ def test_an_autopilot_in_the_loop(start: Callable[..., Any]) -> None:
     assert list(sim.context.components["robot.motors"].local_data["engines"]) == pytest.approx(
         [400.0, 200.0, 800.0, 0.0]
     )
+
+
+def test_a_gimbal_looks_where_it_is_told_and_wheels_say_how_far_they_went(start: Callable[..., Any]) -> None:
+    port = free_port()
+    components = "".join(
+        ["head = PTU(); robot.append(head); angles = PTUPosture('angles'); head.append(angles)\n",
+         part("WheelEncoders", "wheels", StepsPerTurn=0), part("MotionVWDiff", "motion")]
+    )  # fmt: skip
+    sim = start(f"udpin:127.0.0.1:{port}", components, robot="Pioneer3DX")
+    sim.robot.motion.publish({"v": 0.5})
+    sim.step(60)
+    sim.robot.motion.publish({"v": 0.0})
+    pitch, yaw = 0.2, 0.3
+    command = ["gimbal_manager_set_pitchyaw_send", 0, 0, 0, 0, pitch, yaw, math.nan, math.nan]
+    talk(sim, f"udpout:127.0.0.1:{port}", "HEARTBEAT", json.dumps(command))
+    head = sim.context.components["robot.head"].local_data
+    until(sim, lambda: head["pan"] != 0.0)
+    # MAVLink: positive to the right and upward
+    assert (head["pan"], head["tilt"]) == pytest.approx((-yaw, -pitch), abs=1e-6)
+    angles = sim.context.components["robot.head.angles"].local_data
+    until(sim, lambda: (angles["pan"], angles["tilt"]) == pytest.approx((-yaw, -pitch), abs=1e-4))
+    seen = talk(sim, f"udpout:127.0.0.1:{port}", "GIMBAL_DEVICE_ATTITUDE_STATUS,WHEEL_DISTANCE", json.dumps(command))
+    # rotation by yaw about Z (down), then by pitch about Y (right)
+    p, y = pitch / 2.0, yaw / 2.0
+    expected = (
+        math.cos(y) * math.cos(p),
+        -math.sin(y) * math.sin(p),
+        math.cos(y) * math.sin(p),
+        math.sin(y) * math.cos(p),
+    )
+    assert seen["GIMBAL_DEVICE_ATTITUDE_STATUS"]["q"] == pytest.approx(expected, abs=1e-3)
+    assert seen["GIMBAL_DEVICE_ATTITUDE_STATUS"]["flags"] == 32  # YAW_IN_VEHICLE_FRAME
+    rolled = seen["WHEEL_DISTANCE"]
+    wheels = sim.context.components["robot.wheels"]
+    assert rolled["count"] == 2
+    assert rolled["distance"][0] == pytest.approx(wheels.local_data["position"][0] * wheels.radii[0], abs=0.05)
+    assert rolled["distance"][0] > 0.1
+    assert rolled["distance"][2:] == [0.0] * 14
+
+
+def test_covariances_turn_with_the_axes() -> None:
+    # different variances along X (east) and Y (north), correlated: upper triangle of north, east, down
+    given = np.diag([1.0, 4.0, 9.0, 0.1, 0.2, 0.3])
+    given[0, 1] = given[1, 0] = 0.5
+    given[0, 2] = given[2, 0] = 0.25
+    turned = Axes("enu").covariance(given)
+    assert turned[:6] == [4.0, 0.5, 0.0, 0.0, 0.0, 0.0]
+    assert turned[6:11] == [1.0, -0.25, 0.0, 0.0, 0.0]
+    assert turned[15:] == pytest.approx([0.2, 0.0, 0.0, 0.1, 0.0, 0.3])
+    body = Axes("enu").covariance(given, of_body=True)  # Y and Z are reversed
+    assert body[:3] == [1.0, -0.5, -0.25]
+    assert math.isnan(Axes("enu").covariance(None)[0])
 
 
 @pytest.mark.parametrize("yaw_given", [False, True])

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from morse.mathutils.rotations import (
     both_eulers,
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
 
     from morse.mathutils.rotations import Quaternion4, Rotation9, Triple
 
+#: a covariance of MAVLink without values
+UNKNOWN_COVARIANCE = [math.nan] + [0.0] * 20
 _SAME: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 #: each of these matrices is its own inverse
 _NWU: Rotation9 = (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0)
@@ -56,6 +60,21 @@ class Axes:
     def angles(self, wxyz: Sequence[float]) -> tuple[float, float, float]:
         """Roll, pitch and yaw of the vehicle, rad."""
         return both_eulers(self.rotation(wxyz), "XYZ")[0]
+
+    def covariance(self, matrix: Any, *, of_body: bool = False) -> list[float]:
+        """The upper triangle (21) of a covariance (6, 6) of two vectors; NaN first, which means unknown, for None.
+
+        Args:
+            matrix: order x, y, z, and rotations about X, Y, Z, fixed axes.
+            of_body: whether the vectors are in the axes of the vehicle.
+        """
+        if matrix is None:
+            return UNKNOWN_COVARIANCE
+        axes = np.reshape(self._body if of_body else self._world, (3, 3))
+        both = np.zeros((6, 6))
+        both[:3, :3] = both[3:, 3:] = axes
+        turned = both @ np.asarray(matrix, dtype=np.float64) @ both.T
+        return [float(number) for number in turned[np.triu_indices(6)]]
 
     def heading(self, yaw: float) -> float:
         """The yaw of a heading from north, clockwise, rad."""

@@ -18,13 +18,22 @@ if TYPE_CHECKING:
 _LOCAL_NED, _BODY = 1, (8, 12)
 #: bits of type_mask: fields to ignore
 _NO_POSITION, _NO_VELOCITY, _NO_YAW, _NO_YAW_RATE = 0b111, 0b111000, 1 << 10, 1 << 11
+#: frames of SET_POSITION_TARGET_GLOBAL_INT: altitudes above the sea
+_GLOBAL = (0, 5)
 #: the same for SET_ATTITUDE_TARGET
 _NO_BODY_YAW_RATE, _NO_THRUST, _NO_ATTITUDE = 1 << 2, 1 << 6, 1 << 7
 #: m: as in MORSE 1.4
 _TOLERANCE = 0.5
 
 #: messages that contain commands, by name
-COMMANDS = ("SET_ATTITUDE_TARGET", "SET_POSITION_TARGET_LOCAL_NED", "HIL_ACTUATOR_CONTROLS", "NAMED_VALUE_FLOAT")
+COMMANDS = (
+    "SET_ATTITUDE_TARGET",
+    "SET_POSITION_TARGET_LOCAL_NED",
+    "SET_POSITION_TARGET_GLOBAL_INT",
+    "HIL_ACTUATOR_CONTROLS",
+    "GIMBAL_MANAGER_SET_PITCHYAW",
+    "NAMED_VALUE_FLOAT",
+)
 
 
 class CommandKinds:
@@ -91,6 +100,28 @@ class CommandKinds:
         full = stream.kwargs["full"] or field.high or 1.0
         count = len(stream.data[name])
         return {"values": [value * full for value in message.controls[:count]]}
+
+    @maps("fix", direction="IN")
+    def take_fix(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
+        """SET_POSITION_TARGET_GLOBAL_INT; without a geoid, altitudes are above the ellipsoid."""
+        if message.get_type() != "SET_POSITION_TARGET_GLOBAL_INT" or message.type_mask & _NO_POSITION:
+            return None
+        if message.coordinate_frame not in _GLOBAL:
+            stream.complain("target", "a target without a position in MAV_FRAME_GLOBAL has no effect")
+            return None
+        place = {"latitude": message.lat_int * 1e-7, "longitude": message.lon_int * 1e-7, "altitude": message.alt}
+        return {name: _finite(value) for name, value in place.items()}
+
+    @maps("joints", direction="IN")
+    def take_joints(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
+        """GIMBAL_MANAGER_SET_PITCHYAW, for pan-tilt units; NaN keeps an angle."""
+        present = bound.gather()
+        if message.get_type() != "GIMBAL_MANAGER_SET_PITCHYAW" or tuple(present.names) != ("pan", "tilt"):
+            return None
+        pan, tilt = (float(angle) for angle in present.position)
+        given = -message.yaw, -message.pitch
+        angles = [old if math.isnan(new) else _finite(new) for old, new in zip((pan, tilt), given, strict=True)]
+        return {"position": angles}
 
     @maps("general", direction="IN")
     def take_general(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.kinds.turning import quaternion_of
 from morse.core.mapping import maps
 from morse.mathutils.rotations import nine, product, quaternion_from_rotation, rotation_from_quaternion, turn
 
@@ -30,7 +31,10 @@ _DOWN = 25
 _BINS = 72
 #: sizes of NAMED_VALUE_FLOAT and DEBUG_FLOAT_ARRAY
 _LETTERS, _MOST_VALUES = 10, 58
-_UNKNOWN_COVARIANCE = [_NAN] + [0.0] * 20
+#: GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME
+_IN_VEHICLE = 32
+_PAN_TILT = ("pan", "tilt")
+_MOST_WHEELS = 16
 
 
 def boot_ms(stamp: int) -> int:
@@ -73,7 +77,7 @@ class Telemetry:
         stream.vehicle.send(
             "odometry", m.stamp // 1000, _LOCAL_FRD, _BODY_FRD, *local.vector(m.position),
             list(local.quaternion(m.orientation)), *frd.body(m.linear), *frd.body(m.angular),
-            _UNKNOWN_COVARIANCE, _UNKNOWN_COVARIANCE,
+            local.covariance(m.pose_covariance), frd.covariance(m.twist_covariance, of_body=True),
         )  # fmt: skip
 
     @maps("pose")
@@ -82,8 +86,9 @@ class Telemetry:
         axes = stream.axes_of(m.frame)
         angles = (_NAN,) * 3 if m.orientation is None else axes.angles(m.orientation)
         stream.vehicle.send(
-            "vision_position_estimate", m.stamp // 1000, *axes.vector(m.position), *angles, _UNKNOWN_COVARIANCE
-        )
+            "vision_position_estimate", m.stamp // 1000, *axes.vector(m.position), *angles,
+            axes.covariance(m.covariance),
+        )  # fmt: skip
 
     @maps("imu")
     def imu(self, stream: MavlinkStream, m: Message) -> None:
@@ -149,6 +154,8 @@ class Telemetry:
     @maps("range")
     def range(self, stream: MavlinkStream, m: Message) -> None:
         """DISTANCE_SENSOR, in centimetres."""
+        if math.isnan(m.distance):
+            return  # an invalid distance is neither near nor far
         least, most = (_whole(v * 100.0, 0, _U16 - 2, _U16 - 2) for v in (m.min, m.max))
         far = most + 1
         near = max(0, least - 1)
@@ -172,6 +179,24 @@ class Telemetry:
         stream.vehicle.send(
             "obstacle_distance", m.stamp // 1000, 0, bins.tolist(), 0, least, most, 360.0 / _BINS, 0.0, _BODY_FRD
         )
+
+    @maps("joints")
+    def joints(self, stream: MavlinkStream, m: Message) -> None:
+        """GIMBAL_DEVICE_ATTITUDE_STATUS of a pan-tilt unit, WHEEL_DISTANCE of wheels; others as numbers."""
+        radii = getattr(stream.component_instance, "radii", None)
+        if tuple(m.names) == _PAN_TILT and m.position is not None:
+            pan, tilt = (float(angle) for angle in m.position)
+            # positive is to the left and downward; in MAVLink to the right and upward
+            w, x, y, z = quaternion_of(0.0, -tilt, -pan)
+            stream.vehicle.send(
+                "gimbal_device_attitude_status", 0, 0, boot_ms(m.stamp), _IN_VEHICLE, [w, x, y, z], _NAN, _NAN, _NAN, 0
+            )
+        elif radii is not None and m.position is not None:
+            metres = [float(angle) * radius for angle, radius in zip(m.position, radii, strict=True)][:_MOST_WHEELS]
+            padded = metres + [0.0] * (_MOST_WHEELS - len(metres))
+            stream.vehicle.send("wheel_distance", m.stamp // 1000, len(metres), padded)
+        else:
+            self.general(stream, m)
 
     @maps("clock")
     def clock(self, stream: MavlinkStream, m: Message) -> None:
