@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import struct
@@ -24,6 +25,7 @@ from morse.builder import Environment, FakeRobot, PassiveObject
 if TYPE_CHECKING:
     from pathlib import Path
 
+CHEQUERED = {(255, 0, 255), (255, 255, 255)}
 FORMATS = ("glb", "obj", "stl", "ply")
 
 
@@ -126,6 +128,10 @@ def test_a_thing_falls_and_rests_on_its_lower_side(tmp_path: Path, suffix: str) 
 # -- untrusted files ---------------------------------------------------------------------------------------
 
 
+def _colours(data: bytes) -> set[Any]:
+    return {colour for _, colour in Image.open(io.BytesIO(data)).getcolors()}
+
+
 def test_pictures_elsewhere_are_not_read(tmp_path: Path) -> None:
     secret = tmp_path / "secret.png"
     Image.new("RGB", (2, 2), (1, 2, 3)).save(secret)
@@ -136,7 +142,7 @@ def test_pictures_elsewhere_are_not_read(tmp_path: Path) -> None:
         "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n"
     )
     library = load(folder / "m.obj")
-    assert library.images == {}
+    assert all(_colours(image.data) == CHEQUERED for image in library.images.values())
     assert any("secret.png" in warning for warning in library.warnings)
 
 
@@ -153,9 +159,25 @@ def test_pictures_that_cannot_be_used_are_named_before_they_are_decoded(
         "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n"
     )
     library = load(tmp_path / "m.obj")
-    assert library.images == {}
+    assert [_colours(image.data) for image in library.images.values()] == [CHEQUERED]
     (warning,) = library.warnings
-    assert warning.startswith("the picture 'p.png' is left out: ")
+    assert warning.startswith("the picture 'p.png' is replaced by a chequered pattern: ")
+
+
+@pytest.mark.parametrize("name", ["missing.png", "half.jpg"])
+def test_a_chequered_pattern_replaces_a_picture(tmp_path: Path, name: str) -> None:
+    if name == "half.jpg":
+        whole = io.BytesIO()
+        Image.effect_noise((64, 64), 50).save(whole, "JPEG")
+        (tmp_path / name).write_bytes(whole.getvalue()[: len(whole.getvalue()) // 2])
+    (tmp_path / "m.mtl").write_text(f"newmtl a\nmap_Kd {name}\n")
+    (tmp_path / "m.obj").write_text(
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n"
+    )
+    library = load(tmp_path / "m.obj")
+    (material,) = library.roots[0].materials
+    assert _colours(material.image.data) == CHEQUERED
+    assert ["replaced by a chequered pattern" in warning for warning in library.warnings] == [True]
 
 
 def test_a_gltf_reads_nothing_outside_its_folder(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.meshfiles.pictures import is_picture, mistake_in
+from morse.assets.stand_in import chequered
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,7 +21,7 @@ class Below:
 
     Attributes:
         refused: names of files that are outside of the folder, are missing or are too large.
-        unusable: names of pictures that cannot be used, with the reason.
+        unusable: names of pictures that cannot be used, with the reason; a chequered pattern is used instead.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -29,25 +30,27 @@ class Below:
         self.unusable: dict[str, str] = {}
 
     def get(self, name: str) -> bytes:
-        """The content of a file.
+        """The content of a file; a chequered pattern for a picture that cannot be used.
 
         Raises:
-            FileNotFoundError: it is outside of the folder, is missing or is too large.
+            FileNotFoundError: it is no picture, and is outside of the folder, is missing or is too large.
         """
         try:
             path = Path(os.path.realpath(self._folder / str(name).strip().replace("\\", "/")))
             if path.is_relative_to(self._folder) and path.is_file() and path.stat().st_size <= SIZE_LIMIT:
                 return self._checked(str(name), path.read_bytes())
         except (OSError, ValueError):
-            if name in self.unusable:
-                raise
+            pass
+        if is_picture(str(name)):
+            self.unusable[str(name)] = "it is missing, or outside of the folder of the model"
+            return chequered()
         self.refused.append(str(name))
         raise FileNotFoundError(f"'{name!s:.200}' cannot be read from the folder of the model")
 
     def _checked(self, name: str, data: bytes) -> bytes:
         if is_picture(name) and (mistake := mistake_in(data)):
             self.unusable[name] = mistake
-            raise FileNotFoundError(f"'{name:.200}' is left out: {mistake}")
+            return chequered()
         return data
 
     def __getitem__(self, name: str) -> bytes:

@@ -61,7 +61,7 @@ def read_meshes(path: str | Path) -> Library:
         what = f" ({', '.join(below.refused[:3])} cannot be read)" if below.refused else ""
         raise AssetError(path, f"it cannot be read{what}: {type(error).__name__}: {error!s:.200}") from error
     for name, mistake in list(below.unusable.items())[:5]:
-        library.warnings.append(f"the picture '{name:.80}' is left out: {mistake}")
+        library.warnings.append(f"the picture '{name:.80}' is replaced by a chequered pattern: {mistake}")
     if below.refused:
         names = ", ".join(f"'{name:.80}'" for name in below.refused[:5])
         library.warnings.append(f"files that are missing, or are outside of its folder, are ignored: {names}")

@@ -10,6 +10,7 @@ import numpy as np
 from morse.assets.blend.normals import corner_normals
 from morse.assets.blend.polygons import Polygons
 from morse.assets.meshfiles.pictures import too_large
+from morse.assets.stand_in import chequered
 from morse.mathutils.light import linear_light
 from morse.scene import Image, Material, Mesh
 
@@ -25,7 +26,7 @@ class Surfaces:
 
     Attributes:
         images: by name of the material.
-        warnings: pictures that are left out.
+        warnings: pictures that a chequered pattern replaces.
     """
 
     def __init__(self, turn: Any) -> None:
@@ -75,10 +76,10 @@ class Surfaces:
             color = _linear(_numbers(getattr(visual, "main_color", None), 4, (204, 204, 204, 255)) / 255.0)
             return Material(name, (color[0], color[1], color[2], color[3]))
         if id(given) not in self._materials:
-            self._materials[id(given)] = self._of(name, given)
+            self._materials[id(given)] = self._of(name, given, visual)
         return self._materials[id(given)]
 
-    def _of(self, name: str, given: Any) -> Material:
+    def _of(self, name: str, given: Any, visual: Any) -> Material:
         own = str(getattr(given, "name", None) or name)
         if hasattr(given, "baseColorFactor"):
             color = _numbers(given.baseColorFactor, 4, (255, 255, 255, 255)) / 255.0
@@ -92,7 +93,7 @@ class Surfaces:
             color = _numbers(getattr(given, "diffuse", None), 4, (204, 204, 204, 255)) / 255.0
             roughness, metallic, glow = 0.6, 0.0, np.zeros(3)
             picture, sided = getattr(given, "image", None), True
-            if picture is not None:
+            if picture is not None and getattr(visual, "uv", None) is not None:
                 color = np.ones(4)
         r, g, b, alpha = (float(part) for part in np.clip(color, 0.0, 1.0))
         return Material(
@@ -105,7 +106,7 @@ class Surfaces:
             double_sided=sided,
         )
 
-    def _image(self, name: str, picture: Any) -> Image | None:
+    def _image(self, name: str, picture: Any) -> Image:
         mistake = too_large(picture)
         encoded = io.BytesIO()
         if not mistake:
@@ -114,9 +115,10 @@ class Surfaces:
             except Exception as error:  # Pillow's readers raise many kinds of errors for damaged pictures
                 mistake = f"{error!s:.100}"
         if mistake:
-            self.warnings.append(f"the picture of the material '{name:.80}' is left out: {mistake}")
-            return None
-        image = Image(name, encoded.getvalue(), "image/png")
+            self.warnings.append(
+                f"the picture of the material '{name:.80}' is replaced by a chequered pattern: {mistake}"
+            )
+        image = Image(name, chequered() if mistake else encoded.getvalue(), "image/png")
         self.images.setdefault(name, image)
         return image
 
