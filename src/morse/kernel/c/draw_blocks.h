@@ -31,7 +31,9 @@ typedef struct {
     I8 shown[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];    // index of the triangle, -1 for none
     F8 dx, dy;                                              // the positions of the samples of a pixel
     I8 used;                                                // the lanes of samples
-    Lines rows, downs;  // the centres of the rows of pixels from the top of a block, and the samples from these
+    F8 x[COLUMNS][MOST_SAMPLES];                            // the positions of the lines of a block, for each column
+    Lines right;                                            // their samples from the centres of the pixels
+    Lines y[LANES];                                         // and for each row of blocks
     // of each column, with one number for each block: arrays, because lanes of vectors are accessed by copies of them
     int32_t flat[COLUMNS][LANES] __attribute__((aligned(32)));  // the only triangle, -1 for none, or MANY
     float low[COLUMNS][LANES] __attribute__((aligned(32)));     // bounds of 1 / depth of all samples
@@ -51,6 +53,8 @@ typedef struct {
 } Extent;
 
 static const F8 STEPS = {0, 1, 2, 3, 4, 5, 6, 7};
+// The centres of the rows of a block, for the lines of two samples.
+static const F8 ROWS = {0.5f, 1.5f, 2.5f, 3.5f, 0.5f, 1.5f, 2.5f, 3.5f};
 #define SIGNS INT32_MIN
 
 static const I8 WHOLE_STEPS = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -109,11 +113,12 @@ static inline void expand(const Frame *f, Tile *t, int column, int row) {
     if (who == MANY) return;
     const float *w = surface_of(f, t, who);
     const int block = column * LANES + row;
+    Lines depth;
+    EACH(g, GROUPS) depth.groups[g] = w[1] * t->y[row].groups[g] + w[2];
     EACH(n, t->samples) {
-        const F8 x = STEPS + ((float)(t->left + column * LANES) + 0.5f + f->samples[2 * n]);
+        const F8 x = w[0] * t->x[column][n];
         EACH(r, BLOCK_ROWS) {
-            const float y = (float)(t->top + row * BLOCK_ROWS + r) + 0.5f + f->samples[2 * n + 1];
-            t->inverse[block][n][r] = row_of(w, x, y), t->shown[block][n][r] = splat_int(who);
+            t->inverse[block][n][r] = x + depth.each[n * BLOCK_ROWS + r], t->shown[block][n][r] = splat_int(who);
         }
     }
     t->flat[column][row] = MANY;
@@ -125,10 +130,11 @@ static inline F8 without_holes(const Frame *f, const Seen *s, F8 z, F8 old, F8 x
     return z;
 }
 
-// Whether any of the samples in each lane may be inside of an edge between two columns of pixels: the sign of a lane is
-// set if none is. `above` is the part of the edge that is the same for a row.
-static inline I8 misses_edge(const float *e, float error, const Extent *x, F8 above) {
-    return bits_of(above + (e[0] * (e[0] > 0 ? x->x1 : x->x0) + error));
+// Eight lines between two columns of pixels: the sign of a lane is set if no sample is inside of an edge. `above` is
+// the part of the edge that is the same for a line, `right` the distance of the samples from the centres of their
+// pixels.
+static inline I8 misses_edge(const float *e, float error, float x0, float x1, F8 above, F8 right) {
+    return bits_of(above + (e[0] * right + (e[0] * (e[0] > 0 ? x1 : x0) + error)));
 }
 
 // The same as `cover_lines` below for one sample for each pixel, its centre, and surfaces without holes: all rows at a
@@ -179,48 +185,46 @@ static ALWAYS_INLINE void cover_lines(const Frame *f, const Seen *s, int32_t num
     float w[3], e[3][3];
     EACH(n, 3) w[n] = s->w[n];
     EACH(i, 3) EACH(n, 3) e[i][n] = s->e[i][n];
-    Lines y, depth, base[3];
+    Lines depth, base[3];
+    const Lines *y = t->y + row;
     unsigned lines = (1u << samples * BLOCK_ROWS) - 1;
-    EACH(g, GROUPS) y.groups[g] = ((float)top + t->rows.groups[g]) + t->downs.groups[g];
     if (!inside) {
         const int first = column * LANES, last = first + LANES - 1;
-        const Extent x = extent_of(t, (Box){b->x0 > first ? b->x0 : first, 0, b->x1 < last ? b->x1 : last, 0});
+        const float x0 = (float)(t->left + (b->x0 > first ? b->x0 : first)) + 0.5f,
+                    x1 = (float)(t->left + (b->x1 < last ? b->x1 : last)) + 0.5f;
         const float y0 = (float)(t->top + b->y0), y1 = (float)(t->top + b->y1 + 1);
         unsigned out = 0;
         EACH(g, GROUPS) {
             // the positions of samples are inside of their pixels
-            I8 away = bits_of(y.groups[g] - y0) | bits_of(y1 - y.groups[g]);
+            I8 away = bits_of(y->groups[g] - y0) | bits_of(y1 - y->groups[g]);
             EACH(i, 3) {
-                base[i].groups[g] = e[i][1] * y.groups[g] + e[i][2] + 0.0f;
-                away |= misses_edge(e[i], errors[i], &x, base[i].groups[g]);
+                base[i].groups[g] = e[i][1] * y->groups[g] + e[i][2] + 0.0f;
+                away |= misses_edge(e[i], errors[i], x0, x1, base[i].groups[g], t->right.groups[g]);
             }
             out |= lanes_of(away) << g * LANES;
         }
         lines &= ~out;
         if (!lines) return;
     }
-    EACH(g, GROUPS) depth.groups[g] = w[1] * y.groups[g] + w[2];
+    EACH(g, GROUPS) depth.groups[g] = w[1] * y->groups[g] + w[2];
     expand(f, t, column, row);
     const F8 nearest = splat(t->nearest);
     const I8 who = splat_int(number), at = WHOLE_STEPS + column * LANES;
     const I8 beside = inside ? splat_int(0) : (at - b->x0) | (b->x1 - at);
-    F8 x[MOST_SAMPLES], wx[MOST_SAMPLES], ex[MOST_SAMPLES][3];
-    EACH(n, samples) {
-        x[n] = STEPS + ((float)left + 0.5f + f->samples[2 * n]), wx[n] = w[0] * x[n];
-        if (!inside) EACH(i, 3) ex[n][i] = e[i][0] * x[n];
-    }
     for (; lines; lines &= lines - 1) {
         const int line = __builtin_ctz(lines), n = line / BLOCK_ROWS, r = line % BLOCK_ROWS;
         F8 *inverse = (F8 *)t->inverse[block] + line;
         I8 *shown = (I8 *)t->shown[block] + line;
-        F8 z = wx[n] + depth.each[line];
+        const F8 x = t->x[column][n];
+        F8 z = w[0] * x + depth.each[line];
         if (!inside) {
-            const I8 out = beside | bits_of(ex[n][0] + base[0].each[line]) | bits_of(ex[n][1] + base[1].each[line]) |
-                           bits_of(ex[n][2] + base[2].each[line]) | ~bits_of(z - nearest);
-            z = from_bits(bits_of(z) | (out & SIGNS));
+            const I8 out = beside | bits_of(e[0][0] * x + base[0].each[line]) |
+                           bits_of(e[1][0] * x + base[1].each[line]) | bits_of(e[2][0] * x + base[2].each[line]) |
+                           (z >= nearest);
+            z = pick(out < 0, splat(-1), z);
         }
         const F8 old = *inverse;
-        if (holes) z = without_holes(f, s, z, old, x[n], y.each[line], left + n, top + r + 2 * n);
+        if (holes) z = without_holes(f, s, z, old, x, y->each[line], left + n, top + r + 2 * n);
         const I8 before = *shown, mine = nearer(z, who, old, before);
         NO_MASKED_STORE;
         *inverse = pick(mine, z, old), *shown = pick_int(mine, who, before);
@@ -262,10 +266,15 @@ static inline void clear(const Frame *f, Tile *t, int left, int top, int samples
     t->empty[0] = t->empty[1] = 0, t->empty[2] = 1 / far;
     EACH(c, COLUMNS) * (I8 *)t->flat[c] = splat_int(-1), *(F8 *)t->low[c] = *(F8 *)t->high[c] = splat(1 / far);
     t->dx = t->dy = splat(0), t->used = splat_int(0);
+    EACH(c, COLUMNS) EACH(n, samples) { t->x[c][n] = STEPS + ((float)(left + c * LANES) + 0.5f + f->samples[2 * n]); }
+    Lines down;
     EACH(line, GROUPS * LANES) {
         const int n = line / BLOCK_ROWS;
-        t->rows.each[line] = (float)(line % BLOCK_ROWS) + 0.5f;
-        t->downs.each[line] = n < samples ? f->samples[2 * n + 1] : 0;
+        t->right.each[line] = n < samples ? f->samples[2 * n] : 0;
+        down.each[line] = n < samples ? f->samples[2 * n + 1] : 0;
+    }
+    EACH(row, LANES) EACH(g, GROUPS) {
+        t->y[row].groups[g] = ((float)(top + row * BLOCK_ROWS) + ROWS) + down.groups[g];
     }
     EACH(n, samples) t->dx[n] = f->samples[2 * n], t->dy[n] = f->samples[2 * n + 1], t->used[n] = -1;
 }

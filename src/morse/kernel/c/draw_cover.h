@@ -7,9 +7,11 @@
 #include "draw_blocks.h"
 
 // Maximum number of pixels of the bounding box of a small triangle.
-#define FEW_PIXELS 6
+#define FEW_PIXELS 4
 // The same in groups of 4 x 2 pixels, for one sample.
 #define FEW_GROUPS 2
+// Maximum number of blocks that a triangle of medium size touches.
+#define FEW_BLOCKS 8
 
 // For small triangles: the samples of a pixel in lanes.
 static inline void cover_few(const Frame *f, const Seen *s, int32_t number, const Box *b, Tile *t) {
@@ -161,7 +163,8 @@ static inline void cover(const Frame *f, const Camera *k, int32_t number, Tile *
     const int x1 = all->x1 - left, y1 = all->y1 - top;
     Box b = {all->x0 > left ? all->x0 - left : 0, all->y0 > top ? all->y0 - top : 0, x1 < TILE ? x1 : TILE - 1,
              y1 < TILE ? y1 : TILE - 1};
-    const int few = !holes && b.x1 / LANES - b.x0 / LANES <= 1 && b.y1 / BLOCK_ROWS - b.y0 / BLOCK_ROWS <= 3;
+    const int few =
+        !holes && (b.x1 / LANES - b.x0 / LANES + 1) * (b.y1 / BLOCK_ROWS - b.y0 / BLOCK_ROWS + 1) <= FEW_BLOCKS;
     const int wide = b.x1 - b.x0, high = b.y1 - b.y0;
     if (few && t->samples == 1) {
         if ((wide / 4 + 1) * (high / 2 + 1) <= FEW_GROUPS)
