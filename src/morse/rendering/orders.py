@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.kernel.drawing import Kept
 from morse.kernel.drawing.arrays import CAMERA
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.motion import moved
@@ -23,6 +24,19 @@ if TYPE_CHECKING:
     from morse.rendering.request import CameraRequest, Placed
 
 
+class Memory:
+    """What is kept of the images of a camera: of each undistorted image, and each band of rows."""
+
+    def __init__(self) -> None:
+        self._kept: list[Kept] = []
+
+    def of(self, first: int, count: int) -> list[Kept]:
+        """Return what is kept of some of the undistorted images, from the number ``first``."""
+        while len(self._kept) < first + count:
+            self._kept.append(Kept())
+        return self._kept[first : first + count]
+
+
 class Order(NamedTuple):
     """An image to be rendered.
 
@@ -31,6 +45,8 @@ class Order(NamedTuple):
         position: (3,) m, of the camera.
         rotation: (3, 3) camera to world.
         velocity: (1, 3) m/s and (1, 3) rad/s, world axes; None if the image shows one instant only.
+        memory: of the camera; None to render each image anew.
+        band: number of the band of rows.
     """
 
     lens: Lens
@@ -42,6 +58,8 @@ class Order(NamedTuple):
     position: NDArray[np.float64]
     rotation: NDArray[np.float64]
     velocity: tuple[NDArray[np.float64], NDArray[np.float64]] | None
+    memory: Memory | None = None
+    band: int = 0
 
     def pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return position (3,) and rotation (3, 3) at a time relative to the tick, s, at constant velocity."""
@@ -52,7 +70,7 @@ class Order(NamedTuple):
 
 
 def order_of(request: CameraRequest) -> Order:
-    """Return the image that a camera requests at its present pose."""
+    """Return the image that a camera requests at its present pose; what it keeps is in ``request.memory``."""
     position, rotation = request.obj.world_pose()
     return Order(
         request.lens,
@@ -64,6 +82,7 @@ def order_of(request: CameraRequest) -> Order:
         np.array(position, np.float64),
         np.reshape(np.array(rotation, np.float64), (3, 3)),
         None if request.motion is None else _velocity(request.obj),
+        request.memory,
     )
 
 
@@ -129,6 +148,15 @@ def _magnification(lens: Lens) -> float:
         for at, size, focal in ((lens.cx, lens.width, lens.fx), (lens.cy, lens.height, lens.fy))
     )
     return max(lens.fx, lens.fy) * math.sqrt(1.0 + x * x + y * y)
+
+
+def kept_of(orders: Sequence[Order]) -> list[Kept | None]:
+    """Return what is kept of the undistorted images of orders."""
+    found: list[Kept | None] = []
+    for order in orders:
+        count = len(views_of(order))
+        found += [None] * count if order.memory is None else order.memory.of(order.band * count, count)
+    return found
 
 
 def cut(made: Pictures, row: Any) -> Drawn:

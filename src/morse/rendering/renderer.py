@@ -40,6 +40,11 @@ class Renderer:
         """The present contents of the world."""
         return self._present_stage().contents
 
+    @property
+    def drawn_tiles(self) -> int:
+        """Number of tiles of 32 x 32 pixels that were rendered for the last images, not taken over."""
+        return 0 if self._stage is None else self._stage.drawn_tiles
+
     def request(
         self,
         obj: Placed,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
+from morse.rendering.orders import Memory
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
@@ -50,6 +52,8 @@ class CameraRequest:
         wanted: returns whether an image is requested now.
         beside: whether images are rendered in a thread while the simulation goes on; `picture` waits for them.
         shot: the last image, which may still be rendered; None before the first.
+        memory: what is kept of its images, so that the next ones take less time if the camera stands; None to render
+            each image anew.
     """
 
     def __init__(
@@ -62,6 +66,7 @@ class CameraRequest:
         self.motion: Motion | None = None
         self.beside = False
         self.shot: Shot | None = None
+        self.memory: Memory | None = Memory()
 
     @property
     def picture(self) -> Picture | None:

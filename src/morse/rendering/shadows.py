@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.drawing.arrays import NO_SURFACE, Light, Poses, bounds_for
+from morse.kernel.drawing.arrays import NO_SURFACE, Light, Poses, bounds_for, changes_for
 
 if TYPE_CHECKING:
     from typing import Protocol
@@ -77,7 +77,10 @@ class Shadows:
         if len(self._maps) > 1:
             finer = self._maps[0].light
             self.light = self.light._replace(
-                near_sun=finer.sun, near_shadow=finer.shadow, near_bounds=finer.shadow_bounds
+                near_sun=finer.sun,
+                near_shadow=finer.shadow,
+                near_bounds=finer.shadow_bounds,
+                near_changes=finer.shadow_changes,
             )
 
     def update(self, poses: Poses) -> None:
@@ -106,7 +109,12 @@ class ShadowMap:
     ) -> None:
         self._drawer = drawer
         shadow = np.full(shape, NO_SURFACE, np.float32)
-        self.light = light._replace(sun=frame.astype(np.float32), shadow=shadow, shadow_bounds=bounds_for(shadow))
+        self.light = light._replace(
+            sun=frame.astype(np.float32),
+            shadow=shadow,
+            shadow_bounds=bounds_for(shadow),
+            shadow_changes=changes_for(shadow),
+        )
         moving, still = contents.moving, contents.finest & ~contents.moving
         self._still, self._movers = np.flatnonzero(still), np.flatnonzero(moving)
         self._still_instances = np.unique(contents.drawing.parts[still, 1])

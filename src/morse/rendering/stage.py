@@ -12,7 +12,7 @@ from morse.rendering.contents import Contents
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.exposures import averaged, cropped, joined
 from morse.rendering.lit_world import LitWorld
-from morse.rendering.orders import cameras_of, cut, pixels_of, views_of
+from morse.rendering.orders import cameras_of, cut, kept_of, pixels_of, views_of
 from morse.rendering.picture import Picture
 from morse.rendering.shadows import Shadows
 from morse.rendering.spot_shadows import SpotShadows
@@ -85,6 +85,11 @@ class Stage:
             return self._colors == [node.color for node in self.contents.nodes]
         return True
 
+    @property
+    def drawn_tiles(self) -> int:
+        """See `morse.rendering.renderer.Renderer.drawn_tiles`."""
+        return self._drawer.drawn_tiles
+
     def note(self, orders: Sequence[Order]) -> Instant:
         """Return the present tick, as far as images show it."""
         frames = self.contents.frames(moving=any(order.motion is not None for order in orders))
@@ -115,8 +120,8 @@ class Stage:
     def _over_time(self, instant: Instant, order: Order, motion: Motion) -> Picture:
         """Render an image with motion blur or rolling shutter."""
         bands = []
-        for band in motion.bands(order.lens.height):
-            part = order._replace(lens=cropped(order.lens, band.first, band.last))
+        for number, band in enumerate(motion.bands(order.lens.height)):
+            part = order._replace(lens=cropped(order.lens, band.first, band.last), band=number)
             bands.append(averaged([self._at(instant, [part], time)[0] for time in band.times]))
         return joined(bands)
 
@@ -128,7 +133,7 @@ class Stage:
         light = self._light
         if cameras["color"].any():
             light = self._lit(instant, poses)
-        drawn = self._drawer.draw(cameras, poses, light, self._samples)
+        drawn = self._drawer.draw(cameras, poses, light, self._samples, kept_of(orders))
         rows = iter(cameras)
         made = []
         for order in orders:

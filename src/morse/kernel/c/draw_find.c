@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "draw_corners.h"
+#include "draw_kept.h"
 #include "drawing.h"
 #include "export.h"
 
@@ -81,8 +82,9 @@ static int32_t rank_of(float nearest) {
 
 static int32_t triangles_of(const Frame *f, int32_t part) { return f->clusters[f->parts[part].cluster].triangles; }
 
-// Sets the jobs of a camera, from `first`; returns the end. `size` receives the number of triangles.
-static int32_t find(Frame *f, int32_t camera, int32_t first, int64_t *size) {
+// Sets the jobs of a camera, from `first`; returns the end. `size` receives the number of triangles. `partly` if some
+// tiles are not drawn.
+static int32_t find(Frame *f, int32_t camera, int partly, int32_t first, int64_t *size) {
     int32_t places[DISTANCES + 1] = {0}, count = 0, end = first;
     *size = 0;
     EACH(p, f->part_count) {
@@ -92,6 +94,7 @@ static int32_t find(Frame *f, int32_t camera, int32_t first, int64_t *size) {
         if (!is_level(f->cameras + camera, m, f->levels[part->cluster])) continue;
         if (!may_be_seen(f->cameras + camera, m, f->spheres[part->cluster], &nearest)) continue;
         if (is_beside(f->cameras + camera, m, f->boxes[part->cluster])) continue;
+        if (partly && !is_in_drawn_tile(f, f->cameras + camera, m, f->spheres[part->cluster])) continue;
         f->found[count][0] = p, f->found[count][1] = rank_of(nearest);
         places[f->found[count++][1] + 1]++;
         *size += triangles_of(f, p);
@@ -122,7 +125,7 @@ static void divide(Frame *f, int32_t camera, int32_t first, int32_t end, int64_t
 int32_t morse_draw_find(Frame *f) {
     int32_t count = 0;
     int64_t row = 0;
-    f->seen_count = f->chunk_count = 0;
+    f->seen_count = f->chunk_count = 0, f->drawn_count = 0;
     EACH(c, f->camera_count) {
         const Camera *k = f->cameras + c;
         int64_t size;
@@ -130,7 +133,10 @@ int32_t morse_draw_find(Frame *f) {
         for (int32_t y = 0; y < k->height; y += TILE)
             for (int32_t x = 0; x < k->width; x += TILE, tile++)
                 f->tiles[tile][0] = c, f->tiles[tile][1] = x, f->tiles[tile][2] = y;
-        const int32_t end = find(f, c, count, &size);
+        const int64_t drawn = draw_mark(f, c);
+        f->drawn_count += drawn;
+        if (!drawn) continue;
+        const int32_t end = find(f, c, drawn < tile - k->tile, count, &size);
         divide(f, c, count, end, size, tile - k->tile, &row);
         count = end;
     }

@@ -4,9 +4,11 @@
 #include <string.h>
 
 #include "draw_cover.h"
+#include "draw_kept.h"
 #include "draw_light.h"
 #include "draw_looks.h"
 #include "draw_mixed.h"
+#include "draw_reads.h"
 #include "draw_shown.h"
 #include "draw_surface.h"
 #include "draw_texture.h"
@@ -276,6 +278,10 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
     for (int c = 0; c < COLUMNS && left + c * LANES < k->width; c++)
         for (int y = 0; y < TILE && top + y < k->height; y++) draw_row(f, k, w, c, y / BLOCK_ROWS, y % BLOCK_ROWS);
     if (k->color) draw_colours(f, k, w);
+    const Kept *kept = kept_of(f, f->tiles[tile][0]);
+    if (!kept) return;
+    draw_keep(f, tile);
+    if (k->color) find_reads(f, k, t, kept->reads[tile - k->tile]);
 }
 
 // All pixels of all tiles, shared by the threads.
@@ -286,6 +292,10 @@ void draw_pixels(Frame *f) {
     // and lanes without a sample, and places in a table that is empty
     memset(&w.samples, 0, sizeof w.samples), memset(&w.shown, 0, sizeof w.shown);
     int64_t *next = &f->stages[PIXELS].next;
-    for (int64_t t; (t = __atomic_fetch_add(next, 1, __ATOMIC_RELAXED)) < f->tile_count;)
-        draw_tile(f, f->cameras + f->tiles[t][0], t, &w);
+    for (int64_t t; (t = __atomic_fetch_add(next, 1, __ATOMIC_RELAXED)) < f->tile_count;) {
+        if (f->drawn[t])
+            draw_tile(f, f->cameras + f->tiles[t][0], t, &w);
+        else
+            draw_take_over(f, t);
+    }
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "draw_bounds.h"
+#include "draw_kept.h"
 #include "drawing.h"
 #include "export.h"
 #include "simd.h"
@@ -24,6 +25,7 @@ typedef struct {
     int32_t (*changed)[4];    // room for two rectangles of each
     uint8_t *stale;  // whether the bounds of each block are computed again; 0 between calls; null without bounds
     ShadowBlock *bounds;
+    int64_t *changes;  // Frame.shadow_changes; may be null
     int32_t count, spare;
 } Movers;
 
@@ -169,6 +171,18 @@ static void bound_changed(const Frame *f, Movers *m, int count) {
     }
 }
 
+// Counts the changes of some rectangles.
+static void count_changes(Frame *f, const Movers *m, int count) {
+    const int64_t across = change_blocks(f->shadow_width), all = across * change_blocks(f->shadow_height);
+    m->changes[all] = ++f->change;
+    EACH(i, count) {
+        const int32_t *r = m->changed[i];
+        if (r[0] >= r[2]) continue;
+        for (int64_t y = r[1] >> CHANGE_SHIFT; y < change_blocks(r[3]); y++)
+            for (int64_t x = r[0] >> CHANGE_SHIFT; x < change_blocks(r[2]); x++) m->changes[y * across + x] = f->change;
+    }
+}
+
 // Updates the shadows of parts that have moved. Others in the same region are drawn again as well.
 void morse_draw_movers(Frame *f, Movers *m) {
     const int moved = find_moved(f, m);
@@ -187,4 +201,5 @@ void morse_draw_movers(Frame *f, Movers *m) {
         if (m->again[i] == MOVED) memcpy(m->changed[changed++], m->touched[i], sizeof *m->changed);
     }
     if (m->stale) bound_changed(f, m, changed);
+    if (m->changes) count_changes(f, m, changed);
 }

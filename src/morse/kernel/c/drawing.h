@@ -77,6 +77,22 @@ typedef struct {
     int64_t row;
 } Chunk;
 
+// The shadow maps.
+enum { SUN_MAP, NEAR_MAP, LAMP_MAP, MAPS };
+
+// What is kept of the last image of a camera; `_Kept` in morse/kernel/drawing/native_kept.py.
+typedef struct {
+    uint8_t (*rgba)[4];
+    float *depth;
+    int32_t *ids;
+    float (*normals)[3];
+    float (*models)[12], (*turns)[9];  // of all instances, in this image
+    const float *lamp_shadow;          // the map of this image
+    int32_t (*reads)[MAPS][4];         // texels that are read for each tile: x0, y0, x1, y1, one past the end
+    int64_t change;                    // Frame.change at this image
+    int32_t instances, is_complete;
+} Kept;
+
 // Work that threads share: the next piece to take, and the number of pieces that are complete.
 typedef struct {
     int64_t next, done;
@@ -111,6 +127,8 @@ typedef struct {
     const float *near_shadow, *near_sun;    // a finer map of a part of the world
     const float *lamp_shadow, *lamp_frame;  // a perspective map of a spot lamp: minus the depths, m
     const ShadowBlock *shadow_bounds, *near_bounds, *lamp_bounds;  // of each block of these maps; may be null
+    // the last change of each block of texels of the two maps, then the last of all; null if changes are not counted
+    const int64_t *shadow_changes, *near_changes;
     float (*points)[3];      // the positions of the vertices of each cluster without repetitions, from its first vertex
     uint16_t (*corners)[3];  // three of them for each triangle
     int32_t *point_counts;   // of each cluster
@@ -125,6 +143,8 @@ typedef struct {
     int64_t *firsts;  // the first triangle of each tile in `members`
     int32_t *members;
     int32_t (*tiles)[4];  // camera, left, top
+    uint8_t *drawn;       // whether each tile is drawn: the others are those of the last image
+    Kept **kept;          // of each camera, or null; may be null
     uint8_t (*rgba)[4];
     float *depth;
     int32_t *ids;
@@ -132,6 +152,7 @@ typedef struct {
     int32_t part_count, lamp_count, sample_count, camera_count, job_count, tile_count, shadow_width, shadow_height;
     int32_t near_width, near_height, lamp_width, lamp_height, cluster_count, chunk_count;
     int64_t seen_count, member_count, member_room;
+    int64_t drawn_count, change;  // number of tiles that are drawn; number of changes of shadow maps
     Stage stages[STAGES];
 } Frame;
 

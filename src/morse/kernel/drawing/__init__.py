@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.kernel.drawing.arrays import Drawing, Light, Pictures, Poses
+from morse.kernel.drawing.kept import Kept
 from morse.kernel.drawing.simplification import Simplification
 from morse.kernel.loading import library
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from morse.kernel.drawing.native import NativeDrawer
     from morse.kernel.drawing.reference import ReferenceDrawer
 
-__all__ = ["Drawing", "Light", "Pictures", "Poses", "Simplification", "closed_labels", "drawer", "simplify"]
+__all__ = ["Drawing", "Kept", "Light", "Pictures", "Poses", "Simplification", "closed_labels", "drawer", "simplify"]
 
 
 def drawer(drawing: Drawing) -> NativeDrawer | ReferenceDrawer:

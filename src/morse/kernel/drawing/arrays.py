@@ -25,6 +25,8 @@ CLOSED, MIXED = 1, 2
 SUN, POINT, SPOT, HEMISPHERE = range(4)
 #: larger than the distance of any surface from the sun
 NO_SURFACE = -1e30
+#: texels along the side of a block of a shadow map whose changes are counted
+_CHANGE_BLOCK = 32
 #: texels along the side of a block of a shadow map, and along that of the smallest map whose blocks have bounds
 _SHADOW_BLOCK, _SMALLEST_BOUNDED = 8, 16
 
@@ -156,6 +158,7 @@ class Light(NamedTuple):
             8 x 8 texels of these maps, between which all texels are that are read for a point in the block: their
             change for a column and a row, and their values at the first texel of the block, m. They only save time;
             see `bounds_for`.
+        shadow_changes, near_changes: (N,) int64, numbers of the last changes of these maps; see `changes_for`.
     """
 
     lamps: NDArray[Any]
@@ -169,6 +172,14 @@ class Light(NamedTuple):
     shadow_bounds: NDArray[np.float32] | None = None
     near_bounds: NDArray[np.float32] | None = None
     lamp_bounds: NDArray[np.float32] | None = None
+    shadow_changes: NDArray[np.int64] | None = None
+    near_changes: NDArray[np.int64] | None = None
+
+
+def changes_for(shadow: NDArray[np.float32]) -> NDArray[np.int64]:
+    """Return memory for the numbers of the last changes of a shadow map: of each block of texels, then of all."""
+    height, width = shadow.shape
+    return np.zeros(-(-height // _CHANGE_BLOCK) * -(-width // _CHANGE_BLOCK) + 1, np.int64)
 
 
 def bounds_for(shadow: NDArray[np.float32]) -> NDArray[np.float32] | None:

@@ -9,14 +9,18 @@ import numpy as np
 
 from morse.kernel import threads
 from morse.kernel.drawing.arrays import CHUNK, ENCODED, SAMPLES, SEEN, Pictures, number_tiles
+from morse.kernel.drawing.native_kept import Lit, NativeKept
 from morse.kernel.drawing.native_shadows import NativeMovers
 from morse.kernel.drawing.structures import FrameStructure
 from morse.kernel.memory import aligned, pointer
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
+    from morse.kernel.drawing.kept import Kept
 
 _OF_ONE_CALL = ("cameras", "rgba", "depth", "ids", "normals")
 #: the largest number of chunks of a camera; see ``c/draw_find.c``
@@ -30,6 +34,7 @@ class NativeDrawer:
 
     Attributes:
         drawing: the scene.
+        drawn_tiles: number of tiles of the last images that were not taken over from those before.
     """
 
     def __init__(self, library: ctypes.CDLL, drawing: Drawing) -> None:
@@ -45,22 +50,27 @@ class NativeDrawer:
             boxes=np.empty((len(drawing.clusters) + 1, 6), np.float32),
         )
         library.morse_draw_points(ctypes.byref(frame))
+        self.drawn_tiles = 0
         self._seen = 0
         self._sizes = (-1, -1)
         self._room: dict[str, NDArray[Any]] = {}
 
-    def draw(self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
+    def draw(
+        self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int, kept: Sequence[Kept | None] = ()
+    ) -> Pictures:
         """Render the images of cameras.
 
         Args:
             cameras: (K,) `CAMERA`; their first tiles and pixels are set.
             samples: number of samples per pixel for the colour: 1 or 5.
+            kept: of each camera, so that tiles that do not change are not rendered again; None for none.
         """
         frame, count = self._frame, len(cameras)
         tiles, pixels = number_tiles(cameras)
         self._light(light, poses, samples)
         frame.point(cameras=cameras, **self._room_for(count, tiles))
         frame.camera_count, frame.tile_count = count, tiles
+        lit, begun = self._begin(cameras, kept, poses, light, samples)
         frame.job_count = self._library.morse_draw_find(ctypes.byref(frame))
         colour = np.empty((pixels if cameras["color"].any() else 0, 4), np.uint8)
         normals = np.empty((pixels if cameras["normals"].any() else 0, 3), np.float32)
@@ -68,7 +78,28 @@ class NativeDrawer:
         frame.point(**made._asdict())
         self._draw(tiles)
         frame.forget(*_OF_ONE_CALL)
+        for one in begun:
+            one.end(lit)
+        self.drawn_tiles = frame.drawn_count
         return made
+
+    def _begin(
+        self, cameras: NDArray[Any], kept: Sequence[Kept | None], poses: Poses, light: Light, samples: int
+    ) -> tuple[Lit, list[NativeKept]]:
+        """Point to the images of standing cameras that are kept."""
+        lit, frame, begun = Lit(light, samples), self._frame, []
+        addresses = np.zeros(len(kept), np.uintp)
+        for number, one in enumerate(kept):
+            if one is None:
+                continue
+            if one.of is None or one.of.owner is not self:
+                one.of = NativeKept(self)
+            place = one.of.begin(cameras[number : number + 1], lit, len(poses.models))
+            if place is not None:
+                addresses[number] = place
+                begun.append(one.of)
+        frame.point(kept=addresses if begun else None)
+        return lit, begun
 
     def _room_for(self, cameras: int, tiles: int) -> dict[str, NDArray[Any]]:
         """Arrays for that many cameras and tiles; they are kept for the next images."""
@@ -85,6 +116,7 @@ class NativeDrawer:
                 "shares": np.empty(_CHUNKS * tiles + 1, np.int32),
                 "firsts": np.empty(tiles + 1, np.int64),
                 "tiles": np.empty((tiles + 1, 4), np.int32),
+                "drawn": np.empty(tiles + 1, np.uint8),
             }
         return self._room
 
@@ -95,12 +127,13 @@ class NativeDrawer:
             self._seen = frame.seen_count * 5 // 4
             frame.point(seen=aligned(self._seen, SEEN), bounds=np.empty((self._seen, 4), np.int16))
         frame.restart()
-        threads.together(lambda: function(ctypes.byref(frame)), tiles)
+        pieces = min(tiles, frame.drawn_count + 1)
+        threads.together(lambda: function(ctypes.byref(frame)), pieces)
         if frame.member_count > frame.member_room:
             # the kernel goes on where it needed more memory
             frame.member_room = frame.member_count * 5 // 4
             frame.point(members=np.empty(frame.member_room, np.int32))
-            threads.together(lambda: function(ctypes.byref(frame)), tiles)
+            threads.together(lambda: function(ctypes.byref(frame)), pieces)
 
     def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
         """Draw parts into the shadow map.
@@ -109,6 +142,9 @@ class NativeDrawer:
             (N, 4) the texels that each part may have filled: x0, y0, x1, y1, one past the end.
         """
         frame = self._frame
+        if light.shadow_changes is not None:
+            frame.change += 1
+            light.shadow_changes[:] = frame.change
         self._light(light, poses, 1)
         jobs = np.ascontiguousarray(np.column_stack([np.zeros_like(parts), parts]), dtype=np.int32)
         rectangles = np.zeros((len(parts), 4), np.int32)

@@ -22,7 +22,9 @@ class _Movers(ctypes.Structure):
     _fields_ = (
         *[
             (name, ctypes.c_void_p)
-            for name in ("parts", "left_out", "base", "models", "touched", "again", "changed", "stale", "bounds")
+            for name in (
+                *("parts", "left_out", "base", "models", "touched", "again", "changed", "stale", "bounds", "changes"),
+            )
         ],
         ("count", ctypes.c_int32),
         ("spare", ctypes.c_int32),
@@ -58,6 +60,7 @@ class NativeMovers:
             "changed": np.zeros((2 * count + 1, 4), np.int32),
             "stale": None if bounds is None else np.zeros(bounds.shape[:2], np.uint8),
             "bounds": bounds,
+            "changes": light.shadow_changes,
         }
         self._movers = _Movers(**{name: address(array) for name, array in self._arrays.items()}, count=count)
 

@@ -11,9 +11,12 @@ from morse.kernel.drawing.arrays import DITHERED, MASKED, SAMPLES, TILE, Picture
 from morse.kernel.drawing.reference_project import Projected, project
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
+    from morse.kernel.drawing.kept import Kept
 
 _BAYER = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]], np.float32)
 _FARTHEST_TEXEL = 8e6
@@ -25,14 +28,18 @@ class ReferenceDrawer:
 
     Attributes:
         drawing: the scene.
+        drawn_tiles: number of tiles of the last images; see `morse.kernel.drawing.native.NativeDrawer`.
     """
 
     def __init__(self, drawing: Drawing) -> None:
         self.drawing = drawing
+        self.drawn_tiles = 0
 
-    def draw(self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
-        """The images of cameras (K,) `CAMERA`."""
-        number_tiles(cameras)
+    def draw(
+        self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int, kept: Sequence[Kept | None] = ()
+    ) -> Pictures:
+        """The images of cameras (K,) `CAMERA`; nothing is kept."""
+        self.drawn_tiles, _ = number_tiles(cameras)
         with np.errstate(all="ignore"):
             made = [self._draw(camera, poses, light, samples) for camera in cameras]
         no_pixels = np.zeros(0, np.float32)

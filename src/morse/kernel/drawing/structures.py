@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 _ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
     closed guards levels
     models turns cameras shadow sun near_shadow near_sun lamp_shadow lamp_frame
-    shadow_bounds near_bounds lamp_bounds points corners point_counts boxes
-    jobs found starts counts chunks shares seen bounds firsts members tiles rgba depth ids normals"""
+    shadow_bounds near_bounds lamp_bounds shadow_changes near_changes points corners point_counts boxes
+    jobs found starts counts chunks shares seen bounds firsts members tiles drawn kept rgba depth ids normals"""
 _NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_count shadow_width shadow_height
     near_width near_height lamp_width lamp_height cluster_count chunk_count"""
-_SIZES = "seen_count member_count member_room"
+_SIZES = "seen_count member_count member_room drawn_count change"
 #: four stages of an image, each with the next piece of work and the number of complete pieces
 _Stages = ctypes.c_int64 * 8
 
