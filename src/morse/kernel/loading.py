@@ -28,7 +28,9 @@ def library() -> ctypes.CDLL | None:
         return None
     target = targets.host()
     if target is None:
-        logger.warning("There is no native kernel for this platform: rays are cast by numpy, which is slow")
+        logger.warning(
+            "There is no native kernel for this platform: rays, and above all the images of cameras, are computed by numpy, which is slow"
+        )
         return None
     known = {f"v{level}": level for level in target.levels if level}
     if wanted not in known and wanted not in ("", "on"):
@@ -36,7 +38,10 @@ def library() -> ctypes.CDLL | None:
     try:
         return load(target, known[wanted]) if wanted in known else _best(target)
     except OSError as error:
-        logger.warning("The native kernel is not used (%s): rays are cast by numpy, which is slow", error)
+        logger.warning(
+            "The native kernel is not used (%s): rays, and above all the images of cameras, are computed by numpy, which is slow",
+            error,
+        )
         return None
 
 
