@@ -73,6 +73,16 @@ def test_what_a_camera_sees(morse, scene):
     assert reds(pixels(morse)).any()
 
 
+@pytest.mark.parametrize(("kind", "shown"), [("DepthCamera", "depth"), ("SegmentationCamera", "ids")])
+def test_a_camera_shows_what_it_measures(morse, scene, kind, shown):
+    (morse.directory / scene).write_text(SCENE.replace("VideoCamera", kind))
+    words = (scene, "--camera", "robot.eye", "--time", "0", "-o")
+    for name, more in (("usual.png", ()), ("same.png", ("--show", shown)), ("colour.png", ("--show", "color"))):
+        assert morse("render", *words, name, *more).status == 0
+    np.testing.assert_array_equal(pixels(morse, "usual.png"), pixels(morse, "same.png"))
+    assert (pixels(morse, "usual.png") != pixels(morse, "colour.png")).any()
+
+
 def test_depth_is_bright_where_it_is_near_and_ids_have_colours(morse, scene):
     words = ("--from", "0,0,1", "--to", "6,0,1", *SMALL)
     assert morse("render", scene, "--show", "depth", "-o", "depth.png", *words).status == 0

@@ -9,7 +9,7 @@ import typer
 
 from morse.cli.messages import CommandError, nearest, say
 from morse.cli.scenes import resolve
-from morse.cli.viewing import drawn, place_of, request_of, shape_of, size_of
+from morse.cli.viewing import drawn, place_of, request_of, shape_of, size_of, usual_of
 from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
@@ -44,7 +44,14 @@ def command(
     fov: Annotated[
         float | None, typer.Option("--fov", help="Horizontal angle of view, degrees (default: that of the script).")
     ] = None,
-    show: Annotated[str, typer.Option("--show", metavar="color|depth|ids", help="What to draw.")] = "color",
+    show: Annotated[
+        str | None,
+        typer.Option(
+            "--show",
+            metavar="color|depth|ids",
+            help="What to draw (default: color; what a depth or id camera measures).",
+        ),
+    ] = None,
     time: Annotated[float, typer.Option("--time", min=0.0, help="Simulated seconds before the picture.")] = 0.5,
     film: Annotated[
         float | None,
@@ -72,6 +79,7 @@ def command(
         raise CommandError(f"-o: {error}.", status=2) from None
     simulation = _load(scene, seed)
     try:
+        show = show or usual_of(simulation, camera)
         request = request_of(simulation, camera, places, (width, height), fov, fine, show == "color")
         _run(simulation, time)
         if film is None:
@@ -93,9 +101,9 @@ def command(
 
 
 def _check(
-    show: str, time: float, film: float | None, rate: float, camera: str | None, others: tuple[Any, ...]
+    show: str | None, time: float, film: float | None, rate: float, camera: str | None, others: tuple[Any, ...]
 ) -> None:
-    if show not in _SHOWN:
+    if show is not None and show not in _SHOWN:
         raise CommandError(f"--show is one of {', '.join(_SHOWN)}, not '{show}'.{nearest(show, _SHOWN)}", status=2)
     if not 0.0 <= time <= _LONGEST:
         raise CommandError(f"--time is 0 to {_LONGEST:g} simulated seconds, not {time:g}.", status=2)

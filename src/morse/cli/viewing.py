@@ -40,6 +40,17 @@ def place_of(text: str | None, option: str) -> tuple[float, ...] | None:
     return found
 
 
+def usual_of(simulation: Simulation, camera: str | None) -> str:
+    """What the camera of a scene measures: ``depth``, ``ids``, or ``color`` for all others and for a free viewpoint."""
+    from morse.sensors.depth_camera import AbstractDepthCamera
+    from morse.sensors.segmentation_camera import SegmentationCamera
+
+    component = simulation.context.components.get(camera or "")
+    if isinstance(component, AbstractDepthCamera):
+        return "depth"
+    return "ids" if isinstance(component, SegmentationCamera) else "color"
+
+
 def request_of(
     simulation: Simulation,
     camera: str | None,

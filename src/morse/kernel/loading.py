@@ -29,7 +29,7 @@ def library() -> ctypes.CDLL | None:
     target = targets.host()
     if target is None:
         logger.warning(
-            "There is no native kernel for this platform: rays, and above all the images of cameras, are computed by numpy, which is slow"
+            "There is no native kernel for this platform: rays and camera images are computed by numpy, which is slow"
         )
         return None
     known = {f"v{level}": level for level in target.levels if level}
@@ -39,7 +39,7 @@ def library() -> ctypes.CDLL | None:
         return load(target, known[wanted]) if wanted in known else _best(target)
     except OSError as error:
         logger.warning(
-            "The native kernel is not used (%s): rays, and above all the images of cameras, are computed by numpy, which is slow",
+            "The native kernel is not used (%s): rays and camera images are computed by numpy, which is slow",
             error,
         )
         return None
