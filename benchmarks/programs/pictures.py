@@ -1,8 +1,9 @@
 """Images of the sandbox in MORSE.
 
-``draw`` renders them as fast as possible; ``export FILE`` writes the triangles for another renderer; ``first`` captures
-the first image after loading; ``share`` compares a simulation with a camera at 30 Hz with one without; ``beside``
-compares a camera with a delay of one frame, whose images are rendered while the simulation goes on, with one without.
+``draw`` renders them as fast as possible, each image anew; ``export FILE`` writes the triangles for another renderer;
+``first`` captures the first image after loading; ``standing`` and ``turning`` compare a simulation with a camera at
+30 Hz with one without, on a robot that stands or turns on the spot; ``beside`` compares a camera with a delay of one
+frame, whose images are rendered while the simulation goes on, with one without, each image anew.
 """
 
 from __future__ import annotations
@@ -15,16 +16,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks import stopwatch, work
-from benchmarks.programs.loading import prepare
+from benchmarks.programs.loading import command_all, prepare, sensors_with
 from morse.rendering import Lens, Renderer
+from morse.sensors.camera import Camera
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from morse.rendering import CameraRequest
+    from morse.simulation.simulation import Simulation
 
 _CHUNK = 10
 _WARM = 3
+#: s, until a robot is at rest
+_SETTLED = 1.0
 #: delays of the camera, s
 _DELAYS = {"at once": 0.0, "beside": 1 / 30}
 
@@ -91,12 +96,16 @@ def first() -> None:
     stopwatch.report(s=wall, processor_s=processor)
 
 
-def share(secs: float) -> None:
-    """The share of real time that a camera takes."""
+def share(secs: float, turning: bool) -> None:
+    """The share of real time that a camera takes on a robot that turns on the spot, or stands."""
     costs = []
     for rate in (30, 0):
-        simulation = prepare("pictures", rate=rate)
-        for _ in range(2 * work.TICKS_PER_SCAN):
+        simulation = prepare("pictures", rate=rate, turning=int(turning))
+        if turning:
+            command_all(simulation)
+            for actuator in simulation.loaded.actuators:
+                actuator.local_data["v"] = 0.0
+        for _ in range(round(_SETTLED * work.TICK)):
             simulation.tick()
         pace, _ = stopwatch.measure(simulation.tick, secs)
         costs.append(1 / pace.processor)
@@ -107,6 +116,8 @@ def share(secs: float) -> None:
 def beside(others: int, chunks: int) -> None:
     """The time of ticks with a camera at 30 Hz, without delay and with a delay of one frame, in turns."""
     simulations = {name: prepare("pictures", delay=delay, others=others) for name, delay in _DELAYS.items()}
+    for simulation in simulations.values():
+        _draw_anew(simulation)
     spent: dict[str, list[stopwatch.Cost]] = {name: [] for name in simulations}
     own: dict[str, list[float]] = {name: [] for name in simulations}
     for chunk in range(chunks + 1):
@@ -129,6 +140,13 @@ def beside(others: int, chunks: int) -> None:
     )
 
 
+def _draw_anew(simulation: Simulation) -> None:
+    """Let no camera take over parts of its last image."""
+    for camera in sensors_with(simulation, "image"):
+        assert isinstance(camera, Camera)
+        camera.request.memory = None
+
+
 def _world() -> Any:
     simulation = prepare("pictures", rate=0)
     simulation.tick()
@@ -137,13 +155,15 @@ def _world() -> Any:
 
 def _request(renderer: Renderer, width: int, height: int, color: bool) -> CameraRequest:
     lens = Lens.of_focal_length(width, height, work.PICTURE_FOCAL, work.PICTURE_NEAR, work.PICTURE_FAR)
-    return renderer.request(Tripod(), lens, color=color)
+    request = renderer.request(Tripod(), lens, color=color)
+    request.memory = None
+    return request
 
 
 def main() -> None:
     """Run the measurement that the first argument names."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("what", choices=["draw", "export", "first", "share", "beside"])
+    parser.add_argument("what", choices=["draw", "export", "first", "standing", "turning", "beside"])
     parser.add_argument("file", nargs="?")
     parser.add_argument("--width", type=int, default=640)
     parser.add_argument("--cameras", type=int, default=1)
@@ -161,7 +181,7 @@ def main() -> None:
     elif given.what == "first":
         first()
     else:
-        share(given.secs)
+        share(given.secs, given.what == "turning")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The world of the tutorial, and a robot with a camera.
 
-Arguments: ``rate``, Hz, 0 for no camera; ``delay`` of the camera, s; ``others``, number of robots with laser scanners.
+Arguments: ``rate``, Hz, 0 for no camera; ``delay`` of the camera, s; ``others``, number of robots with laser scanners;
+``turning``, 1 for a robot that a velocity actuator moves.
 """
 
 import sys
@@ -11,6 +12,8 @@ arguments = dict(word.split("=", 1) for word in sys.argv[1:] if "=" in word)
 rate = float(arguments.get("rate", 30.0))
 
 robot = ATRV("robot")
+if int(arguments.get("turning", 0)):
+    robot.append(MotionVW("motion"))
 if rate:
     camera = VideoCamera("camera")
     camera.translate(x=0.6, z=1.2)
