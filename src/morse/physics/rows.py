@@ -28,12 +28,16 @@ class Rows:
     Args:
         array: (N, D).
         taken: number of the first rows that `take` replaces.
+
+    Attributes:
+        array: all rows (N, D); the array must be read immediately and not be modified.
+        place: the address of the array; 0 if it is not known, because it takes a while to find out.
     """
 
-    __slots__ = ("_array", "_first", "_is_shared", "_made", "_none", "_place", "_row", "_rows", "_size")
+    __slots__ = ("_first", "_is_shared", "_made", "_none", "_row", "_rows", "_size", "array", "place")
 
     def __init__(self, array: NDArray[np.float64], taken: int = 0) -> None:
-        self._array = array
+        self.array = array
         self._first = array[:taken]
         self._is_shared = False
         self._row = Struct(f"={array.shape[1]}d")
@@ -42,8 +46,7 @@ class Rows:
         self._none: list[Sequence[float] | None] = [None] * taken
         #: copies of the array, the first rows of each, and its address
         self._made: list[tuple[NDArray[np.float64], NDArray[np.float64], int]] = []
-        #: address of the array; 0 if it is not known
-        self._place = 0
+        self.place = 0
 
     def take(self, values: NDArray[np.float64]) -> None:
         """Set new values for the first rows."""
@@ -53,20 +56,20 @@ class Rows:
             if not made:
                 made += self._copies()
             if made:
-                self._array, self._first, self._place = made.pop()
+                self.array, self._first, self.place = made.pop()
                 self._first[...] = values
             else:
-                self._place = 0
+                self.place = 0
                 count = len(self._none)
-                self._array = np.concatenate((values, self._array[count:]))
-                self._first = self._array[:count]
+                self.array = np.concatenate((values, self.array[count:]))
+                self._first = self.array[:count]
         else:
             self._first[...] = values
         self._rows[: len(self._none)] = self._none
 
     def _copies(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64], int]]:
         """Return copies for the next calls of `take`; none of a large array."""
-        array, count = self._array, len(self._none)
+        array, count = self.array, len(self._none)
         number = min(_MOST, _BLOCK // max(array.nbytes, 1))
         if number < _LEAST:
             return []
@@ -78,30 +81,20 @@ class Rows:
 
     def _own(self) -> None:
         if self._is_shared:
-            self._array = self._array.copy()
-            self._first = self._array[: len(self._none)]
-            self._is_shared, self._place = False, 0
-
-    @property
-    def place(self) -> int:
-        """The address of the array that `share` returns; 0 if it is not known, because it takes a while to find out."""
-        return self._place
-
-    @property
-    def array(self) -> NDArray[np.float64]:
-        """Return all rows (N, D); the array must be read immediately and not be modified."""
-        return self._array
+            self.array = self.array.copy()
+            self._first = self.array[: len(self._none)]
+            self._is_shared, self.place = False, 0
 
     def share(self) -> NDArray[np.float64]:
         """Return all present rows (N, D); the array does not change afterwards."""
         self._is_shared = True
-        return self._array
+        return self.array
 
     def __len__(self) -> int:
         return len(self._rows)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Rows) and np.array_equal(self._array, other._array, equal_nan=True)
+        return isinstance(other, Rows) and np.array_equal(self.array, other.array, equal_nan=True)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -117,11 +110,11 @@ class Rows:
         row = self._rows[index]
         if row is None:
             # takes a third of the time of reading from the array
-            row = self._rows[index] = self._row.unpack_from(self._array, self._size * index)  # type: ignore[arg-type]
+            row = self._rows[index] = self._row.unpack_from(self.array, self._size * index)  # type: ignore[arg-type]
         return row
 
     def __setitem__(self, index: int, values: Sequence[float]) -> None:
         self._own()
         self._made.clear()
-        self._array[index] = values
+        self.array[index] = values
         self._rows[index] = values

@@ -5,10 +5,11 @@ from __future__ import annotations
 import errno
 import threading
 import time
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from morse.kernel.recording import records
-from morse.recording.gathering import Gathered, Memory, Window
+from morse.recording.captures import Moments
+from morse.recording.gathering import VALUES, Gathered, Memory
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
 
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from io import FileIO
 
-    from morse.recording.gathering import Tick
 
 #: wall-clock seconds between two chunks: limits the loss if the process is killed, with a margin for the writing itself
 _INTERVAL = 0.5
@@ -41,7 +41,10 @@ class _Passed(NamedTuple):
     given: int
 
 
-_Item: TypeAlias = "Tick | Message | Window | _Passed | Callable[[McapWriter], object]"
+_Item: TypeAlias = "Message | Moments | _Passed | Callable[[McapWriter], object]"
+#: takes the place of the number of a tick
+_OTHER = -1
+_NOTHING = (None,) * (VALUES - 2)
 
 
 class Disk:
@@ -56,7 +59,8 @@ class Disk:
     Attributes:
         error: the error of the operating system, or None.
         waits: number of times that a writer had to wait.
-        put: queues a tick, which is encoded later; its arrays never change. The caller has to call `held`.
+        queue: ticks, which are encoded later, and other things in the order of the simulation: a flat list with
+            `VALUES` values of each, which have to be appended by one operation. The caller has to call `pass_on`.
     """
 
     def __init__(self, file: FileIO) -> None:
@@ -65,11 +69,10 @@ class Disk:
         self.waits = 0
         self._writer = McapWriter(file)
         # each operation on a list is atomic: other threads append, and only the thread of the disk removes
-        self._items: list[_Item] = []
-        self.put: Callable[[Tick | Window], object] = self._items.append
+        self.queue: list[Any] = []
         self._held = self._given = self._taken = 0  # bytes; only the thread writes the last one
         self._native = records()
-        self._window: Window | None = None
+        self._moments: Moments | None = None
         self._gathered = self._new()
         self._memory = Memory()
         self._written = time.monotonic()
@@ -80,7 +83,7 @@ class Disk:
 
     def message(self, one: Message) -> None:
         """Queue a message."""
-        self._items.append(one)
+        self._put(one)
         self._held += _OVERHEAD + len(one.data)
         if self._held > CHUNK:
             self.pass_on(self._held)
@@ -88,7 +91,14 @@ class Disk:
 
     def other(self, write: Callable[[McapWriter], object]) -> None:
         """Queue another operation, after all previous messages."""
-        self._items.append(write)
+        self._put(write)
+
+    def begin(self, moments: Moments) -> None:
+        """Set the times of the following ticks."""
+        self._put(moments)
+
+    def _put(self, item: _Item) -> None:
+        self.queue += (_OTHER, item, *_NOTHING)
 
     def pass_on(self, size: int) -> None:
         """End a chunk, and wait if too many bytes are queued.
@@ -97,7 +107,7 @@ class Disk:
             size: approximate memory of the data that were queued since the last call, bytes.
         """
         self._given += size
-        self._items.append(_Passed(self._given))
+        self._put(_Passed(self._given))
         self._wake.set()
         if self._given - self._taken > _MOST_WAITING:
             self.waits += 1
@@ -133,24 +143,26 @@ class Disk:
 
     def _drain(self) -> None:
         """Take all that is queued, and write the chunks that have ended."""
-        items = self._items
-        while some := items[:]:
-            del items[: len(some)]
+        queue = self.queue
+        while some := queue[:]:
+            del queue[: len(some)]
+            numbers = some[::VALUES]
             begin = 0
-            for place in [place for place, kind in enumerate(map(type, some)) if kind is not tuple]:
-                self._gathered.ticks += some[begin:place]  # type: ignore[arg-type]
-                self._take(some[place])
+            for _ in range(numbers.count(_OTHER)):
+                place = numbers.index(_OTHER, begin)
+                self._gathered.ticks += some[VALUES * begin : VALUES * place]
+                self._take(some[VALUES * place + 1])
                 begin = place + 1
-            self._gathered.ticks += some[begin:] if begin else some  # type: ignore[arg-type]
+            self._gathered.ticks += some[VALUES * begin :] if begin else some
 
     def _take(self, item: _Item) -> None:
         if type(item) is Message:
             gathered = self._gathered
-            gathered.messages.append((len(gathered.ticks), item))
+            gathered.messages.append((len(gathered.ticks) // VALUES, item))
         else:
             self._write()
-            if isinstance(item, Window):
-                self._window = item
+            if type(item) is Moments:
+                self._moments = item
                 self._gathered = self._new()
             elif isinstance(item, _Passed):
                 self._taken = item.given
@@ -159,7 +171,7 @@ class Disk:
                 self._attempt(lambda: item(self._writer))  # type: ignore[operator]
 
     def _new(self) -> Gathered:
-        return Gathered(self._window, self._native)
+        return Gathered(self._moments, self._native)
 
     def _write(self) -> None:
         """Write the messages that were taken."""

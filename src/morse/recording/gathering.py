@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.kernel.recording import Similar
-from morse.recording.captures.poses import groups_of_arrays, groups_of_bytes
+from morse.recording.captures.poses import groups_of_arrays
 from morse.recording.mcap.index import ChunkIndex, index_of
 from morse.recording.mcap.records import CHUNK_ROOM, INDEX_HEAD, MESSAGE_FIXED, MESSAGE_HEAD
 from morse.recording.mcap.records import MESSAGE as MESSAGE_OPCODE
@@ -22,27 +22,11 @@ if TYPE_CHECKING:
     from morse.recording.mcap.index import Entries
     from morse.recording.mcap.records import Message
 
-    Poses = bytes | NDArray[np.float64]
-    #: number of a tick; its records; positions (K, 3) m and rotations (K, 9) of rigid groups; their addresses, 0 if
-    #: they are not known; other data by capture
-    Tick = tuple[int, Layout, Poses, Poses, int, int, Sequence[tuple[Capture, Any]] | None]
-
+#: number of values of a tick in a flat list: its number, its records, positions (K, 3) m and rotations (K, 9) of all
+#: rigid groups, their addresses (0 if they are not known), other data by capture. The arrays never change.
+VALUES = 7
 #: share of a chunk above which messages that no capture encodes are compressed by the library
 _MOST_OTHERS = 0.2
-
-
-class Window(NamedTuple):
-    """What applies to all following ticks.
-
-    Attributes:
-        first: index of the first rigid group whose pose is stored.
-        is_whole: whether the poses of a tick are arrays that never change; they are bytes otherwise.
-        moments: computes the times of the ticks.
-    """
-
-    first: int
-    is_whole: bool
-    moments: Moments
 
 
 class Memory:
@@ -82,18 +66,18 @@ class Gathered:
     """The messages of a chunk, in order.
 
     Args:
-        window: applies to all ticks.
+        moments: computes the times of the ticks; only needed for ticks.
         native: the encoder; only needed for ticks.
 
     Attributes:
-        ticks: the ticks that are encoded now.
+        ticks: the ticks that are encoded now, `VALUES` values of each.
         messages: number of these ticks before each other message, and the message.
     """
 
-    def __init__(self, window: Window | None, native: NativeRecords | None) -> None:
-        self.ticks: list[Tick] = []
+    def __init__(self, moments: Moments | None, native: NativeRecords | None) -> None:
+        self.ticks: list[Any] = []
         self.messages: list[tuple[int, Message]] = []
-        self._window, self._native = window, native
+        self._moments, self._native = moments, native
 
     def __bool__(self) -> bool:
         return bool(self.ticks or self.messages)
@@ -141,21 +125,20 @@ class _Ticks:
     """Encodes a chunk with ticks."""
 
     def __init__(self, gathered: Gathered, memory: Memory) -> None:
-        assert gathered._window is not None
+        assert gathered._moments is not None
         assert gathered._native is not None
         self._gathered, self._memory = gathered, memory
-        self._native, self._window = gathered._native, gathered._window
-        self._batch = self._native.batch()
-        numbers, layouts, positions, rotations, *places, data = zip(*gathered.ticks, strict=True)
-        first = self._window.first
-        if self._window.is_whole:
-            self._groups = groups_of_arrays(positions, rotations, first, places)
-        else:
-            self._groups = groups_of_bytes(positions, rotations, first)
-        self._moments = self._window.moments.of(numbers)
+        self._batch = gathered._native.batch()
+        # a slice takes a tenth of the time of a loop, during which the simulation would wait
+        numbers, layouts, positions, rotations, *places, data = (gathered.ticks[k::VALUES] for k in range(VALUES))
+        self._groups = groups_of_arrays(positions, rotations, *places)
+        self._moments = gathered._moments.of(numbers)
         self._known: list[Layout] = list(dict.fromkeys(layouts))
-        codes = {layout: code for code, layout in enumerate(self._known)}
-        self._which = np.fromiter(map(codes.__getitem__, layouts), np.int64, len(layouts))
+        if len(self._known) == 1:
+            self._which = np.zeros(len(layouts), dtype=np.int64)
+        else:
+            codes = {layout: code for code, layout in enumerate(self._known)}
+            self._which = np.fromiter(map(codes.__getitem__, layouts), np.int64, len(layouts))
         self._data: dict[Capture, list[NDArray[np.float64]]] = {}
         for pairs in filter(None, data):
             for capture, one in pairs:

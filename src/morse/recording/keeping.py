@@ -11,6 +11,7 @@ from morse.middleware.ros2.transforms import transform
 from morse.recording.captures import CopiesCapture, FramesCapture, Layout, Lone, capture_of
 from morse.recording.captures.poses import groups_of
 from morse.recording.captures.template import STAMP, Part, Template
+from morse.recording.disk import CHUNK
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,8 +30,6 @@ _MOST_KNOWN = 256
 _MOST_MADE = 200
 #: maximum number of times that the data of a sensor no longer suit its capture
 _MOST_FAILURES = 10
-#: maximum number of rigid groups whose poses are copied; of more, references to the arrays are stored
-_MOST_COPIED = 128
 
 
 class Captures:
@@ -54,7 +53,8 @@ class Captures:
     def __init__(self, native: NativeRecords, streams: RecordedStreams, tape: Tape) -> None:
         self._native, self._streams, self._tape = native, streams, tape
         self._context, self.world = streams.context, streams.context.world
-        self._transforms, self._keep = streams.transforms, tape.keep
+        self._transforms, self._clock = streams.transforms, streams.context.clock
+        self._queue, self._held = tape.queue, 0
         self._fired: list[Group | Lone] = []
         self.fire = self._fired.append
         #: whether the last `flush` has stored the poses of the nodes
@@ -80,9 +80,6 @@ class Captures:
         #: whether it encodes the frames too; the streams encode those of joints, and of robots that odometry moves
         self._has_frames = False
         self._displacements = self._relocated = -1
-        #: the rigid groups whose poses are stored
-        self._stored = slice(0, 0)
-        self._is_whole = True
         self._made = 0
         self._looked = False
         present = set(map(id, self._context.components.values()))
@@ -105,18 +102,20 @@ class Captures:
         """The end of a tick. Returns False if the streams have to encode simulated time and the frames."""
         fired, world = self._fired, self.world
         layout = self._layouts.get(tuple(fired))
+        tick, tape = self._clock.tick, self._tape
         if (
             layout is None
             or (world.displacements != self._displacements and not self._is_unmoved())
             or len(world.relocated) != self._relocated
             or self._transforms.changed
+            or tick < tape.kept
         ):
             self.kept = False
             return self._look_around()
-        rows = world.positions
-        positions = rows.share() if self._is_whole else rows.array
+        positions, rotations = world.positions, world.rotations
+        of_groups = positions.share()
         for group in layout.posed:
-            if group.poses.snapshot.group_positions is not positions:  # an object has moved since
+            if group.poses.snapshot.group_positions is not of_groups:  # an object has moved since
                 return self._encode_all()
         for sensor in layout.alone:
             if sensor.stamp != world.stamp:
@@ -129,12 +128,13 @@ class Captures:
                     self._distrust(changed)
                     return self._encode_all()
         fired.clear()
-        if self._is_whole:
-            rotations = world.rotations
-            self._keep(layout, positions, rotations.share(), rows.place, rotations.place, taken)
-        else:
-            stored = self._stored
-            self._keep(layout, positions[stored].tobytes(), world.rotations.array[stored].tobytes(), 0, 0, taken)
+        tape.kept = tick
+        # the values stay in one list: the release of a tuple per tick by another thread would take longer
+        self._queue += (tick, layout, of_groups, rotations.share(), positions.place, rotations.place, taken)
+        held = self._held = self._held + layout.held
+        if held > CHUNK:
+            self._held = 0
+            tape.pass_on(held)
         self.kept = True
         if not self._has_frames:
             return False
@@ -207,20 +207,9 @@ class Captures:
                 [group for group, _ in kept],
                 [capture for _, capture in kept],
                 [capture for capture in others if capture is not None],
+                len(self.world.positions),
             )
-            self._store()
         return False
-
-    def _store(self) -> None:
-        """Determine the rigid groups whose poses are stored; a chunk has those of all layouts."""
-        layouts = self._layouts.values()
-        first, last = min(layout.first for layout in layouts), max(layout.last for layout in layouts)
-        # referring to the arrays moves the world to other memory in each tick, which takes longer than copies of a few
-        self._is_whole = is_whole = last - first > _MOST_COPIED
-        self._stored = slice(first, last)
-        for layout in layouts:
-            layout.store(len(self.world.positions) if is_whole else last - first)
-        self._tape.begin(0 if is_whole else first, is_whole=is_whole)
 
     def _drop_dissolved(self) -> None:
         """Remove dissolved groups: their members are in other groups, and must not be stored twice."""

@@ -10,20 +10,16 @@ from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subs
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.middleware.ros2.definitions import definition
 from morse.recording.captures import Moments
-from morse.recording.disk import CHUNK
-from morse.recording.gathering import Window
 from morse.recording.keeping import Captures
 from morse.recording.mcap.records import Message
 from morse.recording.motion import Motion
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Callable, Collection
 
     from morse.core.context import Context
-    from morse.recording.captures import Capture, Layout
     from morse.recording.disk import Disk
-    from morse.recording.gathering import Poses
 
 logger = logging.getLogger(__name__)
 
@@ -64,6 +60,10 @@ class Tape(Backend):
     Args:
         context: of the simulation.
         disk: receives the messages.
+
+    Attributes:
+        queue: receives ticks, see `Disk.queue`.
+        kept: number of the last tick in the queue.
     """
 
     name, opens = "recording", "a file"
@@ -75,58 +75,30 @@ class Tape(Backend):
         self._tick = self._clock.tick
         self._moment: tuple[int, int, int] | None = None
         self._back = 0
-        self._moments = Moments(self._clock, 0)
-        self._first, self._is_whole = 0, True
-        self._put, self._held = disk.put, 0
+        disk.begin(Moments(self._clock, 0))
+        self.queue = disk.queue
+        self.kept = self._tick
 
     def now(self) -> tuple[int, int, int]:
         """Number of ticks (32 bits), log time, simulated time, both in ns; log time never decreases."""
         tick = self._clock.tick
-        if tick != self._tick or self._moment is None:
-            if tick < self._tick:
-                self._go_back(tick)
-            self._tick = tick
+        if tick != self._tick or tick != self.kept or self._moment is None:
+            last = max(self._tick, self.kept)
+            if tick < last:
+                self._go_back(last, tick)
+            self._tick = self.kept = tick
             stamp = self._clock.stamp()
             self._moment = tick & 0xFFFFFFFF, stamp + self._back, stamp
         return self._moment
 
-    def _go_back(self, tick: int) -> None:
+    def _go_back(self, last: int, tick: int) -> None:
         """After a restart or a restored state, time continues from the last value."""
-        self._back += self._clock.stamp_of(self._tick) - self._clock.stamp_of(tick)
-        self._moments = Moments(self._clock, self._back)
-        self.begin(self._first, is_whole=self._is_whole)
+        self._back += self._clock.stamp_of(last) - self._clock.stamp_of(tick)
+        self._disk.begin(Moments(self._clock, self._back))
 
-    def begin(self, first: int, *, is_whole: bool) -> None:
-        """Set how poses are stored from now on, see `Window`."""
-        self._first, self._is_whole = first, is_whole
-        self._put(Window(first, is_whole, self._moments))
-
-    def keep(
-        self,
-        layout: Layout,
-        positions: Poses,
-        rotations: Poses,
-        position_place: int,
-        rotation_place: int,
-        data: Sequence[tuple[Capture, Any]] | None,
-    ) -> None:
-        """Store the messages of this tick, which are encoded later.
-
-        Args:
-            layout: the records of the tick.
-            positions, rotations: (K, 3) m and (K, 9) of rigid groups; see `Window`.
-            position_place, rotation_place: their addresses; 0 if they are not known.
-            data: captures, and their other data, which never change.
-        """
-        tick = self._clock.tick
-        if tick < self._tick:
-            self._go_back(tick)
-        self._tick, self._moment = tick, None
-        self._put((tick, layout, positions, rotations, position_place, rotation_place, data))
-        held = self._held = self._held + layout.held
-        if held > CHUNK:
-            self._held = 0
-            self._disk.pass_on(held)
+    def pass_on(self, size: int) -> None:
+        """See `Disk.pass_on`."""
+        self._disk.pass_on(size)
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`."""

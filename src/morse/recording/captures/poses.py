@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ctypes import c_double, sizeof
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -25,46 +26,41 @@ if TYPE_CHECKING:
 #: size of seven numbers, a position and a quaternion, bytes
 POSE = 56
 _SEVEN = np.dtype("<f8")
+_Position, _Rotation = c_double * 3, c_double * 9
 
 
 class Groups(NamedTuple):
-    """The poses of K consecutive rigid groups in R ticks.
+    """The poses of all rigid groups in R ticks.
 
     Attributes:
         positions, rotations: (R,) addresses of the positions (K, 3), m, and rotations (K, 9) in each tick.
-        read: returns position and rotation of a group, given the row of the tick and of the group.
-        first: index of the first rigid group.
         owners: keep the memory.
     """
 
     positions: NDArray[np.int64]
     rotations: NDArray[np.int64]
-    read: Callable[[int, int], tuple[list[float], list[float]]]
-    first: int
     owners: Any
 
     def some(self, rows: NDArray[np.int64]) -> Groups:
         """Return the poses of some of the ticks."""
-        read, chosen = self.read, rows.tolist()
-        positions, rotations = self.positions[rows], self.rotations[rows]
-        return Groups(positions, rotations, lambda row, group: read(chosen[row], group), self.first, self.owners)
+        return Groups(self.positions[rows], self.rotations[rows], self.owners)
+
+    def read(self, row: int, group: int) -> tuple[list[float], list[float]]:
+        """Position and rotation of a group, given the row of the tick and the index of the group."""
+        position = _Position.from_address(int(self.positions[row]) + sizeof(_Position) * group)
+        rotation = _Rotation.from_address(int(self.rotations[row]) + sizeof(_Rotation) * group)
+        return list(position), list(rotation)
 
 
 def groups_of_arrays(
     positions: Sequence[NDArray[np.float64]],
     rotations: Sequence[NDArray[np.float64]],
-    first: int = 0,
-    places: Sequence[Sequence[int]] | None = None,
+    position_places: Sequence[int],
+    rotation_places: Sequence[int],
 ) -> Groups:
     """Return the poses in R ticks from arrays (K, 3) and (K, 9) of each, and their addresses; 0 if not known."""
-    p, r = map(_addresses, (positions, rotations), places or ((0,), (0,)))
-    return Groups(
-        p,
-        r,
-        lambda row, group: (positions[row][group].tolist(), rotations[row][group].tolist()),
-        first,
-        (positions, rotations),
-    )
+    found = _addresses(positions, position_places), _addresses(rotations, rotation_places)
+    return Groups(*found, (positions, rotations))
 
 
 def _addresses(arrays: Sequence[NDArray[np.float64]], places: Sequence[int]) -> NDArray[np.int64]:
@@ -73,19 +69,9 @@ def _addresses(arrays: Sequence[NDArray[np.float64]], places: Sequence[int]) -> 
     return np.array(places, dtype=np.int64)
 
 
-def groups_of_bytes(positions: Sequence[bytes], rotations: Sequence[bytes], first: int) -> Groups:
-    """Return the poses in R ticks from the bytes of these arrays."""
-    count = len(positions)
-    p, r = (np.frombuffer(b"".join(each)).reshape(count, -1, size) for each, size in ((positions, 3), (rotations, 9)))
-    places = [one.ctypes.data + one.strides[0] * np.arange(count) for one in (p, r)]
-    return Groups(
-        places[0], places[1], lambda row, group: (p[row, group].tolist(), r[row, group].tolist()), first, (p, r)
-    )
-
-
 def groups_of(snapshot: Snapshot) -> Groups:
     """Return the poses of a snapshot as those of one tick."""
-    return groups_of_arrays([snapshot.group_positions], [snapshot.group_rotations])
+    return groups_of_arrays([snapshot.group_positions], [snapshot.group_rotations], [0], [0])
 
 
 class PosesCapture(Capture):
@@ -123,14 +109,13 @@ class PosesCapture(Capture):
 
     def _fill(self, batch: Batch, rows: Rows, data: Any) -> None:
         groups: Groups = data
-        slots = self._slots - groups.first
         mounted = self._offsets, self._turned, self._apart
-        poses = Poses(groups.positions, groups.rotations, slots, *mounted, self._places)
+        poses = Poses(groups.positions, groups.rotations, self._slots, *mounted, self._places)
         self._encoded(batch, rows, poses, lambda left: self._mend(rows, groups, left))
 
     def _mend(self, rows: Rows, groups: Groups, left: NDArray[np.uint8]) -> None:
         for row, member in np.argwhere(left).tolist():
-            at = groups.read(row, self.slots[member] - groups.first)
+            at = groups.read(row, self.slots[member])
             pose = Transformation3d()
             pose.set_pose(*self.mountings[member].carried(*at))
             position, wxyz = self._one(member, pose)

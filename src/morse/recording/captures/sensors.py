@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
     from morse.physics.snapshot import Snapshot
     from morse.recording.captures.lone import Lone
     from morse.recording.captures.template import Template
+
+
+_RAYS, _SIGHT = attrgetter("rays"), attrgetter("sight")
 
 
 class PoseSensors(PosesCapture):
@@ -80,7 +84,6 @@ class Scanners(Capture):
         self.held = 8 * len(bundles) * len(bundles[0])
         self._bundles, self._kept = bundles, kept
         self._members = np.array(members, dtype=np.int64)
-        self._rows = list(range(len(bundles)))
         self._reaches = np.full(len(members), reach)
         # the distances, and the length 0 of intensities, are at the end of each message
         self._places: NDArray[np.int64] = np.append(template.heads[1:], self.size) - 4 * kept - 4
@@ -88,18 +91,17 @@ class Scanners(Capture):
     def take(self, group: Group | Lone) -> NDArray[np.float64] | None:
         """The distances (B, rays) of a tick; None if the scans were made in several casts, or if a fan has changed."""
         scanners: Any = group.members
-        bundles = [scanner.rays for scanner in scanners]
+        bundles = list(map(_RAYS, scanners))
         if bundles != self._bundles:
             return None
-        if len(bundles) == 1:
-            sight = bundles[0].sight
-            own: NDArray[np.float64] = sight.scan.distances[sight.row : sight.row + 1]
-            return own
-        sights = [bundle.sight for bundle in bundles]
+        sights = list(map(_SIGHT, bundles))
         scan = sights[0].scan
-        if [sight.row for sight in sights] != self._rows or [sight.scan for sight in sights].count(scan) < len(sights):
-            return None
         distances: NDArray[np.float64] = scan.distances
+        if len(sights) == 1:
+            return distances[sights[0].row : sights[0].row + 1]
+        for row, sight in enumerate(sights):
+            if sight.scan is not scan or sight.row != row:
+                return None
         return distances
 
     def _fill(self, batch: Batch, rows: Rows, data: Any) -> None:
