@@ -107,6 +107,12 @@ def test_a_recording_is_simulated_again_and_exported(here, told):
     out, _ = told("export", "run.mcap", "--csv", "--topics", "/robot/pose")
     assert "30 rows of /robot/pose" in out
     assert len((here / "run" / "robot.pose.csv").read_text().splitlines()) == 31
+    out, _ = told("export", "run.mcap", "--mcap")
+    assert "run-complete.mcap" in out
+    out, _ = told("replay", "run-complete.mcap", "--resimulate")
+    assert "Equal to the bit" in out
+    _, error = told("export", "run.mcap", "--mcap", expected=1)
+    assert "run-complete.mcap exists" in error
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,9 @@ def command(
     topics: Annotated[
         str | None, typer.Option("--topics", metavar="TOPIC[,TOPIC]", help="Topics to export (default: all).")
     ] = None,
+    mcap: Annotated[
+        bool, typer.Option("--mcap", help="As a complete file, if the recording was cut off, or with some topics only.")
+    ] = False,
     film: Annotated[bool, typer.Option("--film", help="A film of the run.")] = False,
     output: Annotated[
         str | None,
@@ -38,7 +41,7 @@ def command(
             "-o",
             "--output",
             metavar="FILE",
-            help="File of the film: .gif (default), .webp, frame_%04d.png, or with ffmpeg .mp4, .webm, .mkv.",
+            help="File of --mcap or of the film: .gif (default), .webp, frame_%04d.png, by ffmpeg .mp4, .webm, .mkv.",
         ),
     ] = None,
     origin: Annotated[
@@ -66,7 +69,7 @@ def command(
         bool, typer.Option("--trust", help="Film: execute the script in the recording if necessary.")
     ] = False,
 ) -> int:
-    """Write a table for each topic of a recording, or a film of the run.
+    """Write a table for each topic of a recording, a complete recording, or a film of the run.
 
     Each row is a message; the columns are simulated time and the fields of the message. A film shows the recorded
     poses, rendered as by `morse render`; without them, the scene is simulated again with the recorded inputs.
@@ -75,8 +78,8 @@ def command(
     from morse.recording.export import export
     from morse.recording.mcap.reader import McapFile
 
-    if [csv, parquet, film].count(True) != 1:
-        raise CommandError("Give --csv or --parquet for tables, or --film.", 2)
+    if [csv, parquet, mcap, film].count(True) != 1:
+        raise CommandError("Give --csv or --parquet for tables, --mcap or --film.", 2)
     if film:
         what = Filmed(
             camera,
@@ -91,6 +94,8 @@ def command(
         return _film(file, Path(output or f"{Path(file).stem}.gif"), what, scene or "", trust)
     folder = to or os.path.splitext(os.path.basename(file))[0]
     chosen = [topic.strip() for topic in (topics or "").split(",") if topic.strip()]
+    if mcap:
+        return _complete(file, Path(output or f"{Path(file).stem}-complete.mcap"), chosen)
     try:
         with McapFile(file) as recording:
             if not recording.complete:
@@ -103,6 +108,25 @@ def command(
     for one in written:
         without = f", without {', '.join(one.left_out)} (--parquet exports them)" if one.left_out else ""
         say(f"{one.path}: {one.rows} rows of {one.topic}{without}")
+    return 0
+
+
+def _complete(file: str, path: Path, topics: list[str]) -> int:
+    from morse.core.exceptions import MorseError
+    from morse.recording.export import selected
+    from morse.recording.mcap.reader import McapFile
+    from morse.recording.rewriting import rewrite
+
+    try:
+        with McapFile(file) as recording:
+            written = rewrite(recording, path, selected(recording, topics))
+    except MorseError as error:
+        raise CommandError(str(error)) from None
+    except OSError as error:
+        raise CommandError(f"{path} could not be written, or {file} could not be read: {error}") from None
+    if written.damaged:
+        say(f"{written.damaged} damaged chunks are left out.")
+    say(f"{path}: {written.messages} messages.")
     return 0
 
 

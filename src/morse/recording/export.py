@@ -180,7 +180,7 @@ def export(
             missing. Files that were written before remain.
         OSError: a file cannot be written.
     """
-    wanted = _wanted(file, topics)
+    wanted = selected(file, topics)
     if form == "parquet":
         try:
             import pyarrow.parquet  # noqa: F401
@@ -220,7 +220,12 @@ def _some(
     return [one.close() for one in open_.values()]
 
 
-def _wanted(file: McapFile, topics: Collection[str]) -> list[Channel]:
+def selected(file: McapFile, topics: Collection[str]) -> list[Channel]:
+    """Some topics of a recording, none for all.
+
+    Raises:
+        RecordingError: there is no such topic.
+    """
     known = {channel.topic for channel in file.channels.values()}
     for topic in topics:
         if topic not in known:

@@ -33,6 +33,7 @@ class Channel(NamedTuple):
         definition: text of the schema.
         encoding: encoding of the messages, ``cdr``.
         schema_encoding: ``ros2msg``.
+        metadata: named strings, such as the quality of service.
     """
 
     number: int
@@ -41,6 +42,21 @@ class Channel(NamedTuple):
     definition: str
     encoding: str
     schema_encoding: str
+    metadata: dict[str, str]
+
+
+class Attached(NamedTuple):
+    """An attached file.
+
+    Attributes:
+        log_time: ns.
+        media_type: ``text/x-python``.
+        data: the content.
+    """
+
+    log_time: int
+    media_type: str
+    data: bytes
 
 
 class Chunk(NamedTuple):
@@ -173,7 +189,7 @@ class McapFile:
             number, schema = fields.numbers("<HH")
             topic, encoding = fields.text(), fields.text()
             name, definition, schema_encoding = self._schemas.get(schema, ("", "", ""))
-            self.channels[number] = Channel(number, topic, name, definition, encoding, schema_encoding)
+            self.channels[number] = Channel(number, topic, name, definition, encoding, schema_encoding, fields.table())
 
     def _content(self, opcode: int, length: int) -> Fields:
         what = f"{self.path}: {_NAMES.get(opcode, 'a record')}"
@@ -271,6 +287,15 @@ class McapFile:
         return list(self._attachments)
 
     def attachment(self, name: str) -> bytes | None:
+        """The content of an attached file; None if there is none of that name.
+
+        Raises:
+            RecordingError: it is damaged.
+        """
+        found = self.attached(name)
+        return None if found is None else found.data
+
+    def attached(self, name: str) -> Attached | None:
         """An attached file; None if there is none of that name.
 
         Raises:
@@ -281,7 +306,8 @@ class McapFile:
         at, length = self._attachments[name]
         self._file.seek(at)
         fields = self._content(records.ATTACHMENT, length)
-        fields.numbers("<QQ")
-        fields.text(), fields.text()
+        log_time, _ = fields.numbers("<QQ")
+        fields.text()
+        media_type = fields.text()
         (size,) = fields.numbers("<Q")
-        return bytes(fields.bytes(size))
+        return Attached(log_time, media_type, bytes(fields.bytes(size)))
