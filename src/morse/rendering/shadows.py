@@ -73,6 +73,8 @@ class Shadows:
                 self._maps.append(ShadowMap(contents, drawer, light, *near))
                 frame, shape = _frame(axes, low, high, _MOST_COARSE)
         self._maps.append(ShadowMap(contents, drawer, light, frame, shape))
+        self._still = np.unique(contents.drawing.parts[contents.finest & ~contents.moving, 1])
+        self._stood = np.zeros((0, 12), np.float32)
         self.light = self._maps[-1].light
         if len(self._maps) > 1:
             finer = self._maps[0].light
@@ -85,6 +87,11 @@ class Shadows:
 
     def update(self, poses: Poses) -> None:
         """Update the shadows of moved objects."""
+        stands = poses.models[self._still]
+        if not np.array_equal(stands, self._stood):
+            self._stood = stands
+            for shadow_map in self._maps:
+                shadow_map.begin(poses)
         if len(self._maps) == 1:
             self._maps[0].update(poses)
             return
@@ -117,8 +124,6 @@ class ShadowMap:
         )
         moving, still = contents.moving, contents.finest & ~contents.moving
         self._still, self._movers = np.flatnonzero(still), np.flatnonzero(moving)
-        self._still_instances = np.unique(contents.drawing.parts[still, 1])
-        self._stood = np.zeros((0, 12), np.float32)
         self._moving: Movers | None = None
 
     def covers(self, ratio: float) -> NDArray[np.bool_]:
@@ -137,20 +142,24 @@ class ShadowMap:
             (rows[:, :2] > margin).all(axis=1) & (rows[:, 2] < wide - margin) & (rows[:, 3] < high - margin)
         )
 
+    def begin(self, poses: Poses) -> None:
+        """Draw the shadows of all objects that do not move."""
+        shadow = self.light.shadow
+        assert shadow is not None
+        shadow[:] = NO_SURFACE
+        self._drawer.cast_shadows(self._still, poses, self.light)
+        self._drawer.bound_shadows(self.light)
+        self._moving = self._drawer.moving_shadows(self._movers, self.light)
+
     def update(self, poses: Poses, left_out: NDArray[np.bool_] | None = None) -> None:
         """Update the shadows of moved objects.
 
         Args:
             left_out: (M,) the moving parts whose shadows are not needed.
         """
-        shadow = self.light.shadow
-        assert shadow is not None
-        stands = poses.models[self._still_instances]
-        if self._moving is None or not np.array_equal(stands, self._stood):
-            shadow[:] = NO_SURFACE
-            self._drawer.cast_shadows(self._still, poses, self.light)
-            self._drawer.bound_shadows(self.light)
-            self._stood, self._moving = stands, self._drawer.moving_shadows(self._movers, self.light)
+        if self._moving is None:
+            self.begin(poses)
+        assert self._moving is not None
         self._moving.update(poses, left_out)
 
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <string.h>
 
+#include "draw_looks.h"
 #include "drawing.h"
 #include "simd.h"
 
@@ -129,17 +130,31 @@ static inline F8 past_things(const Frame *f, V3 place, V3 n, F8 nl) {
 }
 
 // The share of the sun's light that reaches eight points: from the finer map if it covers them, else from the other.
-static inline F8 in_sun(const Frame *f, V3 place, V3 n, F8 nl) {
+static inline F8 in_sun(const Frame *f, V3 place, V3 n, I8 facing) {
     const ShadowMap near = {f->near_shadow, f->near_sun, f->near_bounds, f->near_width, f->near_height};
     const ShadowMap far = {f->shadow, f->sun, f->shadow_bounds, f->shadow_width, f->shadow_height};
-    F8 share = pick(nl > splat(0), splat(-1), splat(0));
+    F8 share = pick(facing, splat(-1), splat(0));
     if (near.width) look_up(&near, place, n, &share);
     if (any(share < splat(0))) look_up(&far, place, n, &share);
     return pick(share < splat(0), splat(1), share);
 }
 
+static inline int casts_shadows(const Lamp *k) { return (int)k->kind == SUN_LAMP && k->outer > 0; }
+
+// Sets the shares of the sun's light.
+static inline void look_at_sun(const Frame *f, Looks *l) {
+    I8 facing = splat_int(0);
+    EACH(i, f->lamp_count) {
+        const Lamp *k = f->lamps + i;
+        if (casts_shadows(k)) facing |= dot(l->normal, everywhere(k->towards)) > splat(0);
+    }
+    l->sun = f->shadow_width && any(facing) ? in_sun(f, l->place, l->normal, facing) : splat(1);
+}
+
 // Light of all lamps that surfaces reflect to the camera.
-static inline V3 lit(const Frame *f, V3 place, V3 n, V3 v, V3 base, F8 metallic, F8 roughness) {
+static inline V3 lit(const Frame *f, const Looks *l, V3 v, V3 base) {
+    const V3 place = l->place, n = l->normal;
+    const F8 metallic = l->metallic, roughness = l->roughness;
     const F8 zero = splat(0), one = splat(1), rough = greater(roughness, splat(0.0525f)), alpha = rough * rough;
     const F8 a2 = alpha * alpha, rest = 1 - a2, toward = dot(n, v), nv = greater(toward, splat(1e-4f));
     const F8 seen = root(a2 + rest * nv * nv);
@@ -166,7 +181,7 @@ static inline V3 lit(const Frame *f, V3 place, V3 n, V3 v, V3 base, F8 metallic,
         }
         const F8 facing = dot(n, to), nl = greater(facing, zero);
         if (!any(nl > zero)) continue;
-        if (kind == SUN_LAMP && k->outer > 0 && f->shadow_width) fade = in_sun(f, place, n, nl);
+        if (casts_shadows(k)) fade = l->sun;
         if (kind == SPOT_LAMP && k->ground[0] > 0 && f->lamp_width) fade *= past_things(f, place, n, nl);
         light = scaled(light, fade * nl), diffuse = sum(diffuse, light);
         // the half vector is h = (to + v) / sqrt(s): nh * nh = both * both / s, vh = sqrt(s) / 2

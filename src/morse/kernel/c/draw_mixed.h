@@ -25,7 +25,7 @@
 // The samples of a triangle in a pixel: the first of them, and their number. The pixel is row * TILE + column.
 typedef struct {
     int32_t who;
-    int16_t pixel;
+    uint16_t pixel;
     uint8_t sample, shares;
 } Collected;
 
@@ -33,7 +33,8 @@ typedef struct {
 typedef struct {
     float x[MOST_WAITING], y[MOST_WAITING];  // position in the image
     float share[MOST_WAITING];               // of the light of the pixel
-    int16_t pixel[MOST_WAITING], place[MOST_WAITING];
+    uint16_t pixel[MOST_WAITING];
+    int16_t place[MOST_WAITING];
     int32_t count;
 } __attribute__((aligned(32))) Waiting;
 
@@ -78,17 +79,10 @@ static inline void collect(Samples *s, const Tile *t, int block, int r, int firs
     }
     for (; kept; kept &= kept - 1) {
         const int bit = __builtin_ctzll(kept), j = bit / 8, n = bit % 8;
-        s->collected[s->count++] = (Collected){((const int32_t *)&t->shown[block][n][r])[j], (int16_t)(first + j),
+        s->collected[s->count++] = (Collected){((const int32_t *)&t->shown[block][n][r])[j], (uint16_t)(first + j),
                                                (uint8_t)n, (uint8_t)((const int32_t *)(shares + n))[j]};
     }
 }
-
-// A collected sample with its attributes.
-typedef struct {
-    F8 value;
-    int32_t place, material, sample, shares;
-    int valued;
-} Spot;
 
 // Whether two samples of a material are nearly on one plane.
 static inline int on_a_plane(F8 a, F8 b) {
@@ -104,37 +98,31 @@ static inline int continues(const Planes *one, F8 a, F8 b, int which) {
     return fabsf(b[which] / b[WHOLE] - at) * fabsf(a[WHOLE]) <= fabsf(right) + fabsf(down);
 }
 
-static inline void evaluate(const Samples *s, const Shown *shown, int pixel, Spot *spot) {
-    if (spot->valued) return;
-    spot->value =
-        at_point(shown->planes + spot->place, s->x[spot->sample][pixel % TILE], s->y[spot->sample][pixel / TILE]);
-    spot->valued = 1;
+// The samples of a pixel, with the attributes of those that have been compared.
+typedef struct {
+    const Collected *of;
+    const int16_t *places;
+    const int32_t *materials;
+    F8 values[MOST_SAMPLES];
+    unsigned known;
+} Pixel;
+
+static inline F8 value_of(const Samples *s, const Shown *shown, Pixel *p, int n) {
+    if (!(p->known >> n & 1)) {
+        const unsigned pixel = p->of->pixel, sample = p->of[n].sample;
+        p->values[n] = at_point(shown->planes + p->places[n], s->x[sample][pixel % TILE], s->y[sample][pixel / TILE]);
+        p->known |= 1u << n;
+    }
+    return p->values[n];
 }
 
 // Whether a sample of a pixel can be shaded with another one.
-static inline int alike(const Samples *s, const Shown *shown, int pixel, Spot *one, Spot *other) {
-    if (one->material != other->material || one->material < 0) return 0;
-    evaluate(s, shown, pixel, one), evaluate(s, shown, pixel, other);
-    if (!on_a_plane(one->value, other->value)) return 0;
-    const Planes *p = shown->planes + one->place;
-    return shown->kind[one->place] != TEXTURED_SURFACES ||
-           (continues(p, one->value, other->value, TEXTURE_U) && continues(p, one->value, other->value, TEXTURE_V));
-}
-
-// Joins the samples of a pixel; returns their number.
-static inline int join(const Samples *s, const Shown *shown, const Collected *c, const int16_t *places, int count,
-                       Spot *spots) {
-    int kept = 0;
-    EACH(i, count) {
-        Spot *spot = spots + kept;
-        spot->place = places[i], spot->material = places[i] < 0 ? -1 : shown->material[places[i]];
-        spot->sample = c[i].sample, spot->shares = c[i].shares, spot->valued = 0;
-        int at = 0;
-        while (at < kept && !alike(s, shown, c->pixel, spots + at, spot)) at++;
-        if (at < kept)
-            spots[at].shares += spot->shares;
-        else
-            kept++;
-    }
-    return kept;
+static inline int alike(const Samples *s, const Shown *shown, Pixel *p, int n, int other) {
+    if (p->materials[n] != p->materials[other] || p->materials[n] < 0) return 0;
+    const F8 a = value_of(s, shown, p, n), b = value_of(s, shown, p, other);
+    if (!on_a_plane(a, b)) return 0;
+    const int place = p->places[n];
+    const Planes *planes = shown->planes + place;
+    return shown->kind[place] != TEXTURED_SURFACES ||
+           (continues(planes, a, b, TEXTURE_U) && continues(planes, a, b, TEXTURE_V));
 }

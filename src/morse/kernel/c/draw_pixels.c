@@ -18,6 +18,10 @@
 // Number of triangles between a prefetch and its use.
 #define AHEAD 6
 
+// Number of groups of eight samples that are shaded together: the processor waits for the memory of several of them at
+// once.
+#define MOST_GROUPS 4
+
 // Eight pixels of a row that show only one triangle; x and y are those in the image.
 typedef struct {
     int32_t who, place;
@@ -29,7 +33,7 @@ typedef struct {
     Tile tile;
     Shown shown;
     Samples samples;
-    Looks looks;
+    Looks looks[MOST_GROUPS];
     I4 total[TILE * TILE];  // red, green and blue of the pixels of rows with different triangles
     Row rows[TILE * COLUMNS], mixed[TILE * COLUMNS];
     int32_t row_count, mixed_count;
@@ -49,22 +53,32 @@ static __attribute__((noinline)) V3 shade_sky(const Frame *f, const Camera *k, F
     return visible(tone(scaled(sky_in(f->sky, unit(ray_of(k, x, y))), splat(k->exposure))));
 }
 
-// The light of surfaces in eight samples, 0 to 1.
-static __attribute__((noinline)) V3 shade(const Frame *f, const Camera *k, Looks *l) {
-    const float *sky = f->sky;
-    const V3 ray = ray_of(k, l->x, l->y);
+// The textures of eight samples, and where they are.
+static inline void look_closer(const Frame *f, const Camera *k, Looks *l) {
     add_textures(f, l);
+    l->ray = ray_of(k, l->x, l->y), l->depth = 1 / l->inverse;
+    l->place = sum(everywhere(k->eye), scaled(l->ray, l->depth)), l->normal = unit((V3){l->nx, l->ny, l->nz});
+}
+
+// The light of surfaces in eight samples, 0 to 1.
+static inline V3 shade(const Frame *f, const Camera *k, const Looks *l) {
+    const float *sky = f->sky;
     const V3 base = {l->r, l->g, l->b};
     if (!any(~l->plain)) return visible(base);
-    const F8 depth = 1 / l->inverse;
-    const V3 place = sum(everywhere(k->eye), scaled(ray, depth)), n = unit((V3){l->nx, l->ny, l->nz});
-    V3 c = lit(f, place, n, scaled(unit(ray), splat(-1)), base, l->metallic, l->roughness);
+    V3 c = lit(f, l, scaled(unit(l->ray), splat(-1)), base);
     c = sum(c, (V3){l->er, l->eg, l->eb});
     if (sky[16] > 0) {
-        const F8 t = within((depth - sky[15]) * (1 / sky[16]), 0, 1);
+        const F8 t = within((l->depth - sky[15]) * (1 / sky[16]), 0, 1);
         c = mixed(c, everywhere(sky), t * t * (3 - 2 * t));
     }
     return visible(chosen(l->plain, base, tone(scaled(c, splat(k->exposure)))));
+}
+
+// The light of surfaces in groups of eight samples, step by step.
+static __attribute__((noinline)) void shade_groups(const Frame *f, const Camera *k, Looks *l, int groups, V3 *light) {
+    EACH(g, groups) look_closer(f, k, l + g);
+    EACH(g, groups) look_at_sun(f, l + g);
+    EACH(g, groups) light[g] = shade(f, k, l + g);
 }
 
 // A step of the table of sRGB.
@@ -82,36 +96,46 @@ static inline void write_colours(const Frame *f, V3 c, int count, uint8_t (*to)[
 }
 
 // Adds the light of eight samples to their pixels.
-static inline void add_light(I4 *total, const int16_t *pixels, F8 share, V3 c, int count) {
+static inline void add_light(I4 *total, const uint16_t *pixels, F8 share, V3 c, int count) {
     const I8 r = to_int(c.x * share), g = to_int(c.y * share), b = to_int(c.z * share);
     EACH(j, count) total[pixels[j]] += (I4){r[j], g[j], b[j], 0};
 }
 
+// Prepares samples that wait to be shaded; `count` of eight lanes are used.
+static inline void look_at_waiting(const Frame *f, const Shown *s, const Waiting *q, int i, int count, int kind,
+                                   Looks *l) {
+    memcpy(&l->x, q->x + i, sizeof l->x), memcpy(&l->y, q->y + i, sizeof l->y);
+    if (kind == NO_SURFACES) return;
+    const Planes *planes[LANES];
+    int32_t materials[LANES];
+    // lanes that are not used are those of the first sample
+    EACH_LANE(j) {
+        const int place = q->place[j < count ? i + j : i];
+        planes[j] = s->planes + place, materials[j] = s->material[place];
+    }
+    look_at_samples(f, l, planes, materials, kind == TEXTURED_SURFACES);
+}
+
+static inline int lanes_left(int count, int i) { return count - i < LANES ? count - i : LANES; }
+
 // Shades the samples of a kind that wait, and adds them to their pixels.
 static void finish(const Frame *f, const Camera *k, Work *w, int kind) {
     Waiting *q = w->samples.waiting + kind;
-    const Shown *s = &w->shown;
-    Looks *l = &w->looks;
-    for (int i = 0; i < q->count; i += LANES) {
-        const int count = q->count - i < LANES ? q->count - i : LANES;
-        F8 share;
-        memcpy(&l->x, q->x + i, sizeof l->x), memcpy(&l->y, q->y + i, sizeof l->y);
-        memcpy(&share, q->share + i, sizeof share);
-        V3 c;
-        if (kind == NO_SURFACES) {
-            c = shade_sky(f, k, l->x, l->y);
-        } else {
-            const Planes *planes[LANES];
-            int32_t materials[LANES];
-            // lanes that are not used are those of the first sample
-            EACH_LANE(j) {
-                const int place = q->place[j < count ? i + j : i];
-                planes[j] = s->planes + place, materials[j] = s->material[place];
-            }
-            look_at_samples(f, l, planes, materials, kind == TEXTURED_SURFACES);
-            c = shade(f, k, l);
+    V3 light[MOST_GROUPS];
+    for (int i = 0; i < q->count; i += MOST_GROUPS * LANES) {
+        int groups = 0;
+        for (int n = i; n < q->count && groups < MOST_GROUPS; n += LANES)
+            look_at_waiting(f, &w->shown, q, n, lanes_left(q->count, n), kind, w->looks + groups++);
+        if (kind == NO_SURFACES)
+            EACH(g, groups) light[g] = shade_sky(f, k, w->looks[g].x, w->looks[g].y);
+        else
+            shade_groups(f, k, w->looks, groups, light);
+        EACH(g, groups) {
+            const int first = i + g * LANES;
+            F8 share;
+            memcpy(&share, q->share + first, sizeof share);
+            add_light(w->total, q->pixel + first, share, light[g], lanes_left(q->count, first));
         }
-        add_light(w->total, q->pixel + i, share, c, count);
     }
     q->count = 0;
 }
@@ -123,48 +147,79 @@ static inline void make_room(const Frame *f, const Camera *k, Work *w, int trian
     w->shown.count = w->shown.complete = 0;
 }
 
-// Lets a sample wait.
-static inline void add_spot(const Frame *f, const Camera *k, Work *w, const Spot *spot, int pixel) {
+// Lets samples wait that are shaded as one.
+static inline void add_sample(const Frame *f, const Camera *k, Work *w, const Collected *c, int16_t place,
+                              unsigned shares) {
     Samples *s = &w->samples;
-    const int kind = spot->place < 0 ? NO_SURFACES : w->shown.kind[spot->place];
+    const int kind = place < 0 ? NO_SURFACES : w->shown.kind[place];
     Waiting *q = s->waiting + kind;
     if (q->count == MOST_WAITING) finish(f, k, w, kind);
     const int i = q->count++;
-    q->x[i] = s->x[spot->sample][pixel % TILE], q->y[i] = s->y[spot->sample][pixel / TILE];
-    q->share[i] = s->shares[spot->shares], q->pixel[i] = (int16_t)pixel, q->place[i] = (int16_t)spot->place;
+    const unsigned pixel = c->pixel, sample = c->sample;
+    q->x[i] = s->x[sample][pixel % TILE], q->y[i] = s->y[sample][pixel / TILE];
+    q->share[i] = s->shares[shares], q->pixel[i] = c->pixel, q->place[i] = place;
 }
 
-// Joins the samples that have been collected; then they wait to be shaded.
+// Joins the samples of a pixel that are alike; then they wait to be shaded.
+static inline void join(const Frame *f, const Camera *k, Work *w, Pixel *p, int count) {
+    int kept[MOST_SAMPLES], shares[MOST_SAMPLES], n = 0;
+    EACH(i, count) {
+        int at = 0;
+        while (at < n && !alike(&w->samples, &w->shown, p, kept[at], i)) at++;
+        if (at == n) kept[n] = i, shares[n++] = 0;
+        shares[at] += p->of[i].shares;
+    }
+    EACH(i, n) add_sample(f, k, w, p->of + kept[i], p->places[kept[i]], (unsigned)shares[i]);
+}
+
 static void join_collected(const Frame *f, const Camera *k, Work *w) {
     Samples *s = &w->samples;
+    const Collected *c = s->collected;
     int16_t places[MOST_COLLECTED];
+    int32_t materials[MOST_COLLECTED];
     make_room(f, k, w, s->count);
-    EACH(i, s->count) {
-        const int32_t who = s->collected[i].who;
-        places[i] = (int16_t)(who < 0 ? -1 : place_of(f, &w->shown, who));
-    }
+    EACH(i, s->count) places[i] = (int16_t)(c[i].who < 0 ? -1 : place_of(f, &w->shown, c[i].who));
     complete(f, &w->shown);
+    EACH(i, s->count) materials[i] = places[i] < 0 ? -1 : w->shown.material[places[i]];
     for (int i = 0, end; i < s->count; i = end) {
-        const int pixel = s->collected[i].pixel;
-        for (end = i + 1; end < s->count && s->collected[end].pixel == pixel;) end++;
-        Spot spots[MOST_SAMPLES];
-        const int count = join(s, &w->shown, s->collected + i, places + i, end - i, spots);
-        EACH(n, count) add_spot(f, k, w, spots + n, pixel);
+        for (end = i + 1; end < s->count && c[end].pixel == c[i].pixel;) end++;
+        if (end == i + 1) {
+            add_sample(f, k, w, c + i, places[i], c[i].shares);
+            continue;
+        }
+        Pixel pixel;
+        pixel.of = c + i, pixel.places = places + i, pixel.materials = materials + i, pixel.known = 0;
+        join(f, k, w, &pixel, end - i);
     }
     s->count = 0;
 }
 
-// Eight pixels in a row of the only triangle that they show.
-static inline void draw_same(const Frame *f, const Camera *k, Work *w, const Row *row) {
-    Looks *l = &w->looks;
-    const int count = k->width - row->x < LANES ? k->width - row->x : LANES;
-    uint8_t (*to)[4] = f->rgba + (k->pixel + (int64_t)row->y * k->width + row->x);
-    l->x = STEPS + ((float)row->x + 0.5f + f->samples[0]), l->y = splat((float)row->y + 0.5f + f->samples[1]);
-    if (row->who < 0) {
-        write_colours(f, shade_sky(f, k, l->x, l->y), count, to);
-    } else {
-        look_at_triangle(l, w->shown.planes + row->place, f->materials + w->shown.material[row->place]);
-        write_colours(f, shade(f, k, l), count, to);
+// Eight pixels of a row.
+static inline void write_row(const Frame *f, const Camera *k, const Row *row, V3 light) {
+    const int count = lanes_left(k->width, row->x);
+    write_colours(f, light, count, f->rgba + (k->pixel + (int64_t)row->y * k->width + row->x));
+}
+
+// Rows that show only one triangle each.
+static void draw_same(const Frame *f, const Camera *k, Work *w) {
+    V3 light[MOST_GROUPS];
+    const Row *rows[MOST_GROUPS];
+    int groups = 0;
+    EACH(i, w->row_count) {
+        const Row *row = w->rows + i;
+        Looks *l = w->looks + groups;
+        l->x = STEPS + ((float)row->x + 0.5f + f->samples[0]), l->y = splat((float)row->y + 0.5f + f->samples[1]);
+        if (row->who < 0) {
+            write_row(f, k, row, shade_sky(f, k, l->x, l->y));
+        } else {
+            look_at_triangle(l, w->shown.planes + row->place, f->materials + w->shown.material[row->place]);
+            rows[groups++] = row;
+        }
+        if (groups == MOST_GROUPS || i == w->row_count - 1) {
+            shade_groups(f, k, w->looks, groups, light);
+            EACH(g, groups) write_row(f, k, rows[g], light[g]);
+            groups = 0;
+        }
     }
 }
 
@@ -188,7 +243,7 @@ static void draw_colours(const Frame *f, const Camera *k, Work *w) {
         if (row->who >= 0) row->place = place_of(f, &w->shown, row->who);
     }
     complete(f, &w->shown);
-    EACH(i, w->row_count) draw_same(f, k, w, w->rows + i);
+    draw_same(f, k, w);
     EACH(i, KINDS) finish(f, k, w, i);
     EACH(i, w->mixed_count) write_mixed(f, k, w, w->mixed + i);
 }
@@ -217,11 +272,7 @@ static inline int32_t instance_of(const Frame *f, int32_t who) {
 }
 
 // Depths and ids of eight pixels.
-static inline void write_surfaces(const Frame *f, I8 shown, F8 inverse, int same, int count, int64_t pixel) {
-    const F8 depth = pick(shown < 0, splat(0), 1 / inverse);
-    I8 ids = splat_int(instance_of(f, shown[0]));
-    if (!same)
-        for (int j = 1; j < LANES; j++) ids[j] = shown[j] == shown[j - 1] ? ids[j - 1] : instance_of(f, shown[j]);
+static inline void write_surfaces(const Frame *f, F8 depth, I8 ids, int count, int64_t pixel) {
     // of a constant size, the copies are single instructions
     if (count == LANES) {
         memcpy(f->depth + pixel, &depth, sizeof depth), memcpy(f->ids + pixel, &ids, sizeof ids);
@@ -230,38 +281,59 @@ static inline void write_surfaces(const Frame *f, I8 shown, F8 inverse, int same
     EACH(j, count) f->depth[pixel + j] = depth[j], f->ids[pixel + j] = ids[j];
 }
 
-// A row of a block.
-static void draw_row(const Frame *f, const Camera *k, Work *w, int column, int block_row, int r) {
+// The instances in eight pixels, without conditions that the processor would predict wrongly.
+static inline I8 instances_of(const Frame *f, I8 shown) {
+    const I8 none = shown < 0;
+    const unsigned solid = lanes_of(~none);
+    if (!solid) return none;
+    const I8 known = pick_int(none, splat_int(shown[__builtin_ctz(solid)]), shown);
+    I8 ids;
+    EACH_LANE(j) ids[j] = f->parts[f->seen[known[j]].part].instance;
+    return ids | none;
+}
+
+// Whether the rows of a block show a single triangle each, which may be none.
+static inline int shows_one(const Tile *t, int block, int r) {
+    const I8 shown = t->shown[block][0][r];
+    I8 other = shown ^ splat_int(shown[0]);
+    for (int n = 1; n < t->samples; n++) other |= t->shown[block][n][r] ^ shown;
+    return !any(other);
+}
+
+// The rows of a block that are in the image.
+static void draw_block(const Frame *f, const Camera *k, Work *w, int column, int block_row) {
     const Tile *t = &w->tile;
-    const int block = column * LANES + block_row, x = t->left + column * LANES;
-    const int y = t->top + block_row * BLOCK_ROWS + r, count = k->width - x < LANES ? k->width - x : LANES;
-    const int64_t pixel = k->pixel + (int64_t)y * k->width + x;
+    const int block = column * LANES + block_row, x = t->left + column * LANES, top = t->top + block_row * BLOCK_ROWS;
+    const int count = lanes_left(k->width, x), rows = k->height - top < BLOCK_ROWS ? k->height - top : BLOCK_ROWS;
     const int32_t flat = t->flat[column][block_row];
-    I8 shown = splat_int(flat);
-    F8 inverse;
-    int same = 1;
-    if (flat == MANY) {
-        inverse = t->inverse[block][0][r], shown = t->shown[block][0][r];
-        I8 other = shown ^ splat_int(shown[0]);
-        for (int n = 1; n < t->samples; n++) other |= t->shown[block][n][r] ^ shown;
-        same = !any(other);
-    } else {
-        const float *by = f->samples;
-        inverse = row_of(surface_of(f, t, flat), STEPS + ((float)x + 0.5f + by[0]), (float)y + 0.5f + by[1]);
+    const float *by = f->samples, *surface = surface_of(f, t, flat);
+    I8 shown = splat_int(flat), ids = splat_int(flat < 0 ? -1 : instance_of(f, flat));
+    const F8 columns = STEPS + ((float)x + 0.5f + by[0]);
+    EACH(r, rows) {
+        const int y = top + r;
+        const int64_t pixel = k->pixel + (int64_t)y * k->width + x;
+        int same = 1;
+        F8 inverse;
+        if (flat == MANY) {
+            inverse = t->inverse[block][0][r], shown = t->shown[block][0][r], same = shows_one(t, block, r);
+            ids = same ? splat_int(instance_of(f, shown[0])) : instances_of(f, shown);
+        } else {
+            inverse = row_of(surface, columns, (float)y + 0.5f + by[1]);
+        }
+        write_surfaces(f, pick(shown < 0, splat(0), 1 / inverse), ids, count, pixel);
+        if (k->normals) write_normals(f, k, w, shown, x, y, count, f->normals + pixel);
+        if (!k->color) continue;
+        const Row row = {shown[0], 0, (int16_t)x, (int16_t)y};
+        if (same) {
+            w->rows[w->row_count++] = row;
+            continue;
+        }
+        const int first = (y - t->top) * TILE + column * LANES;
+        if (w->samples.count > MOST_COLLECTED - MOST_OF_ROW) join_collected(f, k, w);
+        w->mixed[w->mixed_count++] = row;
+        EACH(j, LANES) w->total[first + j] = (I4){0, 0, 0, 0};
+        collect(&w->samples, t, block, r, first, count);
     }
-    write_surfaces(f, shown, inverse, same, count, pixel);
-    if (k->normals) write_normals(f, k, w, shown, x, y, count, f->normals + pixel);
-    if (!k->color) return;
-    const Row row = {shown[0], 0, (int16_t)x, (int16_t)y};
-    if (same) {
-        w->rows[w->row_count++] = row;
-        return;
-    }
-    const int first = (y - t->top) * TILE + column * LANES;
-    if (w->samples.count > MOST_COLLECTED - MOST_OF_ROW) join_collected(f, k, w);
-    w->mixed[w->mixed_count++] = row;
-    EACH(j, LANES) w->total[first + j] = (I4){0, 0, 0, 0};
-    collect(&w->samples, t, block, r, first, count);
 }
 
 static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
@@ -276,7 +348,7 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
     w->row_count = w->mixed_count = w->shown.count = w->shown.complete = 0;
     if (k->color) place_samples(f, &w->samples, left, top, samples);
     for (int c = 0; c < COLUMNS && left + c * LANES < k->width; c++)
-        for (int y = 0; y < TILE && top + y < k->height; y++) draw_row(f, k, w, c, y / BLOCK_ROWS, y % BLOCK_ROWS);
+        for (int y = 0; y < TILE && top + y < k->height; y += BLOCK_ROWS) draw_block(f, k, w, c, y / BLOCK_ROWS);
     if (k->color) draw_colours(f, k, w);
     const Kept *kept = kept_of(f, f->tiles[tile][0]);
     if (!kept) return;
@@ -288,7 +360,7 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
 void draw_pixels(Frame *f) {
     Work w;
     // lanes without a texture are computed, too
-    memset(&w.looks, 0, sizeof w.looks);
+    memset(w.looks, 0, sizeof w.looks);
     // and lanes without a sample, and places in a table that is empty
     memset(&w.samples, 0, sizeof w.samples), memset(&w.shown, 0, sizeof w.shown);
     int64_t *next = &f->stages[PIXELS].next;
