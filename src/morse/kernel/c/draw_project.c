@@ -12,6 +12,10 @@
 
 // Limit of the coefficients of 1 / depth, so that the values at all pixels are finite.
 #define LARGEST 1e30f
+// A column or row beyond all images.
+#define BEYOND 32768.0
+// Bound of the rounding error of areas, relative to the coordinates.
+#define CERTAIN 1e-12
 
 // What is the same for all triangles of a camera.
 typedef struct {
@@ -34,17 +38,33 @@ static Grid grid_of(const Frame *f, const Camera *k) {
     return g;
 }
 
-// Pixels whose samples may lie in a triangle, from its lowest coordinates (x, y, -x, -y); 0 if none.
-static inline int bounds(const Grid *g, D4 low, Bounds *b) {
+// A triangle that may be visible: its lowest pixels (x, y, -x, -y).
+typedef struct {
+    I4 low;
+    int32_t triangle, material;
+} Candidate;
+
+// Pixels whose samples may lie in a triangle, from its lowest coordinates (x, y, -x, -y); returns whether there are
+// any.
+static inline int lowest_pixels(const Grid *g, D4 low, I4 *to) {
     D4 r;
     low -= g->reach;
     EACH(i, 4) {
         const double whole = ceil(low[i]);
         r[i] = whole > g->first[i] ? whole : g->first[i];
     }
-    if (r[0] + r[2] > 0 || r[1] + r[3] > 0) return 0;
-    *b = (Bounds){(int16_t)r[0], (int16_t)r[1], (int16_t)-r[2], (int16_t)-r[3]};
-    return 1;
+    // all images are smaller; larger numbers are no integers
+    *to = __builtin_convertvector(lesser_four(r, all_four(BEYOND)), I4);
+    return !((r[0] + r[2] > 0) | (r[1] + r[3] > 0));
+}
+
+// Whether a triangle is seen from behind, beyond doubt: of triangles that are nearly seen from the side, `planes`
+// decides. All of it is between the near and the far plane.
+static inline int is_back(const Corner *const *q, D4 low, int mirrored) {
+    const D4 a = q[1]->place - q[0]->place, b = q[2]->place - q[0]->place;
+    const double area = a[0] * b[1] - a[1] * b[0];
+    const double most = CERTAIN * (fabs(low[0]) + fabs(low[2]) + 1) * (fabs(low[1]) + fabs(low[3]) + 1);
+    return (mirrored ? -area : area) > most;
 }
 
 static inline D4 turned(D4 a) { return (D4){a[1], a[2], a[0], a[3]}; }
@@ -59,6 +79,11 @@ static inline void store(float *to, D4 from) {
     memcpy(to, &r, sizeof r);
 }
 
+// Whether the back face of a triangle is not visible.
+static inline int hides_back(int flags, int closed) {
+    return !(flags & DOUBLE_SIDED) | ((closed != 0) & !(flags & (MASKED | DITHERED)));
+}
+
 // The planes of a triangle; 0 if it is not visible from this side.
 static inline int planes(const Frame *f, const Part *part, const Corner *const *q, int closed, Seen *s) {
     const D4 e[3] = {cross(q[1]->at, q[2]->at), cross(q[2]->at, q[0]->at), cross(q[0]->at, q[1]->at)};
@@ -67,8 +92,7 @@ static inline int planes(const Frame *f, const Part *part, const Corner *const *
     if (!(volume > 0 || volume < 0)) return 0;
     // y points down: the volume of a front face is negative
     const int back = (volume > 0) != ((part->flags & MIRRORED) != 0);
-    const int flags = f->materials[s->material].flags;
-    if (back && (!(flags & DOUBLE_SIDED) || (closed && !(flags & (MASKED | DITHERED))))) return 0;
+    if (back && hides_back(f->materials[s->material].flags, closed)) return 0;
     const D4 sign = all_four(volume > 0 ? 1 : -1);
     // each of them writes one number too many, which the next one replaces
     EACH(i, 3) store(s->e[i], sign * e[i]);
@@ -110,10 +134,31 @@ static int is_outside(const Frame *f, const Camera *k, const Part *part) {
     return r[6] * x[0] + r[7] * x[1] + r[8] * x[2] - f->guards[part->cluster] * stretch_of(m) >= k->near;
 }
 
+// Finds the triangles of a part that may be visible; returns their number. Without branches: the processor would
+// predict them wrongly.
+static inline int find_candidates(const Frame *f, const Camera *k, const Grid *g, const Part *part,
+                                  const Corner *corners, int between, int closed, Candidate *to) {
+    const Cluster *cluster = f->clusters + part->cluster;
+    const int32_t *slots = f->slots + part->slots;
+    const int mirrored = (part->flags & MIRRORED) != 0;
+    int count = 0;
+    for (int t = cluster->triangle; t < cluster->triangle + cluster->triangles; t++) {
+        const uint16_t *c = f->corners[t];
+        const Corner *q[3] = {corners + c[0], corners + c[1], corners + c[2]};
+        const D4 low = between ? lowest(q) : lowest_visible(q, k);
+        Candidate *candidate = to + count;
+        candidate->triangle = t, candidate->material = slots[f->triangles[t][3]];
+        const int hidden = hides_back(f->materials[candidate->material].flags, closed & f->closed[t]);
+        count += lowest_pixels(g, low, &candidate->low) & !(between & hidden & is_back(q, low, mirrored));
+    }
+    return count;
+}
+
 // The triangles of a part; returns the end.
 static int64_t project_part(const Frame *f, const Camera *k, const Grid *g, int32_t number, int64_t to,
                             int32_t *share) {
     Corner corners[MOST_VERTICES];
+    Candidate candidates[MOST_TRIANGLES + 1];
     double a[3][4];
     const Part *part = f->parts + number;
     const Cluster *cluster = f->clusters + part->cluster;
@@ -121,14 +166,19 @@ static int64_t project_part(const Frame *f, const Camera *k, const Grid *g, int3
     if (!is_finite(a, f->spheres[part->cluster])) return to;
     const float (*points)[3] = (const float (*)[3])(f->points + cluster->vertex);
     const int closed = is_outside(f, k, part) ? (part->flags & SOLID ? CLOSED | MIXED : CLOSED) : 0,
-              between = project_corners(k, a, points, f->point_counts[part->cluster], corners);
-    for (int t = cluster->triangle; t < cluster->triangle + cluster->triangles; t++) {
+              between = project_corners(k, a, points, f->point_counts[part->cluster], corners),
+              count = find_candidates(f, k, g, part, corners, between, closed, candidates);
+    EACH(n, count) {
+        const Candidate *candidate = candidates + n;
+        const int t = candidate->triangle;
+        const I4 low = candidate->low;
         const uint16_t *c = f->corners[t];
         const Corner *q[3] = {corners + c[0], corners + c[1], corners + c[2]};
         Seen *s = f->seen + to;
-        if (!bounds(g, between ? lowest(q) : lowest_visible(q, k), f->bounds + to)) continue;
-        s->material = f->slots[part->slots + f->triangles[t][3]];
-        if (!planes(f, part, q, closed & f->closed[t], s) || !reaches_samples(s, f->bounds + to, g)) continue;
+        Bounds *b = f->bounds + to;
+        *b = (Bounds){(int16_t)low[0], (int16_t)low[1], (int16_t)-low[2], (int16_t)-low[3]};
+        s->material = candidate->material;
+        if (!planes(f, part, q, closed & f->closed[t], s) || !reaches_samples(s, b, g)) continue;
         s->triangle = t, s->part = number;
         add_to_tiles(f, k, to++, share, NULL);
     }

@@ -4,8 +4,9 @@
 
 #define TILE 32
 #define MOST_SAMPLES 5
-// Maximum number of vertices of a cluster.
-#define MOST_VERTICES (3 * 256)
+// Maximum numbers of triangles and vertices of a cluster.
+#define MOST_TRIANGLES 256
+#define MOST_VERTICES (3 * MOST_TRIANGLES)
 // Side of a block of a shadow map: 1 << SHADOW_SHIFT texels.
 #define SHADOW_SHIFT 3
 #define EACH(i, n) for (int i = 0; i < (n); i++)
