@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from morse.core.image_colors import FARTHEST_LEVEL, as_pixels, depth_levels
 from morse.sensors.thermal_camera import ThermalCamera
-from morse.viewer.feeds.pictures import FARTHEST_LEVEL, PicturesFeed, as_pixels, depth_levels, sightings
+from morse.viewer.feeds.pictures import PicturesFeed, sightings
 from morse.viewer.hub import Wishes
 from morse.viewer.view_messages import Sighting
 
@@ -79,7 +80,8 @@ def test_a_picture_whose_bottom_row_is_first_is_turned() -> None:
 
 def test_distances_are_bright_where_they_are_near() -> None:
     pixels = as_pixels(np.array([[1.0, 2.0], [3.0, np.inf]], np.float32))
-    assert pixels.tolist() == [[255, 127], [0, 0]]
+    # the farthest depth is not the black of no depth
+    assert pixels.tolist() == [[255, 143], [FARTHEST_LEVEL, 0]]
     assert as_pixels(np.full((2, 2), np.inf, np.float32)).max() == 0
 
 

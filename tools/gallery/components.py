@@ -17,7 +17,7 @@ from PIL import Image
 
 import morse
 from morse.core.declarations import fields_of_component
-from morse.viewer.feeds.pictures import as_coordinates, as_heat
+from morse.core.image_colors import as_coordinates, as_heat
 
 DOCS = Path(__file__).parents[2] / "docs"
 sys.path.insert(0, str(DOCS))

@@ -105,9 +105,9 @@ def drawn(request: CameraRequest, show: str, fine: bool) -> NDArray[np.uint8]:
     """(H, W, 3) the present image."""
     import numpy as np
 
+    from morse.core.id_colors import as_colors
+    from morse.core.image_colors import as_pixels
     from morse.rendering.light_codes import LIGHT, encoded
-    from morse.viewer.feeds.id_colors import as_colors
-    from morse.viewer.feeds.pictures import as_pixels
 
     request.server.serve([request])
     picture = request.picture

@@ -237,6 +237,16 @@ class ComponentHandle:
         there = self._context.component(self.fqn) is not None and not self._simulation.finished
         return [*super().__dir__(), *self.parts, *(self._services() if there else ())]
 
+    def _repr_png_(self) -> bytes | None:
+        """Return the present image of a camera as a PNG file, which notebooks display; None for other components."""
+        # imported on demand, because only notebooks need it
+        from morse.core.image_colors import png_of
+
+        try:
+            return png_of(self.component)
+        except (LookupError, RuntimeError):
+            return None
+
     def __repr__(self) -> str:
         try:
             names = ", ".join([*self.parts, *self._services()])

@@ -8,8 +8,9 @@ import numpy as np
 
 from morse.core.context import acting
 from morse.core.exceptions import MorseError
+from morse.core.image_colors import is_picture
 from morse.middleware.ros2.cdr import CdrError, decode
-from morse.viewer.feeds.pictures import PicturesFeed, Shot, is_picture
+from morse.viewer.feeds.pictures import PicturesFeed, Shot
 from morse.viewer.feeds.recorded_world import look_around
 
 if TYPE_CHECKING:

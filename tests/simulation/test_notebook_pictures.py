@@ -1,0 +1,59 @@
+"""The images of cameras in a notebook."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import morse
+
+SMALL = {"cam_width": 24, "cam_height": 16}
+
+
+def scene():
+    from morse.builder import Cube, Environment, FakeRobot, Pose, sensors
+
+    robot = FakeRobot("robot")
+    robot.translate(z=1.0)
+    for kind in ("VideoCamera", "DepthVideoCamera", "SegmentationCamera", "ThermalCamera", "NormalCamera"):
+        camera = getattr(sensors, kind)(kind)
+        camera.properties(**SMALL)
+        robot.append(camera)
+    robot.append(Pose("pose"))
+    wall = Cube("Wall")
+    # the lower half of the image
+    wall.scale, wall.location = (0.1, 20, 0.5), (6.1, 0, 0.5)
+    wall.properties(Temperature=40.0)
+    Environment("empty")
+
+
+@pytest.fixture(scope="module")
+def sim():
+    with morse.load(scene) as simulation:
+        simulation.step(6)
+        yield simulation
+
+
+def shown(camera):
+    with Image.open(io.BytesIO(camera._repr_png_())) as picture:
+        assert picture.format == "PNG"
+        return np.asarray(picture.convert("RGB"))
+
+
+def test_colours_are_those_of_the_data(sim):
+    camera = sim.robot.VideoCamera
+    np.testing.assert_array_equal(shown(camera), camera.data["image"][..., :3])
+
+
+@pytest.mark.parametrize("kind", ["DepthVideoCamera", "SegmentationCamera", "ThermalCamera", "NormalCamera"])
+def test_what_is_not_a_colour_has_colours_with_the_top_row_first(sim, kind):
+    pixels = shown(getattr(sim.robot, kind)).astype(int)
+    assert pixels.shape == (16, 24, 3)
+    # the wall is brighter than the sky
+    assert pixels[11, 12].sum() > pixels[2, 12].sum()
+
+
+def test_other_components_are_shown_as_text(sim):
+    assert sim.robot.pose._repr_png_() is None
+    assert sim.robot._repr_png_() is None
