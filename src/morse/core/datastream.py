@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core.classpath import load_class
+from morse.core.declarations import Option
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.kinds.table import GENERAL
 from morse.core.mapping import mapped_kinds
@@ -18,8 +19,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
 
     from morse.core.context import Context
-    from morse.core.declarations import Option
     from morse.core.object import Object
+
+
+#: options of the streams of all middlewares
+COMMON_OPTIONS: Mapping[str, Option] = {
+    "timeout": Option(float, None, "for actuators: simulated seconds after which a command ends", low=1e-3, unit="s")
+}
 
 
 class AbstractDatastream(ABC):
@@ -140,7 +146,26 @@ class DatastreamManager(Observer):
         self.opened(stream)
         stream.initialize()
         functions = component.input_functions if declaration.direction == "IN" else component.output_functions
-        functions.append(stream.default)
+        functions.append(self._reader(stream, declaration))
+
+    def _reader(self, stream: Any, declaration: StreamDeclaration) -> Callable[..., Any]:
+        """The function of a stream that its component calls."""
+        from morse.core.command_timeout import CommandTimeout
+
+        timeout = declaration.options.get("timeout")
+        if not isinstance(timeout, (int, float)) or "timeout" not in self._common_options(type(stream)):
+            return stream.default  # type: ignore[no-any-return]
+        if declaration.direction != "IN":
+            raise MorseMiddlewareError(
+                f"{stream.component_name}: timeout={timeout} is for actuators, whose commands it ends"
+            )
+        return CommandTimeout(stream, float(timeout)).default
+
+    @staticmethod
+    def _common_options(cls: type) -> Mapping[str, Option]:
+        """The options that a stream of a class has in addition to its own."""
+        declared = getattr(cls, "options", None) or {}
+        return {name: option for name, option in COMMON_OPTIONS.items() if name not in declared}
 
     def make_stream(self, component: Object, declaration: StreamDeclaration) -> Any:
         """Create the stream for a declaration.
@@ -154,7 +179,9 @@ class DatastreamManager(Observer):
         declared = getattr(cls, "options", None)
         options = dict(declaration.options)
         if declared is not None:
-            options = with_defaults(declared, checked_options(f"the stream of {component.name()}", declared, options))
+            known = {**self._common_options(cls), **declared}
+            checked = checked_options(f"the stream of {component.name()}", known, options)
+            options = with_defaults(declared, {name: value for name, value in checked.items() if name in declared})
         return cls(component, options)
 
     def disconnect(self, name: str) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder.names import frames
 from morse.builder.names.classes import load_class
+from morse.core.datastream import COMMON_OPTIONS
 from morse.core.exceptions import MorseBuilderNoComponentError
 from morse.core.validation import checked_options
 from morse.middleware import registry
@@ -35,7 +36,7 @@ def stream_options(manager: str, given: Mapping[str, Any]) -> dict[str, Any]:
     middleware = registry.middleware_of_stream_manager(manager)
     if middleware is None or middleware.stream_options is None:
         return dict(given)
-    declared = middleware.stream_options
+    declared = {**COMMON_OPTIONS, **middleware.stream_options}
     known = {}
     for name, value in given.items():
         if name in _OF_SOME_MIDDLEWARE and name not in declared:
