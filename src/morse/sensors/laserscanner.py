@@ -284,6 +284,7 @@ class LaserScanner(Sensor):
     def act_together(cls, group: Group) -> None:
         """Measure the scans of all members, which have the same level."""
         sights = [scanner._look() for scanner in group.members]  # type: ignore[attr-defined]
+        group.memory["sights"] = sights
 
         def ranges(row: int) -> Later:
             return Later(lambda: sights[row].ranges.copy())

@@ -36,13 +36,14 @@ class Scan:
         solids: (B, N) index of the solid, -1 for no hit.
         faces: (B, N) triangle of the mesh of the solid, -1 for other solids.
         known: the solids to which the indices refer; None before the first cast.
+        directions, reach: of the bundles, see `RayBundle`.
     """
 
-    __slots__ = ("_directions", "_origins", "_points", "_ranges", "_reach", "distances", "faces", "known", "solids")
+    __slots__ = ("_origins", "_points", "_ranges", "directions", "distances", "faces", "known", "reach", "solids")
 
     def __init__(self, bundle: RayBundle, hits: Hits, known: Solids | None = None) -> None:
         self.known = known
-        self._directions, self._origins, self._reach = bundle.directions, bundle.origins, bundle.reach
+        self.directions, self._origins, self.reach = bundle.directions, bundle.origins, bundle.reach
         self.distances, self.solids, self.faces = hits
         self._points: NDArray[np.float64] | None = None
         self._ranges: NDArray[np.float64] | None = None
@@ -50,7 +51,7 @@ class Scan:
     def ranges(self) -> NDArray[np.float64]:
         """(B, N) m, the reach for no hit; computed for all bundles at the first access."""
         if self._ranges is None:
-            self._ranges = np.minimum(self.distances, self._reach)
+            self._ranges = np.minimum(self.distances, self.reach)
         return self._ranges
 
     def points(self) -> NDArray[np.float64]:
@@ -58,7 +59,7 @@ class Scan:
         if self._points is None:
             length = np.where(self.solids >= 0, self.distances, 0.0)[..., None]
             # avoids -0.0 in the numbers that clients read
-            self._points = self._directions * length + 0.0
+            self._points = self.directions * length + 0.0
             if self._origins is not None:
                 self._points += np.where(length > 0.0, self._origins, 0.0)
         return self._points

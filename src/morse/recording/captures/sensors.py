@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from morse.core.kinds.turning import quaternion_of
 from morse.kernel.memory import address
 from morse.kernel.recording import Scans
 from morse.recording.captures.capture import Capture
+from morse.recording.captures.lone import Lone
 from morse.recording.captures.poses import POSE, PosesCapture
 
 if TYPE_CHECKING:
@@ -23,11 +23,7 @@ if TYPE_CHECKING:
     from morse.kernel.recording import Batch, NativeRecords, Poses, Rows
     from morse.physics.rays.bundle import RayBundle
     from morse.physics.snapshot import Snapshot
-    from morse.recording.captures.lone import Lone
     from morse.recording.captures.template import Template
-
-
-_RAYS, _SIGHT = attrgetter("rays"), attrgetter("sight")
 
 
 class PoseSensors(PosesCapture):
@@ -82,7 +78,7 @@ class Scanners(Capture):
     ) -> None:
         super().__init__(native, template)
         self.held = 8 * len(bundles) * len(bundles[0])
-        self._bundles, self._kept = bundles, kept
+        self._directions, self._reach, self._kept = bundles[0].directions, bundles[0].reach, kept
         self._members = np.array(members, dtype=np.int64)
         self._reaches = np.full(len(members), reach)
         # the distances, and the length 0 of intensities, are at the end of each message
@@ -91,18 +87,20 @@ class Scanners(Capture):
     def take(self, group: Group | Lone) -> NDArray[np.float64] | None:
         """The distances (B, rays) of a tick; None if the scans were made in several casts, or if a fan has changed."""
         scanners: Any = group.members
-        bundles = list(map(_RAYS, scanners))
-        if bundles != self._bundles:
-            return None
-        sights = list(map(_SIGHT, bundles))
+        if isinstance(group, Lone):
+            sight = scanners[0].rays.sight
+            first, sights = sight.row, [sight]
+        else:
+            # their scanners are no longer in the cache of the processor
+            first, sights = 0, group.memory["sights"]
         scan = sights[0].scan
-        distances: NDArray[np.float64] = scan.distances
-        if len(sights) == 1:
-            return distances[sights[0].row : sights[0].row + 1]
-        for row, sight in enumerate(sights):
+        if scan.directions is not self._directions or scan.reach != self._reach:
+            return None
+        for row, sight in enumerate(sights, first):
             if sight.scan is not scan or sight.row != row:
                 return None
-        return distances
+        distances: NDArray[np.float64] = scan.distances
+        return distances[first : first + 1] if isinstance(group, Lone) else distances
 
     def _fill(self, batch: Batch, rows: Rows, data: Any) -> None:
         places = np.array([address(distances) for distances in data], dtype=np.int64)
