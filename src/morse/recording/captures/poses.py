@@ -64,9 +64,10 @@ def groups_of_arrays(
 
 
 def _addresses(arrays: Sequence[NDArray[np.float64]], places: Sequence[int]) -> NDArray[np.int64]:
-    if 0 in places:
-        places = [place or address(array) or 0 for place, array in zip(places, arrays, strict=True)]
-    return np.array(places, dtype=np.int64)
+    found = np.array(places, dtype=np.int64)
+    if found.all():
+        return found
+    return np.array([place or address(array) for place, array in zip(places, arrays, strict=True)], dtype=np.int64)
 
 
 def groups_of(snapshot: Snapshot) -> Groups:
