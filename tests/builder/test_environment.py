@@ -105,6 +105,7 @@ def test_view(env: Environment) -> None:
     env.set_camera_focal_length(35.0)
     env.set_horizon_color((0.1, 0.2, 0.3))
     env.set_ambient_color((0.4, 0.5, 0.6))
+    env.set_daylight(0.25)
     env.show_debug_properties()
     env.show_framerate()
     env.show_physics(True)
@@ -116,6 +117,7 @@ def test_view(env: Environment) -> None:
     assert view.camera_rotation == (1.05, 0.0, 0.78)
     assert (view.camera_clip, view.camera_speed, view.camera_focal_length) == ((0.5, 500.0), 4.0, 35.0)
     assert (view.horizon_color, view.ambient_color) == ((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
+    assert view.daylight == 0.25
     assert view.show_debug_properties
     assert view.show_framerate
     assert view.show_physics
@@ -215,6 +217,7 @@ def test_one_of_two_time_scales(env: Environment) -> None:
     lambda e: e.set_camera_clip(10, 1), lambda e: e.set_camera_clip(0, 1), lambda e: e.set_camera_clip(1, 1),
     lambda e: e.set_camera_speed(0),
     lambda e: e.set_camera_focal_length(math.nan), lambda e: e.set_horizon_color((0, 0, 300)),
+    lambda e: e.set_daylight(1.5), lambda e: e.set_daylight(math.nan), lambda e: e.set_daylight("night"),
     lambda e: e.set_ambient_color((0, 0)), lambda e: e.show_physics("yes"), lambda e: e.fullscreen(2),
     lambda e: e.set_material_mode("PRETTY"), lambda e: e.set_stereo("CROSSED"), lambda e: e.create(3),
     lambda e: e.set_log_level("core", "LOUD"), lambda e: e.set_log_level(3, "INFO"),

@@ -76,6 +76,24 @@ def test_surfaces_shine_by_the_cosine_of_the_angle_to_the_lamp():
     assert (slanted - dark) / (straight - dark) == pytest.approx(0.5, abs=0.12)
 
 
+@pytest.mark.parametrize("suns", [[], [lamp("SUN", (0, 0, 1)), lamp("HEMI", (0, 0, 1))]])
+def test_a_night_is_dark_but_for_its_lamps(suns):
+    lens, up = Lens.of_focal_length(16, 16, 32.0, 0.1, 50), Tripod((0, 0, 1), (1, 0, 3))
+
+    def seen(share, *lamps):
+        """The floor, and the sky."""
+        white = Material("", color=(1, 1, 1, 1), roughness=1.0)
+        made = Studio(floor(half=3.0, material=white), *suns, *lamps, daylight=share)
+        return np.array([gray(made.look(way, lens))[8, 8] for way in (ABOVE, up)])
+
+    night, dusk, day = (seen(share) for share in (0.0, 0.1, 1.0))
+    assert (night == 0).all()
+    assert (night < dusk).all()
+    assert (dusk < day).all()
+    # a lamp shines by night as by day
+    assert seen(0.0, lamp("POINT", (0, 0, 1), energy=0.3, location=(0, 0, 5)))[0] > 20
+
+
 def test_shadeless_surfaces_show_their_own_colour():
     # linear 0.5 is 188 in sRGB, 0.2 is 124, 1 is 255
     made = Studio(floor(material=Material("", color=(0.5, 0.2, 1.0, 1.0), shadeless=True)))

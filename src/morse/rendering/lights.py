@@ -84,12 +84,12 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
         towards, color = np.array(rotation[2::3]), np.array(light.color)
         if light.type == "SUN" and sunny is None:
             sunny = towards
-            strength = _FULL * light.energy * 0.85 * (1.5 if mixed else 1.0)
+            strength = _FULL * light.energy * 0.85 * (1.5 if mixed else 1.0) * view.daylight
             rows.append(_lamp(SUN, (0, 0, 0), towards, color * strength, shape=(1.0, 0.0)))
         elif light.type == "SUN":
-            rows.append(_lamp(SUN, (0, 0, 0), towards, color * _FULL * light.energy))
+            rows.append(_lamp(SUN, (0, 0, 0), towards, color * _FULL * light.energy * view.daylight))
         elif light.type == "HEMI":
-            half = _FULL * light.energy * 0.5
+            half = _FULL * light.energy * 0.5 * view.daylight
             rows.append(_lamp(HEMISPHERE, (0, 0, 0), towards, color * half, ground=np.full(3, 0.051 * half)))
         else:
             share = 0.5 * (0.7 if mixed else 1.0) * max(light.distance, 0.0) ** _DECAY
@@ -105,7 +105,7 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
     if sunny is None:
         sunny = np.array(_TOWARDS_SUN) / np.linalg.norm(_TOWARDS_SUN)
         # with lamps in the scene, the sun is faint
-        strength = _FULL * (0.35 if nodes else 0.95) * 0.85
+        strength = _FULL * (0.35 if nodes else 0.95) * 0.85 * view.daylight
         rows.append(_lamp(SUN, (0, 0, 0), sunny, _srgb(0xFFF3E2) * strength, shape=(1.0, 0.0)))
     rows.append(_sky_light(view, bool(nodes), mixed))
     made = np.array(rows, dtype=LAMP)
@@ -118,7 +118,7 @@ def _sky_light(view: ViewSettings, lit: bool, mixed: bool) -> tuple[object, ...]
     above, below = _srgb(0xDFEEFF), _srgb(0xB9AEA0)
     if view.ambient_color:
         above = (above + np.array(view.ambient_color)) / 2
-    strength = _FULL * (0.5 if lit else 0.62) * (0.65 if mixed else 1.0)
+    strength = _FULL * (0.5 if lit else 0.62) * (0.65 if mixed else 1.0) * view.daylight
     return _lamp(HEMISPHERE, (0, 0, 0), (0, 0, 1), above * strength, ground=below * strength)
 
 
@@ -128,6 +128,7 @@ def sky_of(view: ViewSettings, sunny: NDArray[np.float64]) -> NDArray[np.float32
     if view.horizon_color:
         horizon = np.array(view.horizon_color, dtype=np.float64)
         zenith, nadir, glow = horizon * 0.55, horizon * 0.7, glow * 0.3
+    horizon, zenith, nadir, glow = (colour * view.daylight for colour in (horizon, zenith, nadir, glow))
     mist = (0.0, 0.0)
     if view.mist is not None and view.mist.enabled:
         mist = (view.mist.start, max(view.mist.depth, 1e-3))

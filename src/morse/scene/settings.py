@@ -35,7 +35,11 @@ class Mist:
 
 @dataclass(slots=True)
 class ViewSettings:
-    """Initial settings of the live view. The camera looks along its -Z axis."""
+    """Initial settings of the live view. The camera looks along its -Z axis.
+
+    Attributes:
+        daylight: factor of the light of sun and sky, 0..1; 0 is a night without a moon.
+    """
 
     camera_location: tuple[float, float, float] = (5.0, -5.0, 5.0)
     camera_rotation: tuple[float, float, float] = (0.7854, 0.0, 0.7854)
@@ -44,6 +48,7 @@ class ViewSettings:
     camera_focal_length: float = 20.0
     horizon_color: tuple[float, float, float] | None = None
     ambient_color: tuple[float, float, float] | None = None
+    daylight: float = 1.0
     mist: Mist | None = None
     show_debug_properties: bool = False
     show_framerate: bool = False

@@ -115,6 +115,7 @@ def _view(scene: Scene) -> d.ViewDescription:
         camera_focal_length=view.camera_focal_length,
         horizon_color=view.horizon_color,
         ambient_color=view.ambient_color,
+        daylight=view.daylight,
         mist=_mist(view.mist),
         show_physics=view.show_physics,
         show_framerate=view.show_framerate,

@@ -110,6 +110,7 @@ class ViewDescription(Struct, frozen=True):
     camera_focal_length: float
     horizon_color: Vector3 | None
     ambient_color: Vector3 | None
+    daylight: float
     mist: MistDescription | None
     show_physics: bool
     show_framerate: bool

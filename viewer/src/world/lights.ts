@@ -52,6 +52,7 @@ export class Lights {
 
   /** Install the lamps of a world; a sun among them replaces the sun. Returns the names of lamps that are not shown. */
   install(world: World): string[] {
+    const daylight = world.description.view.daylight;
     for (const lamp of this.lamps) lamp.removeFromParent();
     this.lamps.length = 0;
     const strongest = strongestFirst(world);
@@ -65,7 +66,7 @@ export class Lights {
         this.direction.set(0, 0, 1).transformDirection(node.frame.matrixWorld);
         this.sun.color.setRGB(...description.color);
         this.sun.userData["energy"] = description.energy;
-      } else this.add(node.frame, makeLamp(description, this.mixed ? BESIDE.lamps : 1));
+      } else this.add(node.frame, makeLamp(description, this.mixed ? BESIDE.lamps : 1, daylight));
     }
     this.lit = strongest.length > 0;
     if (!sunny) {
@@ -78,7 +79,7 @@ export class Lights {
   }
 
   paint(theme: Theme, view: ViewDescription | null): void {
-    const dim = theme === "light" ? 1 : 0.62;
+    const dim = (theme === "light" ? 1 : 0.62) * (view?.daylight ?? 1);
     this.sun.intensity = FULL * ((this.sun.userData["energy"] as number | undefined) ?? 0.95) * dim * 0.85 * (this.mixed ? BESIDE.sun : 1);
     const ambient = view?.ambient_color;
     this.sky.color.set(theme === "light" ? 0xdfeeff : 0xb9cbe4);
@@ -134,11 +135,12 @@ function strongestFirst(world: World): WorldNode[] {
   return lamps.sort(([, a], [, b]) => b - a).map(([node]) => node);
 }
 
-function makeLamp(description: LightDescription, share: number): Light {
+/** A lamp; a sun and a sky shine with their share of the daylight. */
+function makeLamp(description: LightDescription, share: number, daylight: number): Light {
   const color = new Color().setRGB(...description.color);
   const { energy, distance } = description;
-  if (description.type === "SUN") return new DirectionalLight(color, FULL * energy);
-  if (description.type === "HEMI") return new HemisphereLight(color, 0x404040, FULL * energy * 0.5);
+  if (description.type === "SUN") return new DirectionalLight(color, FULL * energy * daylight);
+  if (description.type === "HEMI") return new HemisphereLight(color, 0x404040, FULL * energy * 0.5 * daylight);
   const intensity = FULL * energy * 0.5 * share * distance ** DECAY;
   if (description.type === "AREA") return new SpotLight(color, intensity, 0, AREA, 1, DECAY);
   if (description.type !== "SPOT") return new PointLight(color, intensity, 0, DECAY);
@@ -146,6 +148,7 @@ function makeLamp(description: LightDescription, share: number): Light {
   spot.castShadow = description.casts_shadow;
   spot.shadow.mapSize.set(1024, 1024);
   spot.shadow.bias = -0.0005;
+  spot.shadow.normalBias = 0.03;
   spot.shadow.radius = 3;
   return spot;
 }

@@ -81,6 +81,7 @@ export class Sky {
     }
     glow.value.set(theme === "light" ? 0xfff1d6 : 0x3a4a5c);
     if (asked) glow.value.multiplyScalar(0.3);
+    for (const color of [horizon, zenith, nadir, glow]) color.value.multiplyScalar(view?.daylight ?? 1);
     sun.value.copy(towardsSun);
     const mist = view?.mist;
     this.scene.fog = mist ? new Fog(horizon.value, mist.start, mist.start + mist.depth) : null;

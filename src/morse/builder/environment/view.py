@@ -89,6 +89,11 @@ class ViewMethods(EnvironmentDescription):
         """Set the colour of the ambient light: red, green, blue, 0..1."""
         self.settings.view.ambient_color = checks.color(color, "env.set_ambient_color(color)")
 
+    def set_daylight(self, share: float = 1.0) -> None:
+        """Set the share of the light of sun and sky, 0..1, at which lamps keep theirs: 0 is a dark night."""
+        what = "env.set_daylight(share)"
+        self.settings.view.daylight = checks.number(share, what, minimum=0.0, maximum=1.0)
+
     def enable_mist(self, enable: bool = True) -> None:
         """Switch the mist on or off."""
         self.set_mist_settings(enable=enable)
