@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import struct
 import time
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import rospy
 from geometry_msgs.msg import Pose, PoseStamped, Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
-from rosgraph_msgs.msg import Clock
+from rosgraph_msgs.msg import Clock, Log
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan, PointCloud2
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -39,11 +40,15 @@ def main() -> None:
         ("/other/lens/image_raw", Image), ("/other/odom", Odometry),
     ):  # fmt: skip
         listen(topic, kind)
+    logged: list[Any] = []
+    log = rospy.Subscriber("/rosout", Log, logged.append)
     drive = rospy.Publisher("/robot/motion", Twist, queue_size=1)
     jump = rospy.Publisher("/other/jump", Pose, queue_size=1)
     head = rospy.Publisher("/robot/ptu", Vector3, queue_size=1)
     forward, place = Twist(), Pose()
     forward.linear.x = 0.5
+    wrong = Twist()
+    wrong.linear.x = math.nan
     place.position.x, place.position.y, place.position.z, place.orientation.w = 7.0, 8.0, 1.0, 1.0
     end = time.monotonic() + _LIMIT
 
@@ -66,11 +71,14 @@ def main() -> None:
             and ("/map", "robot") in {(t.header.frame_id, t.child_frame_id) for m in got["/tf"] for t in m.transforms}
             and "other" in got["/robot/near"][-1].data
             and bool(got["/tf_static"])
+            and any("refused" in one.msg for one in logged)
         )
 
     while time.monotonic() < end and not (
         all(len(m) > 3 for topic, m in got.items() if topic != "/tf_static") and moved() and arrived()
     ):
+        if log.get_num_connections() > 1:  # this node and the simulation: the log has a line about this command
+            drive.publish(wrong)
         drive.publish(forward)
         jump.publish(place)
         head.publish(Vector3(0.0, 0.4, -0.2))
@@ -108,6 +116,7 @@ def main() -> None:
                 "points": [struct.unpack_from("<fff", fan.data, i * fan.point_step) for i in range(fan.width)],
                 "pull": _xyz(pull.twist.linear),
                 "recognised": sorted({t.child_frame_id for t in transforms if t.header.frame_id == "/map"}),
+                "log": next(([one.level, one.name, one.msg] for one in logged if "refused" in one.msg), None),
                 "robots": [robots.success, robots.message],
             }
         )

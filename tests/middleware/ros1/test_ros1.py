@@ -83,6 +83,13 @@ def test_a_node_drives_the_robot_and_sees_what_it_does(said: Any) -> None:
     assert "other" in said["near"], "the other robot has jumped there"
 
 
+def test_the_log_of_the_simulation_is_a_topic(said: Any) -> None:
+    level, name, text = said["log"]
+    assert level == 4  # rosgraph_msgs/Log.WARN
+    assert name.startswith("morse.")
+    assert text.startswith("robot.motion: ")
+
+
 def test_stamps_are_simulated_time(said: Any) -> None:
     ticks = [stamp * 1e-9 * RATE for stamp in said["stamps"]]
     assert ticks == sorted(ticks)

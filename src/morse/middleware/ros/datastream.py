@@ -10,6 +10,7 @@ from morse.middleware.ros.kinds import Ros1Kinds
 from morse.middleware.ros.mapping import MANAGER_OPTIONS
 from morse.middleware.ros.node import RospyBackend
 from morse.middleware.ros.old_names import class_path
+from morse.middleware.ros.rosout import LogTopicOfRos1
 from morse.middleware.ros.transforms import TransformsOf14
 from morse.middleware.ros2.backends.backend import Qos
 from morse.middleware.ros2.datastream import TF, Ros2DatastreamManager
@@ -37,6 +38,7 @@ class ROSDatastreamManager(Ros1Kinds, Ros2DatastreamManager):
     classpath = "morse.middleware.ros_datastream.ROSDatastreamManager"
     manager_options = MANAGER_OPTIONS
     title = "ros"
+    log_topic = LogTopicOfRos1
     backend: RospyBackend
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
@@ -101,6 +103,6 @@ class ROSDatastreamManager(Ros1Kinds, Ros2DatastreamManager):
             self._publish(self._tf, TF, {"transforms": [transform]})
 
     def _make_backend(self) -> Backend:
-        # rospy has its own /rosout; descriptions of robots are parameters in ROS 1
-        self.options = {**self.options, "rosout": False, "description": False}
+        # descriptions of robots are parameters in ROS 1
+        self.options = {**self.options, "description": False}
         return RospyBackend(self.context.scene.settings.node_name)

@@ -13,6 +13,7 @@ MANAGER_OPTIONS = {
     "clock": Option(bool, True, "publish simulated time as /clock"),
     "tf": Option(bool, True, "publish /tf and /tf_static"),
     "tf_rate": Option(float, None, "messages on /tf per simulated second; default: one in each tick", low=0.1),
+    "rosout": Option(bool, True, "publish the log of the simulation as /rosout"),
     "localization": Option(bool, False, "by REP 105: another node publishes the transform from map to odom"),
     "namespace": Option(str, None, "namespace of all topics, replaces the name of the robot; empty for none"),
     "frame_prefix": Option(str, None, "by REP 105: prefix of the names of frames, replaces the name of the robot"),

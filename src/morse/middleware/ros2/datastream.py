@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core.complaints import Complaints
 from morse.core.datastream import DatastreamManager
@@ -58,6 +58,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     manager_options = MANAGER_OPTIONS
     #: name of this middleware in messages
     title = "ros2"
+    log_topic: ClassVar[type[LogTopic]] = LogTopic
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
@@ -80,7 +81,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self._tf_static = self._own("/tf_static", TF, Qos(1, latched=True)) if self.options["tf"] else None
         self._tf_period = -1
         self.robots = Robots(self)
-        self._log = LogTopic(self) if self.options["rosout"] else None
+        self._log = self.log_topic(self) if self.options["rosout"] else None
         self.transforms = Transforms(
             self.options["localization"],
             self._send_tf,

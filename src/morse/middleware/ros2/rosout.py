@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.middleware.ros2.backends.backend import Qos
 from morse.middleware.ros2.parts import time
@@ -12,7 +12,6 @@ from morse.middleware.ros2.parts import time
 if TYPE_CHECKING:
     from morse.middleware.ros2.backends.backend import Publisher
 
-_TYPE = "rcl_interfaces/msg/Log"
 #: levels of rcl_interfaces/Log are those of logging
 _STEP, _LEAST, _MOST = 10, 10, 50
 #: maximum number of lines that wait for the end of a tick, and that one tick sends
@@ -26,16 +25,20 @@ class LogTopic(logging.Handler):
         manager: publishes the topic.
 
     Attributes:
+        type: of the messages.
+        qos: of the topic.
         lines: unsent lines.
     """
+
+    type: ClassVar = "rcl_interfaces/msg/Log"
+    #: later subscribers receive the last lines, as from every ROS node
+    qos: ClassVar = Qos(_WAITING, latched=True)
 
     def __init__(self, manager: Any) -> None:
         super().__init__()
         self._manager = manager
         self.lines: deque[logging.LogRecord] = deque(maxlen=_WAITING)
-        # later subscribers receive the last lines, as from every ROS node
-        qos = Qos(_WAITING, latched=True)
-        self._publisher: Publisher | None = manager.own("/rosout", _TYPE, qos, "the simulation")
+        self._publisher: Publisher | None = manager.own("/rosout", self.type, self.qos, "the simulation")
         if self._publisher is not None:
             logging.getLogger("morse").addHandler(self)
 
@@ -55,7 +58,19 @@ class LogTopic(logging.Handler):
             stamp: simulated time, ns.
         """
         for _ in range(min(len(self.lines), _EACH_TICK)):
-            self._manager.send(self._publisher, _TYPE, _message(self.lines.popleft(), stamp))
+            self._manager.send(self._publisher, self.type, self.message(self.lines.popleft(), stamp))
+
+    def message(self, record: logging.LogRecord, stamp: int) -> dict[str, Any]:
+        """A log record as a message, at a simulated time, ns."""
+        return {
+            "stamp": time(stamp),
+            "level": min(max(record.levelno // _STEP * _STEP, _LEAST), _MOST),
+            "name": record.name,
+            "msg": text_of(record),
+            "file": record.pathname,
+            "function": record.funcName or "",
+            "line": record.lineno,
+        }
 
     def close(self) -> None:
         """Stop collecting."""
@@ -65,17 +80,9 @@ class LogTopic(logging.Handler):
         super().close()
 
 
-def _message(record: logging.LogRecord, stamp: int) -> dict[str, Any]:
+def text_of(record: logging.LogRecord) -> str:
+    """The text of a log record."""
     try:
-        text = record.getMessage()
+        return record.getMessage()
     except Exception:  # arguments that do not fit the format: logging reports it elsewhere
-        text = str(record.msg)
-    return {
-        "stamp": time(stamp),
-        "level": min(max(record.levelno // _STEP * _STEP, _LEAST), _MOST),
-        "name": record.name,
-        "msg": text,
-        "file": record.pathname,
-        "function": record.funcName or "",
-        "line": record.lineno,
-    }
+        return str(record.msg)
