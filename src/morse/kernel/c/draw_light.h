@@ -70,16 +70,8 @@ static inline void bounds_at(const ShadowMap *m, I8 column, I8 row, F8 *low, F8 
     }
     F4 rows[LANES];
     EACH_LANE(j) memcpy(rows + j, m->bounds + at[j], sizeof *rows);
-    F8 a[4], b[4];
-    EACH(i, 4) a[i] = __builtin_shufflevector(rows[i], rows[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
-    EACH(i, 2) {
-        b[2 * i] = __builtin_shufflevector(a[2 * i], a[2 * i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
-        b[2 * i + 1] = __builtin_shufflevector(a[2 * i], a[2 * i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
-    }
-    EACH(i, 2) {
-        a[2 * i] = __builtin_shufflevector(b[i], b[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-        a[2 * i + 1] = __builtin_shufflevector(b[i], b[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-    }
+    F8 a[4];
+    columns_of(rows, a);
     const F8 rise = right * a[0] + down * a[1];
     *low = rise + a[2], *high = rise + a[3];
 }

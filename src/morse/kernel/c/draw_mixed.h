@@ -91,11 +91,12 @@ static inline int on_a_plane(F8 a, F8 b) {
     return cosine > 0 && cosine * cosine > ALIKE * ALIKE * most && fabsf(a[INVERSE] - b[INVERSE]) < APART * a[INVERSE];
 }
 
-// Whether a coordinate of a texture continues from one triangle to another: it changes by less than in a pixel.
-static inline int continues(const Planes *one, F8 a, F8 b, int which) {
-    const float at = a[which] / a[WHOLE];
-    const float right = one->across[which] - at * one->across[WHOLE], down = one->down[which] - at * one->down[WHOLE];
-    return fabsf(b[which] / b[WHOLE] - at) * fabsf(a[WHOLE]) <= fabsf(right) + fabsf(down);
+// Whether the texture continues from one triangle to another: its coordinates change by less than in a pixel.
+static inline int continues(const Planes *one, F8 a, F8 b) {
+    const F8 whole_a = splat(a[WHOLE]), at = a / whole_a, apart = b / splat(b[WHOLE]) - at;
+    const F8 right = one->across - at * one->across[WHOLE], down = one->down - at * one->down[WHOLE];
+    const I8 near = absolute(apart) * absolute(whole_a) <= absolute(right) + absolute(down);
+    return near[TEXTURE_U] & near[TEXTURE_V];
 }
 
 // The samples of a pixel, with the attributes of those that have been compared.
@@ -122,7 +123,5 @@ static inline int alike(const Samples *s, const Shown *shown, Pixel *p, int n, i
     const F8 a = value_of(s, shown, p, n), b = value_of(s, shown, p, other);
     if (!on_a_plane(a, b)) return 0;
     const int place = p->places[n];
-    const Planes *planes = shown->planes + place;
-    return shown->kind[place] != TEXTURED_SURFACES ||
-           (continues(planes, a, b, TEXTURE_U) && continues(planes, a, b, TEXTURE_V));
+    return shown->kind[place] != TEXTURED_SURFACES || continues(shown->planes + place, a, b);
 }

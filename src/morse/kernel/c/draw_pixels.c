@@ -97,8 +97,18 @@ static inline void write_colours(const Frame *f, V3 c, int count, uint8_t (*to)[
 
 // Adds the light of eight samples to their pixels.
 static inline void add_light(I4 *total, const uint16_t *pixels, F8 share, V3 c, int count) {
-    const I8 r = to_int(c.x * share), g = to_int(c.y * share), b = to_int(c.z * share);
-    EACH(j, count) total[pixels[j]] += (I4){r[j], g[j], b[j], 0};
+    const I8 r = to_int(c.x * share), g = to_int(c.y * share), b = to_int(c.z * share), none = splat_int(0);
+    const L4 rg[2] = {(L4)__builtin_shufflevector(r, g, 0, 8, 1, 9, 4, 12, 5, 13),
+                      (L4)__builtin_shufflevector(r, g, 2, 10, 3, 11, 6, 14, 7, 15)};
+    const L4 bn[2] = {(L4)__builtin_shufflevector(b, none, 0, 8, 1, 9, 4, 12, 5, 13),
+                      (L4)__builtin_shufflevector(b, none, 2, 10, 3, 11, 6, 14, 7, 15)};
+    // each of them has two samples, four lanes apart
+    I8 pairs[4];
+    EACH(i, 2) {
+        pairs[2 * i] = (I8)__builtin_shufflevector(rg[i], bn[i], 0, 4, 2, 6);
+        pairs[2 * i + 1] = (I8)__builtin_shufflevector(rg[i], bn[i], 1, 5, 3, 7);
+    }
+    EACH(j, count) total[pixels[j]] += ((const I4 *)(pairs + j % 4))[j / 4];
 }
 
 // Prepares samples that wait to be shaded; `count` of eight lanes are used.

@@ -85,10 +85,12 @@ static inline void set_surfaces(const Frame *f, Looks *l, const int32_t *materia
     transpose(rows, columns);
     l->r = columns[0], l->g = columns[1], l->b = columns[2];
     l->er = columns[4], l->eg = columns[5], l->eb = columns[6], l->metallic = columns[7];
-    EACH_LANE(j) {
-        l->roughness[j] = m[j]->roughness, l->texture[j] = m[j]->texture;
-        l->plain[j] = m[j]->flags & SHADELESS ? -1 : 0;
-    }
+    // roughness, texture and flags
+    F4 others[LANES];
+    F8 last[4];
+    EACH_LANE(j) memcpy(others + j, &m[j]->roughness, sizeof others[j]);
+    columns_of(others, last);
+    l->roughness = last[0], l->texture = bits_of(last[1]), l->plain = (bits_of(last[2]) & SHADELESS) != 0;
 }
 
 // Eight samples of different triangles.

@@ -27,7 +27,7 @@ typedef struct {
 
 typedef struct {
     float color[4], emission[3], metallic, roughness;
-    int32_t texture, flags, spare;
+    int32_t texture, flags, spare;  // in this order, they are read together
 } Surface;
 
 // Sizes are powers of two; `first` are the first texels of the levels, each half as large as the one before. Rows end

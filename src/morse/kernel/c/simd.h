@@ -94,3 +94,19 @@ static inline V3 chosen(I8 mask, V3 a, V3 b) {
     return (V3){pick(mask, a.x, b.x), pick(mask, a.y, b.y), pick(mask, a.z, b.z)};
 }
 static inline V3 unit(V3 a) { return scaled(a, 1 / root(greater(dot(a, a), splat(1e-30f)))); }
+
+static inline F8 absolute(F8 a) { return from_bits(bits_of(a) & INT32_MAX); }
+
+// Rows of four numbers become columns.
+static inline void columns_of(const F4 *rows, F8 *to) {
+    F8 a[4], b[4];
+    for (int i = 0; i < 4; i++) a[i] = __builtin_shufflevector(rows[i], rows[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    for (int i = 0; i < 2; i++) {
+        b[2 * i] = __builtin_shufflevector(a[2 * i], a[2 * i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        b[2 * i + 1] = __builtin_shufflevector(a[2 * i], a[2 * i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    for (int i = 0; i < 2; i++) {
+        to[2 * i] = __builtin_shufflevector(b[i], b[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+        to[2 * i + 1] = __builtin_shufflevector(b[i], b[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+}
