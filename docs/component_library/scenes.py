@@ -8,6 +8,7 @@ from morse.core.declarations import data_fields
 
 #: components that need a certain robot; all others are on an ATRV
 _CARRIERS = {
+    "HumanPosture": "Human",
     "MotionVWDiff": "Pioneer3DX",
     "QuadrotorDynamicControl": "Quadrotor",
     "RotorcraftAttitude": "Quadrotor",

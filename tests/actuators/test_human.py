@@ -17,6 +17,8 @@ human.append(motion)
 pose = Pose()
 human.append(pose)
 human.add_interface("socket")
+posture = HumanPosture()
+human.append(posture)
 calm = Human(name="calm")
 calm.translate(y=5)
 calm.properties(Animations=False)
@@ -46,6 +48,20 @@ def test_the_components_have_the_names_of_1_4(simulation):
     ]
 
 
+def test_the_posture_of_a_person_has_the_fields_of_1_4(simulation):
+    sensor, skeleton = component(simulation, "human.posture"), component(simulation, "human.skeleton")
+    joints = skeleton.get_joints()
+    simulation.rpc("human.skeleton", "set_rotation", joints[5], 0.2)
+    simulation.step(2)
+    data = sensor.local_data
+    fields = ["timestamp", "x", "y", "z", "yaw", "pitch", "roll", *(f"empty{n}" for n in range(1, 7))]
+    assert list(data) == [*fields, *(f"dof_{n}" for n in range(12, 50))]
+    assert data["x"] == pytest.approx(1.0, abs=1e-3)
+    assert data["dof_17"] == pytest.approx(0.2, abs=1e-6)
+    values = [data[f"dof_{n}"] for n in range(12, 50)]
+    assert values == pytest.approx([*skeleton.joint_values, *[0.0] * (38 - len(joints))])
+
+
 def test_a_person_walks_without_momentum_whatever_the_control_type(simulation):
     motion, pose = component(simulation, "human.motion"), component(simulation, "human.pose")
     motion.local_data["x"] = 1.2
@@ -54,6 +70,16 @@ def test_a_person_walks_without_momentum_whatever_the_control_type(simulation):
     simulation.step(30)
     assert pose.local_data["x"] == pytest.approx(2.2, abs=0.01)
     assert pose.local_data["z"] == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_person_who_turns_stays_upright(simulation):
+    """As all bodies of the type DYNAMIC in 1.4; it fell over after half a turn."""
+    component(simulation, "calm.stroll").local_data["w"] = 0.5
+    simulation.step(600)
+    calm = component(simulation, "calm").position_3d
+    assert (calm.roll, calm.pitch) == pytest.approx((0.0, 0.0), abs=1e-3)
+    assert math.remainder(calm.yaw - 5.0, math.tau) == pytest.approx(0.0, abs=0.02)
+    assert calm.z == pytest.approx(0.0, abs=0.01)
 
 
 def test_legs_swing_against_each_other_with_the_distance_and_settle(simulation):

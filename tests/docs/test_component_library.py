@@ -144,7 +144,7 @@ def test_formulas_name_their_source(pages: dict[str, str]):
 
 
 #: features of MORSE 1.4 that are not available; remove an entry when it becomes available
-MISSING = {"HumanPosture", "MocapControl"}
+MISSING = {"MocapControl"}
 MISSING_MIDDLEWARES = {"hla", "mavlink", "pocolibs", "pprzlink", "ros", "text"}
 
 

@@ -186,3 +186,24 @@ def test_noise(run):
 @example_test("repeatable")
 def test_repeatable(run):
     assert run("repeatable", math.inf) == (True, False)
+
+
+@example_test("human")
+def test_human(run):
+    taken, way, joints = run("human")
+    assert taken is True
+    # from the table to the place where the walk began, within the tolerances of both ways
+    assert 1.5 < way < 3.2
+    # the raised arm: the upper arm is far above the horizontal
+    assert joints["shoulder01_L"] > 1.0
+
+
+@example_test("pr2")
+def test_pr2(run):
+    torso, joints, (x, y) = run("pr2")
+    assert torso == pytest.approx(0.2, abs=1e-6)
+    assert joints["l_shoulder_pan_joint"] == pytest.approx(1.2, abs=0.02)
+    assert joints["r_shoulder_pan_joint"] == pytest.approx(-1.2, abs=0.02)
+    # 0.5 m/s for 2 s, and at most for the time until the next command is heard
+    assert x == pytest.approx(0.0, abs=0.02)
+    assert 0.95 < y < 1.5

@@ -45,6 +45,7 @@ MOMENTS = {
     "drive": 5.0,
     "rescue": 3.0,
     "legs": 5.0,
+    "human": 3.1,
 }
 
 

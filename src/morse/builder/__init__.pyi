@@ -98,6 +98,7 @@ from morse.builder.sensors import DepthVideoCamera as DepthVideoCamera
 from morse.builder.sensors import GPS as GPS
 from morse.builder.sensors import Gyroscope as Gyroscope
 from morse.builder.sensors import Hokuyo as Hokuyo
+from morse.builder.sensors import HumanPosture as HumanPosture
 from morse.builder.sensors import IMU as IMU
 from morse.builder.sensors import Infrared as Infrared
 from morse.builder.sensors import LaserScanner as LaserScanner
@@ -200,6 +201,7 @@ __all__ = [
     "Gyroscope",
     "Hokuyo",
     "Human",
+    "HumanPosture",
     "Hummer",
     "Hydrodynamics",
     "IMU",

@@ -29,6 +29,7 @@ __all__ = [
     "GPS",
     "Gyroscope",
     "Hokuyo",
+    "HumanPosture",
     "IMU",
     "Infrared",
     "Kinect",
@@ -234,6 +235,9 @@ class Hokuyo(LaserSensorWithArc):
         layer_offset: float = ...,
         **kwargs: Any,
     ) -> None: ...
+
+class HumanPosture(SensorCreator):
+    """Measures the pose and the joints of a person"""
 
 class IMU(SensorCreator):
     """An inertial measurement unit returning angular velocity, linear acceleration and magnetic field"""

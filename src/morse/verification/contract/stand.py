@@ -35,6 +35,7 @@ _CARRIERS = {
     "Hummer": "",
     "Submarine": "",
     "FakeRobot": "",
+    "Human": "",
 }
 #: components that are appended to another one
 _HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
