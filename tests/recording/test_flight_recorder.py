@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -17,7 +19,6 @@ from morse.verification.resimulation import resimulate
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 BROKEN = """
 from morse.core.sensor import Sensor
@@ -116,6 +117,32 @@ def test_no_run_leaves_more_than_three_files(script: Path, tmp_path: Path) -> No
         recorder = FlightRecorder(sim, 1.0)
         assert [recorder.write("again", 1) is None for _ in range(5)] == [False, False, False, True, True]
     assert len(list(tmp_path.glob("morse-failure-*.mcap"))) == 3
+
+
+def test_a_new_file_replaces_the_oldest_one_of_the_user(script: Path, tmp_path: Path) -> None:
+    old = [tmp_path / f"morse-failure-{number}.mcap" for number in range(11)]
+    for number, path in enumerate(old):
+        path.touch()
+        os.utime(path, (number, number))
+    aside = tmp_path / "kept.mcap"
+    aside.touch()
+    link = tmp_path / "morse-failure-link.mcap"
+    link.symlink_to(aside)
+    with morse.load(script) as sim:
+        path = FlightRecorder(sim, 1.0).write("somebody says so", 1)
+    assert path is not None
+    assert sorted(tmp_path.glob("*.mcap")) == sorted([*old[2:], Path(path), aside, link])
+
+
+@pytest.mark.parametrize(
+    ("ticks", "wanted"),
+    [(1, "the tick of the failure is in"), (30, "the last 30 ticks before the failure are in"), (90, "the last 2 s ")],
+)
+def test_the_log_tells_how_much_was_kept(script: Path, lines: list[str], ticks: int, wanted: str) -> None:
+    with morse.load(script) as sim:
+        FlightRecorder(sim, 1.0).write("somebody says so", ticks)
+    (line,) = [line for line in lines if "morse replay" in line]
+    assert wanted in line
 
 
 def test_morse_run_keeps_it_unless_told_otherwise(

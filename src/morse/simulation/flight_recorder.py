@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
+import os
+import stat
 import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.journal import RESET, RESTORE
@@ -23,6 +27,11 @@ _MOST_INPUTS = 100_000
 _NEVER = 2**62
 #: maximum number of files of one run
 _MOST_FILES = 3
+
+
+#: maximum number of files of all runs of a user; a new file replaces the oldest one
+_MOST_OF_USER = 10
+_PREFIX, _SUFFIX = "morse-failure-", ".mcap"
 
 
 class _Segment(NamedTuple):
@@ -130,23 +139,41 @@ class FlightRecorder(Observer):
         self._files += 1
         first = self._segments[0]
         entries = [entry for segment in self._segments for entry in segment.entries]
-        seconds = (last - (first.start.tick if first.start is not None else 0)) / self._simulation.clock.frequency
+        ticks = last - (first.start.tick if first.start is not None else 0)
         try:
-            handle, path = tempfile.mkstemp(prefix="morse-failure-", suffix=".mcap")
+            handle, path = tempfile.mkstemp(prefix=_PREFIX, suffix=_SUFFIX)
             with open(handle, "wb", buffering=0) as file:
                 write_inputs(file, self._simulation, first.start, first.seed, entries, last, failure)
         except OSError as error:
             logger.warning("the last seconds before the failure cannot be saved: %s", error.strerror or error)
             return None
-        logger.error(
-            "[ERROR][MORSE] the last %.0f s before the failure are in %s: morse replay %s --resimulate",
-            seconds,
-            path,
-            path,
-        )
+        _remove_old(path)
+        span = _span(ticks, ticks / self._simulation.clock.frequency)
+        logger.error("[ERROR][MORSE] %s in %s: morse replay %s --resimulate", span, path, path)
         return path
 
     def close(self) -> None:
         """The end of the simulation."""
         if self._take in self._simulation.journal.sinks:
             self._simulation.journal.sinks.remove(self._take)
+
+
+def _span(ticks: int, seconds: float) -> str:
+    if seconds >= 1.0:
+        return f"the last {seconds:.0f} s before the failure are"
+    return f"the last {ticks} ticks before the failure are" if ticks > 1 else "the tick of the failure is"
+
+
+def _remove_old(path: str) -> None:
+    """Remove the oldest files of the user in the folder of a new file."""
+    found: list[tuple[float, Path]] = []
+    for other in Path(path).parent.glob(f"{_PREFIX}*{_SUFFIX}"):
+        with contextlib.suppress(OSError):
+            facts = other.lstat()
+            is_own = not hasattr(os, "getuid") or facts.st_uid == os.getuid()
+            if is_own and stat.S_ISREG(facts.st_mode) and other != Path(path):
+                found.append((facts.st_mtime, other))
+    for _, other in sorted(found)[: max(len(found) + 1 - _MOST_OF_USER, 0)]:
+        # another run may have removed it, or may read it
+        with contextlib.suppress(OSError):
+            other.unlink()
