@@ -10,9 +10,9 @@
 MORSE_EXPORT void morse_draw_picture(Frame *f);
 
 // Takes pieces of a stage until there are no more, then waits for those of other threads.
-static void share(Frame *f, int number, int64_t pieces, void (*work)(Frame *f, int64_t piece)) {
+static void share(Frame *f, int number, int64_t thread, int64_t pieces, void (*work)(Frame *f, int64_t piece)) {
     Stage *stage = f->stages + number;
-    for (int64_t i; (i = __atomic_fetch_add(&stage->next, 1, __ATOMIC_RELAXED)) < pieces;) {
+    for (int64_t i; (i = take_piece(f, number, thread, pieces)) >= 0;) {
         work(f, i);
         __atomic_fetch_add(&stage->done, 1, __ATOMIC_RELEASE);
     }
@@ -22,9 +22,10 @@ static void share(Frame *f, int number, int64_t pieces, void (*work)(Frame *f, i
 // Draws the images, unless the members of the tiles need more memory than there is. With more memory, the next call
 // goes on from there.
 void morse_draw_picture(Frame *f) {
-    share(f, PROJECT, f->chunk_count, draw_project);
-    share(f, SUM, 1, draw_sum);
+    const int64_t thread = __atomic_fetch_add(&f->arrived, 1, __ATOMIC_RELAXED);
+    share(f, PROJECT, thread, f->chunk_count, draw_project);
+    share(f, SUM, thread, 1, draw_sum);
     if (f->member_count > f->member_room) return;
-    share(f, BIN, f->chunk_count, draw_bin);
-    draw_pixels(f);
+    share(f, BIN, thread, f->chunk_count, draw_bin);
+    draw_pixels(f, thread);
 }

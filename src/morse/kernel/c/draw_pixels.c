@@ -367,14 +367,13 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
 }
 
 // All pixels of all tiles, shared by the threads.
-void draw_pixels(Frame *f) {
+void draw_pixels(Frame *f, int64_t thread) {
     Work w;
     // lanes without a texture are computed, too
     memset(w.looks, 0, sizeof w.looks);
     // and lanes without a sample, and places in a table that is empty
     memset(&w.samples, 0, sizeof w.samples), memset(&w.shown, 0, sizeof w.shown);
-    int64_t *next = &f->stages[PIXELS].next;
-    for (int64_t t; (t = __atomic_fetch_add(next, 1, __ATOMIC_RELAXED)) < f->tile_count;) {
+    for (int64_t t; (t = take_piece(f, PIXELS, thread, f->tile_count)) >= 0;) {
         if (f->drawn[t])
             draw_tile(f, f->cameras + f->tiles[t][0], t, &w);
         else

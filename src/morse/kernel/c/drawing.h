@@ -94,9 +94,19 @@ typedef struct {
     int32_t instances, is_complete;
 } Kept;
 
-// Work that threads share: the next piece to take, and the number of pieces that are complete.
+// Pieces of work that two threads share, one from the front and one from the back: pieces that are near each other need
+// the same data, which are then in the cache of one processor. The numbers of pieces that have been taken.
 typedef struct {
-    int64_t next, done;
+    int64_t taken, front, back;
+} Range;
+
+// Maximum number of ranges of a stage.
+#define RANGES 4
+
+// Work that threads share, and the number of pieces that are complete.
+typedef struct {
+    Range ranges[RANGES];
+    int64_t done;
 } Stage;
 
 enum { PROJECT, SUM, BIN, PIXELS, STAGES };
@@ -151,14 +161,28 @@ typedef struct {
     int32_t *ids;
     float (*normals)[3];  // unit vectors along the axes of the camera; null if no camera measures them
     int32_t part_count, lamp_count, sample_count, camera_count, job_count, tile_count, shadow_width, shadow_height;
-    int32_t near_width, near_height, lamp_width, lamp_height, cluster_count, chunk_count;
+    int32_t near_width, near_height, lamp_width, lamp_height, cluster_count, chunk_count, thread_count;
     int64_t seen_count, member_count, member_room;
     int64_t drawn_count, change;  // number of tiles that are drawn; number of changes of shadow maps
     Stage stages[STAGES];
+    int64_t arrived;  // the number of threads that have begun
 } Frame;
 
 // The stages of an image; `piece` is a chunk or a tile.
 void draw_project(Frame *f, int64_t piece);
 void draw_sum(Frame *f, int64_t piece);
 void draw_bin(Frame *f, int64_t piece);
-void draw_pixels(Frame *f);
+void draw_pixels(Frame *f, int64_t thread);
+
+// The next piece of a stage for a thread; -1 if there are no more. A thread whose range is empty continues with others.
+static inline int64_t take_piece(Frame *f, int stage, int64_t thread, int64_t pieces) {
+    const int64_t pairs = (f->thread_count + 1) / 2, count = pairs < RANGES ? pairs : RANGES;
+    for (int64_t i = 0; i < count; i++) {
+        const int64_t n = (thread / 2 + i) % count, first = pieces * n / count, end = pieces * (n + 1) / count;
+        Range *range = f->stages[stage].ranges + n;
+        if (__atomic_fetch_add(&range->taken, 1, __ATOMIC_RELAXED) >= end - first) continue;
+        if (thread & 1) return end - 1 - __atomic_fetch_add(&range->back, 1, __ATOMIC_RELAXED);
+        return first + __atomic_fetch_add(&range->front, 1, __ATOMIC_RELAXED);
+    }
+    return -1;
+}

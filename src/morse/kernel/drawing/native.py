@@ -128,6 +128,7 @@ class NativeDrawer:
             frame.point(seen=aligned(self._seen, SEEN), bounds=np.empty((self._seen, 4), np.int16))
         frame.restart()
         pieces = min(tiles, frame.drawn_count + 1)
+        frame.thread_count = min(threads.count(), pieces)
         threads.together(lambda: function(ctypes.byref(frame)), pieces)
         if frame.member_count > frame.member_room:
             # the kernel goes on where it needed more memory

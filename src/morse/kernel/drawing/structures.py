@@ -16,10 +16,10 @@ _ADDRESSES = """vertices triangles clusters spheres parts slots materials texels
     shadow_bounds near_bounds lamp_bounds shadow_changes near_changes points corners point_counts boxes
     jobs found starts counts chunks shares seen bounds firsts members tiles drawn kept rgba depth ids normals"""
 _NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_count shadow_width shadow_height
-    near_width near_height lamp_width lamp_height cluster_count chunk_count"""
+    near_width near_height lamp_width lamp_height cluster_count chunk_count thread_count"""
 _SIZES = "seen_count member_count member_room drawn_count change"
-#: four stages of an image, each with the next piece of work and the number of complete pieces
-_Stages = ctypes.c_int64 * 8
+#: four stages of an image, each with four ranges of work of three numbers, and the number of complete pieces
+_Stages = ctypes.c_int64 * (4 * (4 * 3 + 1))
 
 
 class FrameStructure(ctypes.Structure):
@@ -30,6 +30,7 @@ class FrameStructure(ctypes.Structure):
         *[(name, ctypes.c_int32) for name in _NUMBERS.split()],
         *[(name, ctypes.c_int64) for name in _SIZES.split()],
         ("stages", _Stages),
+        ("arrived", ctypes.c_int64),
     )
 
     def __init__(self) -> None:
@@ -47,7 +48,7 @@ class FrameStructure(ctypes.Structure):
 
     def restart(self) -> None:
         """Begin with the first piece of the first stage."""
-        self.stages = _Stages()
+        self.stages, self.arrived = _Stages(), 0
 
     def forget(self, *names: str) -> None:
         """Release arrays that the frame points to."""
