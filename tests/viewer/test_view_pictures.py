@@ -190,6 +190,11 @@ def test_vectors_have_colours_by_their_directions():
     assert colors[1, 0, 1] > colors[0, 0, 1]
 
 
+def test_rounding_errors_of_a_scene_at_rest_are_white():
+    flow = np.random.default_rng(1).normal(0.0, 1e-5, (4, 4, 2)).astype(np.float32)
+    assert (as_pixels(flow) == 255).all()
+
+
 def test_vectors_that_are_not_numbers_are_black():
     assert not as_pixels(np.full((2, 2, 2), np.nan, np.float32)).any()
 

@@ -11,6 +11,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+#: shortest length of a vector with a full colour, px: the rounding errors of a scene at rest have none
+_SHORTEST = 0.1
 #: the golden ratio: consecutive hues differ strongly
 _STEP = 0.6180339887
 
@@ -39,7 +41,7 @@ def as_directions(flow: NDArray[np.floating]) -> NDArray[np.uint8]:
     known = np.isfinite(flow).all(axis=2)
     x, y = (np.where(known, flow[..., axis], 0.0).astype(np.float64) for axis in range(2))
     length = np.hypot(x, y)
-    share = length / max(float(length.max(initial=0.0)), 1e-9)
+    share = length / max(float(length.max(initial=0.0)), _SHORTEST)
     hue = np.arctan2(y, x)
     # three cosines, shifted by a third of a turn
     colors = [1.0 - share * (0.5 - 0.5 * np.cos(hue - third)) for third in (0.0, 2.0944, 4.1888)]
