@@ -88,6 +88,18 @@ def test_loop_needs_no_closing(load: Load) -> None:
     assert names(scene) == ["m", "m.p", "m_001", "m_001.p", "m_002", "m_002.p"]
 
 
+def test_robots_of_a_class_of_the_script_are_named_in_a_loop_as_others(load: Load) -> None:
+    scene = load(
+        HEAD + "class Ranger(FakeRobot):\n"
+        "    def __init__(self, name=None):\n"
+        "        FakeRobot.__init__(self, name)\n"
+        "        self.pose = Pose()\n"
+        "        self.append(self.pose)\n"
+        "for i in range(3):\n    m = Ranger()\n" + END
+    )
+    assert names(scene) == ["m", "m.pose", "m_001", "m_001.pose", "m_002", "m_002.pose"]
+
+
 def test_close_context_of_the_caller(load: Load) -> None:
     scene = load(
         HEAD + "def done():\n    AbstractComponent.close_context(2)\n"

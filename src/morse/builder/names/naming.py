@@ -79,9 +79,11 @@ def name_unparented(variables: Mapping[str, Any], strength: Strength) -> None:
 
 
 def guess_names() -> None:
-    """Record which variables refer to which components, before the variables change."""
-    frame = next(user_frames(), None)
-    if frame is not None:
+    """Record which variables refer to which components, before the variables change.
+
+    The component may be created by the ``__init__`` of a class of the user, in a loop of the script.
+    """
+    for frame in user_frames():
         name_unparented(frame.f_locals, Strength.GUESSED)
 
 
