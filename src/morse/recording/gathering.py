@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from morse.recording.mcap.index import Entries
     from morse.recording.mcap.records import Message
 
-#: number of values of a tick in a flat list: its number, its records, positions (K, 3) m and rotations (K, 9) of all
-#: rigid groups, their addresses (0 if they are not known), other data by capture. The arrays never change.
+#: number of values of a tick in a flat list: its number, its records, positions (K, 3) m and rotations (K, 9) of rigid
+#: groups, their addresses (see `groups_of_arrays`), other data by capture. The arrays never change.
 VALUES = 7
 #: share of a chunk above which messages that no capture encodes are compressed by the library
 _MOST_OTHERS = 0.2

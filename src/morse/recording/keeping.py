@@ -28,6 +28,13 @@ _CLOCK, _TF = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage"
 _MOST_KNOWN = 256
 #: maximum number of new captures until the components change: creating one takes as long as hundreds of messages
 _MOST_MADE = 200
+#: maximum number of rigid groups of a world, of all of which references to the poses are stored: the world then moves
+#: to other memory in each tick, which takes longer in large worlds
+_MOST_SHARED = 200
+#: maximum number of rigid groups whose poses are copied
+_MOST_COPIED = 128
+#: size of a position and of a rotation, bytes
+_POSITION, _ROTATION = 24, 72
 #: maximum number of times that the data of a sensor no longer suit its capture
 _MOST_FAILURES = 10
 
@@ -80,6 +87,9 @@ class Captures:
         #: whether it encodes the frames too; the streams encode those of joints, and of robots that odometry moves
         self._has_frames = False
         self._displacements = self._relocated = -1
+        #: whether references to the poses of all rigid groups are stored, and not copies of those that are needed
+        self._is_whole = True
+        self._stored, self._places = slice(0, 0), (0, 0)
         self._made = 0
         self._looked = False
         present = set(map(id, self._context.components.values()))
@@ -113,7 +123,7 @@ class Captures:
             self.kept = False
             return self._look_around()
         positions, rotations = world.positions, world.rotations
-        of_groups = positions.share()
+        of_groups = positions.array
         for group in layout.posed:
             if group.poses.snapshot.group_positions is not of_groups:  # an object has moved since
                 return self._encode_all()
@@ -130,7 +140,12 @@ class Captures:
         fired.clear()
         tape.kept = tick
         # the values stay in one list: the release of a tuple per tick by another thread would take longer
-        self._queue += (tick, layout, of_groups, rotations.share(), positions.place, rotations.place, taken)
+        if self._is_whole:
+            places = positions.place, rotations.place
+            self._queue += (tick, layout, positions.share(), rotations.share(), *places, taken)
+        else:
+            stored, places = self._stored, self._places
+            self._queue += (tick, layout, of_groups[stored].copy(), rotations.array[stored].copy(), *places, taken)
         held = self._held = self._held + layout.held
         if held > CHUNK:
             self._held = 0
@@ -207,9 +222,18 @@ class Captures:
                 [group for group, _ in kept],
                 [capture for _, capture in kept],
                 [capture for capture in others if capture is not None],
-                len(self.world.positions),
             )
+            self._store()
         return False
+
+    def _store(self) -> None:
+        """Determine how the poses of rigid groups are stored."""
+        layouts, count = self._layouts.values(), len(self.world.positions)
+        first, last = min(layout.first for layout in layouts), max(layout.last for layout in layouts)
+        self._is_whole = is_whole = count <= _MOST_SHARED or last - first > _MOST_COPIED
+        self._stored, self._places = slice(first, last), (-_POSITION * first, -_ROTATION * first)
+        for layout in layouts:
+            layout.store(count if is_whole else last - first)
 
     def _drop_dissolved(self) -> None:
         """Remove dissolved groups: their members are in other groups, and must not be stored twice."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.recording.captures.lone import Lone
+from morse.recording.captures.poses import PosesCapture
 from morse.recording.captures.sensors import PoseSensors
 
 if TYPE_CHECKING:
@@ -26,7 +27,6 @@ class Layout:
         groups: groups of sensors.
         captures: the capture of each group.
         others: captures that do not belong to sensors.
-        rigid: number of all rigid groups.
 
     Attributes:
         offsets: offset of the records of each capture.
@@ -35,13 +35,12 @@ class Layout:
         posed: groups whose poses are stored.
         alone: sensors that act alone, and whose poses are stored.
         taken: groups whose data are stored, and their captures.
+        first, last: the rigid groups whose poses are needed: ``range(first, last)``.
     """
 
-    def __init__(
-        self, groups: Sequence[Group | Lone], captures: Sequence[Capture], others: Sequence[Capture], rigid: int
-    ) -> None:
+    def __init__(self, groups: Sequence[Group | Lone], captures: Sequence[Capture], others: Sequence[Capture]) -> None:
         self.offsets: dict[Capture, int] = {}
-        self.size, self.held = 0, _OBJECTS + _POSE * rigid
+        self.size, self.held = 0, _OBJECTS
         for capture in (*captures, *others):
             self.offsets[capture] = self.size
             self.size += capture.size
@@ -51,3 +50,10 @@ class Layout:
         self.posed = [group for group in posed if not isinstance(group, Lone)]
         self.alone = [sensor for sensor in posed if isinstance(sensor, Lone)]
         self.taken: list[tuple[Group | Lone, Any]] = [(group, capture) for group, capture in pairs if capture.is_taken]
+        slots = [slot for capture in self.offsets if isinstance(capture, PosesCapture) for slot in capture.slots]
+        self.first, self.last = min(slots, default=0), max(slots, default=-1) + 1
+        self._held = self.held
+
+    def store(self, groups: int) -> None:
+        """Set the number of rigid groups whose poses are stored."""
+        self.held = self._held + _POSE * groups

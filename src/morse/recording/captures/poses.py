@@ -58,16 +58,21 @@ def groups_of_arrays(
     position_places: Sequence[int],
     rotation_places: Sequence[int],
 ) -> Groups:
-    """Return the poses in R ticks from arrays (K, 3) and (K, 9) of each, and their addresses; 0 if not known."""
+    """Return the poses in R ticks from arrays (K, 3) and (K, 9) of each, and their addresses.
+
+    An address that is not positive is the distance, in bytes, of the first rigid group of all from the begin of the
+    array.
+    """
     found = _addresses(positions, position_places), _addresses(rotations, rotation_places)
     return Groups(*found, (positions, rotations))
 
 
 def _addresses(arrays: Sequence[NDArray[np.float64]], places: Sequence[int]) -> NDArray[np.int64]:
     found = np.array(places, dtype=np.int64)
-    if found.all():
+    if (found > 0).all():
         return found
-    return np.array([place or address(array) for place, array in zip(places, arrays, strict=True)], dtype=np.int64)
+    pairs = zip(places, arrays, strict=True)
+    return np.array([place if place > 0 else (address(array) or 0) + place for place, array in pairs], dtype=np.int64)
 
 
 def groups_of(snapshot: Snapshot) -> Groups:
