@@ -53,16 +53,16 @@ def test_an_area_lamp_lights_what_is_before_it(scenes, tmp_path, kind, one_sided
 
 def test_a_night_is_dark_but_for_its_lamps(scenes, tmp_path) -> None:
     seen = []
-    for daylight, lamps in ((1.0, 0), (0.0, 0), (0.0, 1)):
+    for lamps in (0, 1):
         scene = Scene("room", roots=[mesh_node("floor", plane("floor", GREY, 20.0))])
         scene.roots += [lamp("lamp", "POINT", (0.0, 0.0, 2.0), energy=1.5)] * lamps
-        scene.settings.view.daylight = daylight
+        scene.settings.view.daylight = 0.0
         scene.settings.view.camera_location = (0.0, -4.0, 4.0)
         scene.settings.view.camera_rotation = (math.pi / 4, 0.0, 0.0)
         seen.append(brightness(scenes.show(scene), tmp_path))
-    day, night, lit = seen
+    night, lit = seen
     assert night < 10
-    assert min(day, lit) > 40
+    assert lit > 40
 
 
 def test_of_too_many_lamps_those_that_light_the_view_are_kept(scenes) -> None:
