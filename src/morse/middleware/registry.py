@@ -20,6 +20,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import morse.middleware
+from morse.core.declarations import says_nothing
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.hints import closest
 from morse.core.plugins import entry_points
@@ -94,7 +95,9 @@ class Middleware:
             component: its class.
             direction: ``IN`` or ``OUT``.
         """
-        if self.stream_manager is None or any(base.__name__ in self.not_carried for base in component.__mro__):
+        if self.stream_manager is None or says_nothing(component):
+            return None
+        if any(base.__name__ in self.not_carried for base in component.__mro__):
             return None
         return self.default_reader if direction == "IN" else self.default_publisher
 

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from morse.middleware import registry
 from morse.middleware.ros2.kinds.image_forms import form_of
+from morse.sensors.kinect import Kinect
+from morse.sensors.stereo_unit import StereoUnit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -131,3 +134,7 @@ def test_the_right_camera_of_a_pair_says_how_far_it_is_from_the_left(start: Call
     moving = {one.child_frame_id for one in desk.last("/tf").transforms}
     assert "robot/pair/left" in fixed - moving
     assert "/robot/pair" not in desk.publishers
+    # the cameras on a unit carry the data: no middleware has a stream for the unit itself
+    assert all(
+        one.stream_of(unit, "OUT") is None for one in registry.installed().values() for unit in (StereoUnit, Kinect)
+    )
