@@ -12,7 +12,7 @@ from morse.kernel.drawing import Kept
 from morse.kernel.drawing.arrays import NO_SURFACE, Poses, bounds_for, changes_for
 from morse.kernel.drawing.native import NativeDrawer
 
-some = settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+some = settings(max_examples=examples(40), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 SIZES = ((160, 100), (70, 130), (40, 40))
 MOVERS, STILL = np.array([1, 2, 4, 7]), np.array([0, 3, 5, 6, 8, 9])
 #: texels of the shadow maps: the finer one covers a part, and each has the shadows of other movers

@@ -123,7 +123,7 @@ class Rig:
             request.motion = None if request.motion else Motion(0.02, 0.02, 3)
 
 
-@settings(max_examples=examples(60), deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(seed=st.integers(0, 10**6), operations=st.lists(OPERATIONS, max_size=8))
 def test_random_changes(seed, operations):
     rig, rng = Rig(), np.random.default_rng(seed)
@@ -156,23 +156,23 @@ def test_each_change_while_the_cameras_stand():
         rig.compare()
 
 
-@pytest.mark.parametrize("path", [(0.0, 0.4), (0.0, 20.0)])
-def test_a_shadow_moves_without_what_casts_it(path):
-    """The box is above the camera, in the finer of two shadow maps, and goes beyond that map."""
+@pytest.mark.parametrize("place", [0.0, 40.0])
+def test_a_shadow_moves_without_what_casts_it(place):
+    """The box is above the camera, in the finer of two shadow maps, or beyond it."""
     rig = Rig()
-    for request in rig.requests[0][1:] + rig.requests[1][1:]:
-        request.wanted = lambda: False
-    del rig.requests[0][1:], rig.requests[1][1:]
+    for requests in rig.requests:
+        del requests[1:]
+        requests[0].obj = Tripod((0.0, place - 0.5, 4.0), (0.0, place, 0.0))
     high = rig.studio.world.game_object("High")
+    high.set_pose((0.2, place, 6.0), high.world_pose()[1])
     for _ in range(3):
         (before,) = rig.compare()
-    high.set_pose((0.2 + path[0], path[1], 6.0), high.world_pose()[1])
+    high.set_pose((0.2, place + 0.4, 6.0), high.world_pose()[1])
     (after,) = rig.compare()
     np.testing.assert_array_equal(before.ids, after.ids)
-    changed = (before.rgba != after.rgba).any(axis=2)
-    assert 10 < changed.sum() < changed.size / 2
-    drawn = rig.studio.renderer.drawn_tiles
-    assert 0 < drawn < 12
+    assert 10 < (before.rgba != after.rgba).any(axis=2).sum() < before.ids.size / 2
+    # changes of the coarse map are counted in larger blocks
+    assert 0 < rig.studio.renderer.drawn_tiles <= (12 if place else 8)
 
 
 def test_images_are_not_shared():
