@@ -55,6 +55,12 @@ def _parser() -> argparse.ArgumentParser:
         description="Passes the poses of robots on between simulations whose scene has env.configure_multinode(...).",
     )
     parser.add_argument("-H", "--host", default="127.0.0.1", help="address to listen on; 0.0.0.0 for all networks")
-    parser.add_argument("-P", "--port", type=int, default=PORT, help="TCP port; 0 for any free one")
+    parser.add_argument("-P", "--port", type=_port, default=PORT, help="TCP port; 0 for any free one")
     parser.add_argument("-d", "--debug", action="store_true", help="print who connects")
     return parser
+
+
+def _port(text: str) -> int:
+    if not (text.isascii() and text.isdecimal() and len(text) <= 5 and int(text) < 1 << 16):
+        raise argparse.ArgumentTypeError(f"'{text:.40}' is not a TCP port from 0 to 65535")
+    return int(text)

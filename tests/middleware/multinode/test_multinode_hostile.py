@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from morse.cli.multinode_server import main
 from morse.core.network import Network
 from morse.middleware.multinode.connection import ServerConnection
 from morse.middleware.multinode.messages import MAX_LINE, read_answer, read_pose, read_state
@@ -84,6 +85,20 @@ def test_robots_are_limited_and_leave_with_their_node(server: tuple[MultinodeSer
         while answer != b"{}\n":
             two.sendall(b'["m", {}]\n')
             answer = lines.readline()
+
+
+@pytest.mark.parametrize(("options", "status"), [(["-P", "99999999"], 2), (["-P", "-1"], 2), (["-H", "no host"], 1)])
+def test_a_server_that_cannot_listen_says_why(
+    options: list[str], status: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        found = main(options)
+    except SystemExit as end:
+        found = int(end.code or 0)
+    assert found == status
+    error = capsys.readouterr().err
+    assert "Traceback" not in error
+    assert ("is not a TCP port" in error) == (status == 2)
 
 
 class Clock:
