@@ -94,7 +94,7 @@ def test_poses_and_frames(build: ctypes.CDLL, what: str, rotations: np.ndarray) 
     if what == "poses":
         batch.poses(rows, poses, lefts.append)
     else:
-        batch.frames(rows, poses, origins, lefts.append)
+        batch.frames(rows, poses, origins, np.array([-1, 1]), lefts.append)
     batch.run()
     left = lefts[-1]
     found, upright = rows.chunk.tobytes(), 0
@@ -105,7 +105,9 @@ def test_poses_and_frames(build: ctypes.CDLL, what: str, rotations: np.ndarray) 
             assert left[row, member] == (pose.get_pose()[1][8] <= 0.51)
             wanted = numbers_of((x + 0.0, y + 0.0, z + 0.0), quaternion_of(roll, pitch, yaw))
         else:
-            moved = origin.transformation3d_with(pose)
+            parent = Transformation3d()
+            parent.set_pose(positions[row, 1].tolist(), rotations[row, 1].tolist())
+            moved = (parent if member else origin).transformation3d_with(pose)
             assert not left[row, member]
             wanted = numbers_of(moved.get_pose()[0], quaternion_from_rotation(tuple(moved.get_pose()[1])))
         if not left[row, member]:

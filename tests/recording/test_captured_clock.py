@@ -1,4 +1,4 @@
-"""Simulated time is stored in the tick also if odometry moves the frames; frames are recorded in each tick."""
+"""Time and frames are stored in the tick: time also if odometry moves the frames, and the frames of wheels."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 
 from morse.launch.load import load
 from morse.recording import keeping, motion
+from morse.recording.captures import FramesCapture
 from morse.recording.captures.capture import Capture
 from morse.recording.mcap.reader import McapFile
 from morse.recording.recording import Recording
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-SCRIPT = """
+ODOMETRY = """
 from morse.builder import *
 
 robot = ATRV()
@@ -28,13 +29,29 @@ for part in (motion, odometry, pose):
 env = Environment("empty", fastmode=True)
 env.configure_stream_manager("ros2", tf_rate=10)
 """
+WHEELS = """
+from morse.builder import *
+
+robot = SegwayRMP400()
+robot.translate(0.3, -0.2, 0.1)
+motion, pose = MotionVWDiff(), Pose()
+for part in (motion, pose):
+    robot.append(part)
+env = Environment("empty", fastmode=True)
+"""
+TOPICS = {ODOMETRY: ("/clock", "/tf", "/robot/odometry", "/robot/pose"), WHEELS: ("/clock", "/tf", "/robot/pose")}
+
+
+@pytest.fixture(params=[ODOMETRY, WHEELS], ids=["odometry", "wheels"])
+def scene(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
 
 
 @pytest.fixture
-def record(tmp_path: Path) -> Callable[[str], dict[str, list[tuple[int, int, bytes]]]]:
+def record(scene: str, tmp_path: Path) -> Callable[[str], dict[str, list[tuple[int, int, bytes]]]]:
     """Record a run; its messages by topic, without those of the log, which name the file."""
     script = tmp_path / "scene.py"
-    script.write_text(SCRIPT)
+    script.write_text(scene)
 
     def recorded(name: str) -> dict[str, list[tuple[int, int, bytes]]]:
         path = tmp_path / name
@@ -52,22 +69,26 @@ def record(tmp_path: Path) -> Callable[[str], dict[str, list[tuple[int, int, byt
 
 
 def test_messages_are_those_of_the_streams(
-    record: Callable[[str], dict[str, list[tuple[int, int, bytes]]]], monkeypatch: pytest.MonkeyPatch
+    scene: str, record: Callable[[str], dict[str, list[tuple[int, int, bytes]]]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     kept: list[str] = []
+    frames: list[int] = []
     encode = Capture.encode
 
     def counted(self: Capture, batch: object, begins: object, *rest: object) -> None:
         kept.extend([type(self).__name__] * len(begins))  # type: ignore[arg-type]
+        if isinstance(self, FramesCapture):
+            frames.append(len(self.mountings))
         encode(self, batch, begins, *rest)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Capture, "encode", counted)
     found = record("kept.mcap")
     assert kept.count("FramesCapture") > 20
+    assert frames[-1] == (5 if scene == WHEELS else 0), "the base and four wheels"
     monkeypatch.setattr(keeping, "records", lambda: None)
     monkeypatch.setattr(motion, "records", lambda: None)
     assert found == record("plain.mcap")
-    for topic in ("/clock", "/tf", "/robot/odometry", "/robot/pose"):
+    for topic in TOPICS[scene]:
         assert [tick for tick, *_ in found[topic]] == list(range(1, 31)), topic
 
 

@@ -12,7 +12,7 @@ from morse.kernel import targets
 logger = logging.getLogger(__name__)
 
 #: the version of structures and signatures that Python expects; see ``c/processor.c``
-INTERFACE = 22
+INTERFACE = 23
 VARIABLE = "MORSE_KERNEL"
 
 

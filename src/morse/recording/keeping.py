@@ -250,7 +250,7 @@ class Captures:
         assert motion is not None
         if any(_is_displaced(members, found) for members, found in self._known.items()):
             return False
-        if frames is not None and frames[1] != _mountings(robot for _, _, robot in self._plain()):
+        if frames is not None and frames[1] != self._frame_mountings():
             return False
         if not motion.is_unmoved():
             return False
@@ -263,12 +263,14 @@ class Captures:
             if _is_displaced(members, found):
                 del self._known[members]
                 self._layouts.clear()
-        if self._frames is not None and self._frames[1] != _mountings(robot for _, _, robot in self._plain()):
+        if self._frames is not None and self._frames[1] != self._frame_mountings():
             self._frames, self._has_frames, self._looked = None, False, False
             self._layouts.clear()
 
-    def _plain(self) -> list[tuple[str, str, Any]]:
-        return self._transforms.plain() or []
+    def _frame_mountings(self) -> list[Mounting]:
+        frames = self._transforms.plain() or []
+        objects = [one for frame in frames for one in (frame.object, frame.against) if one is not None]
+        return [one.mounting for one in objects]
 
     def _find(self, group: Group | Lone) -> Capture | None:
         """The capture of a group; its members become silent, or no longer are, when the group is formed again."""
@@ -299,29 +301,25 @@ class Captures:
         return capture, None if isinstance(capture, CopiesCapture) else _mountings(group.members)
 
     def _make_frames(self) -> None:
-        robots, channels = self._plain(), self._streams.own_channels()
+        plain, channels = self._transforms.plain(), self._streams.own_channels()
+        frames = plain or []
         stamp = self._context.clock.stamp()
         self._made += 1
         self._has_frames = False
         if channels is None or stamp <= 0 or self._made > _MOST_MADE:
             return
-        starts = [robot.initial_position_3d for _, _, robot in robots]
-        poses = [
-            start.transformation3d_with(type(start)(one[2].bge_object))
-            for start, one in zip(starts, robots, strict=True)
-        ]
-        made = [transform(stamp, odom, base, pose) for (odom, base, _), pose in zip(robots, poses, strict=True)]
+        made = [transform(stamp, frame.parent, frame.child, frame.pose()) for frame in frames]
         ends = [len(encode(_TF, {"transforms": made[: count + 1]})) for count in range(len(made))]
         messages = [encode(_CLOCK, clock(stamp))]
         parts = [Part(channels[0], messages[0])]
-        if made:  # without robots, no frames are sent
+        if made:  # without moving frames, no message is sent
             messages.append(encode(_TF, {"transforms": made}))
             parts.append(Part(channels[1], messages[1], _stamps(ends)))
-        snapshot = self.world.snapshots([robot.bge_object for _, _, robot in robots]).now()
-        capture = FramesCapture(self._native, Template(parts), ends, starts, snapshot)
+        snapshot = self.world.snapshots([frame.object for frame in frames]).now()
+        capture = FramesCapture(self._native, Template(parts), ends, frames)
         if capture.agrees(groups_of(snapshot), messages):
-            self._frames = capture, _mountings(robot for _, _, robot in robots)
-            self._has_frames = self._transforms.plain() is not None
+            self._frames = capture, self._frame_mountings()
+            self._has_frames = plain is not None
 
 
 def _is_displaced(members: Any, found: tuple[Capture, Sequence[Mounting] | None] | None) -> bool:

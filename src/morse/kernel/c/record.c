@@ -94,14 +94,18 @@ static void quaternion_of(const double *m, double *q) {
     for (int k = 0; k < 4; k++) q[k] = q[k] * scale;
 }
 
-// Poses of robots relative to their initial poses: `origins` (N, 12) are positions and rotations. Returns the number of
-// messages that are left to Python; `left` (R, N) marks them.
-int64_t record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, uint8_t *left) {
+// Poses in other frames: in that of the rigid group `parents` (N) in the same tick, or, where it is negative, in the
+// frame `origins` (N, 12), position and rotation, such as the initial pose of a robot. Returns the number of messages
+// that are left to Python; `left` (R, N) marks them.
+int64_t record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, const int64_t *parents,
+                      uint8_t *left) {
     int64_t count = 0;
     for (int64_t i = 0; i < rows->rows; i++) {
         for (int64_t k = 0; k < all->members; k++) {
             const RecordPose pose = record_pose(all, i, k);
-            const double *p = origins + 12 * k, *r = p + 3;
+            const int64_t parent = parents[k];
+            const double *p = parent < 0 ? origins + 12 * k : all->positions[i] + 3 * parent;
+            const double *r = parent < 0 ? p + 3 : all->rotations[i] + 9 * parent;
             const double x = pose.position[0] - p[0], y = pose.position[1] - p[1], z = pose.position[2] - p[2];
             const double position[3] = {r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z,
                                         r[2] * x + r[5] * y + r[8] * z};

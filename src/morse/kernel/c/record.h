@@ -63,7 +63,8 @@ typedef struct {
 void record_numbers_of(const RecordRows *rows, const RecordNumbers *all);
 void record_rows(const RecordRows *rows);
 int64_t record_poses(const RecordRows *rows, const RecordPoses *all, const RecordFunctions *use, uint8_t *left);
-int64_t record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, uint8_t *left);
+int64_t record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, const int64_t *parents,
+                      uint8_t *left);
 void record_scans(const RecordRows *rows, int64_t members, const int64_t *scans, int64_t rays, int64_t kept,
                   const double *const *distances, const double *reaches, const int64_t *places);
 void record_index(int64_t rows, const int64_t *begins, const int64_t *moments, int64_t heads,

@@ -24,7 +24,7 @@ static void run(RecordStep *step, const RecordStep *before) {
             step->result = record_poses(at(step, 0), at(step, 1), at(step, 2), at(step, 3));
             break;
         case FRAMES:
-            step->result = record_frames(at(step, 0), at(step, 1), at(step, 2), at(step, 3));
+            step->result = record_frames(at(step, 0), at(step, 1), at(step, 2), at(step, 3), at(step, 4));
             break;
         case SCANS:
             record_scans(at(step, 0), n[1], at(step, 2), n[3], n[4], at(step, 5), at(step, 6), at(step, 7));

@@ -127,18 +127,22 @@ class Batch:
         arguments = self._rows(rows), self._poses(poses), addressof(self._functions), address(left)
         self._add(_POSES, *arguments, mend=(mend, left))
 
-    def frames(self, rows: Rows, poses: Poses, origins: Floats, mend: Callable[[Bytes], object]) -> None:
+    def frames(
+        self, rows: Rows, poses: Poses, origins: Floats, parents: Integers, mend: Callable[[Bytes], object]
+    ) -> None:
         """Write poses in other frames.
 
         Args:
             rows: see `Rows`.
             poses: see `Poses`.
             origins: (N, 12) position, m, and rotation of these frames in the world.
+            parents: (N,) rigid group with the frame, which moves; -1 for the frame in `origins`.
             mend: see `poses`.
         """
         left = _left(rows, poses)
-        self._kept.append(origins)
-        arguments = self._rows(rows), self._poses(poses), address(origins), address(left)
+        self._kept += (origins, parents)
+        arrays = address(origins), address(parents), address(left)
+        arguments = self._rows(rows), self._poses(poses), *arrays
         self._add(_FRAMES, *arguments, mend=(mend, left))
 
     def scans(self, rows: Rows, scans: Scans) -> None:

@@ -55,6 +55,11 @@ class Joint(NamedTuple):
         """The present pose of the frame of the part in the parent frame."""
         return placed(self.against, self.shift).transformation3d_with(self.place())
 
+    def is_between_bodies(self) -> bool:
+        """Whether both frames are those of bodies of the engine, without any offset."""
+        objects = self.part.object, self.against
+        return not any((*self.part.offset, *self.shift)) and not any(one.mounting.is_apart for one in objects)
+
     def origin(self) -> Transformation3d:
         """The pose of the part at joint position 0."""
         x, y, z = self.part.axis
@@ -65,6 +70,28 @@ class Joint(NamedTuple):
             s = math.sin(-position / 2.0)
             back = pose_of((0.0, 0.0, 0.0), (math.cos(position / 2.0), s * x, s * y, s * z))
         return product(self.pose(), back)
+
+
+class MovingFrame(NamedTuple):
+    """A frame that moves.
+
+    Attributes:
+        parent, child: names of frames.
+        object: the object of the frame.
+        against: the object of the parent frame; None for an initial pose.
+        start: the initial pose, or None.
+    """
+
+    parent: str
+    child: str
+    object: Any
+    against: Any
+    start: Transformation3d | None
+
+    def pose(self) -> Transformation3d:
+        """The present pose in the parent frame."""
+        present = Transformation3d(self.object)
+        return (self.start or Transformation3d(self.against)).transformation3d_with(present)
 
 
 def placed(obj: Any, offset: Sequence[float]) -> Transformation3d:

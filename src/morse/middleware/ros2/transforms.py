@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.exceptions import MorseMiddlewareError
 from morse.helpers.geodesy import LocalPlane, angle_against_north
 from morse.helpers.transformation import Transformation3d
-from morse.middleware.ros2.moving import joints_of, poses_of
+from morse.middleware.ros2.moving import MovingFrame, joints_of, poses_of
 from morse.middleware.ros2.names import MAP, OF_WORLD
 from morse.middleware.ros2.parts import quaternion, time, xyz
 from morse.middleware.ros2.poses import OPTICAL_TURN, between, inverse, pose_of, product, quaternion_of
@@ -116,19 +116,26 @@ class Transforms:
         if frames is not None and frames.source == stream.component_name:
             frames.moved = pose
 
-    def plain(self) -> list[tuple[str, str, Any]] | None:
-        """Return odom frame, base frame and robot of all robots, in order, as determined by `publish`.
+    def plain(self) -> list[MovingFrame] | None:
+        """Return all frames that move, in the order of the message, as determined by `publish`.
 
         Returns:
-            None if a frame moves that is not the base of a robot, or if odometry moves a base.
+            None if a frame moves that is neither the base of a robot nor a joint between two bodies of the engine, or
+            if odometry moves a base.
         """
+        bases, parts = [], []
         for frames in self._robots.values():
             streams = frames.streams
-            if frames.source is not None or frames.moving or frames.upright:
+            if frames.source is not None or frames.upright:
                 return None
             if any(stream.is_carried() or stream.master() is not None for stream in streams):
                 return None
-        return [(frames.odom, frames.base, frames.robot) for frames in self._robots.values()]
+            if not all(joint.is_between_bodies() for joint in frames.moving):
+                return None
+            robot = frames.robot
+            bases.append(MovingFrame(frames.odom, frames.base, robot.bge_object, None, robot.initial_position_3d))
+            parts += [MovingFrame(one.parent, one.frame, one.part.object, one.against, None) for one in frames.moving]
+        return [*bases, *parts]
 
     def publish(self, stamp: int, *, wanted: bool) -> Callable[[], object] | None:
         """Send the fixed transforms if they have changed, and collect the moving transforms.

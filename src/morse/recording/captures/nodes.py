@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from morse.kernel.recording import Batch, NativeRecords, Poses, Rows
     from morse.physics.snapshot import Snapshot
+    from morse.recording.captures.poses import Read
     from morse.recording.captures.template import Template
 
 
@@ -36,6 +37,7 @@ class NodesCapture(PosesCapture):
         super().__init__(native, template, places, snapshot.slots, snapshot.mountings)
         self._origin = Transformation3d()
         self._origins = np.tile(np.append(np.zeros(3), np.eye(3)), (count, 1))
+        self._parents = np.full(count, -1, dtype=np.int64)
 
     def message(self, stamp: int, snapshot: Snapshot) -> bytes:
         """Return the message of the present poses.
@@ -52,8 +54,8 @@ class NodesCapture(PosesCapture):
         return chunk[MESSAGE_HEAD.size :].tobytes()
 
     def _encoded(self, batch: Batch, rows: Rows, poses: Poses, mend: Callable[[NDArray[np.uint8]], object]) -> None:
-        batch.frames(rows, poses, self._origins, mend)
+        batch.frames(rows, poses, self._origins, self._parents, mend)
 
-    def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:
+    def _one(self, member: int, pose: Transformation3d, read: Read) -> tuple[Sequence[float], Sequence[float]]:
         moved = self._origin.transformation3d_with(pose)
         return (moved.x, moved.y, moved.z), quaternion_of(moved)

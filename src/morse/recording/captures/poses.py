@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ctypes import c_double, sizeof
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from morse.physics.mounting import Mounting
     from morse.physics.snapshot import Snapshot
     from morse.recording.captures.template import Template
+
+    #: returns the pose of a rigid group
+    Read = Callable[[int], tuple[Sequence[float], Sequence[float]]]
 
 #: size of seven numbers, a position and a quaternion, bytes
 POSE = 56
@@ -124,16 +128,29 @@ class PosesCapture(Capture):
             at = groups.read(row, self.slots[member])
             pose = Transformation3d()
             pose.set_pose(*self.mountings[member].carried(*at))
-            position, wxyz = self._one(member, pose)
+            position, wxyz = self._one(member, pose, partial(groups.read, row))
             turned = quaternion(wxyz) or {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
             numbers = [*position, turned["x"], turned["y"], turned["z"], turned["w"]]
             begin = int(rows.begins[row] + self._places[member])
             rows.chunk[begin : begin + POSE] = np.array(numbers, dtype=_SEVEN).view(np.uint8)
 
     def _encoded(self, batch: Batch, rows: Rows, poses: Poses, mend: Callable[[NDArray[np.uint8]], object]) -> None:
-        """Add the step of the kernel; `mend` writes the messages that are left to Python, (R, N) 1 for each."""
+        """Add the step of the kernel.
+
+        Args:
+            batch: receives the step.
+            rows: see `Rows`.
+            poses: see `Poses`.
+            mend: writes the messages that are left to Python, (R, N) 1 for each.
+        """
         raise NotImplementedError
 
-    def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:
-        """Return position and quaternion w, x, y, z of a message, in Python."""
+    def _one(self, member: int, pose: Transformation3d, read: Read) -> tuple[Sequence[float], Sequence[float]]:
+        """Return position and quaternion w, x, y, z of a message, in Python.
+
+        Args:
+            member: number of the object.
+            pose: of the object in the world.
+            read: returns the pose of a rigid group at the same time.
+        """
         raise NotImplementedError

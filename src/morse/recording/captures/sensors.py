@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from morse.kernel.recording import Batch, NativeRecords, Poses, Rows
     from morse.physics.rays.bundle import RayBundle
     from morse.physics.snapshot import Snapshot
+    from morse.recording.captures.poses import Read
     from morse.recording.captures.template import Template
 
 
@@ -45,7 +46,7 @@ class PoseSensors(PosesCapture):
     def _encoded(self, batch: Batch, rows: Rows, poses: Poses, mend: Callable[[NDArray[np.uint8]], object]) -> None:
         batch.poses(rows, poses, mend)
 
-    def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:
+    def _one(self, member: int, pose: Transformation3d, read: Read) -> tuple[Sequence[float], Sequence[float]]:
         x, y, z, yaw, pitch, roll = pose.numbers()
         # fields are added to an offset of zero, which removes the sign of zero
         return (x + 0.0, y + 0.0, z + 0.0), quaternion_of(roll, pitch, yaw)
