@@ -139,9 +139,15 @@ def test_a_push_that_is_no_number_never_reaches_the_physics(start: Start) -> Non
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 @pytest.mark.parametrize(("paused", "name"), [(True, "SIGTERM"), (False, "SIGHUP")])
 def test_a_simulation_ends_when_it_is_told_to_or_its_terminal_is_closed(start: Start, paused: bool, name: str) -> None:
-    process = start(PARTS + END)
+    number = getattr(signal, name)
+    # a program started by ``nohup`` ignores the loss of its terminal, and so do the programs that it starts
+    before = signal.signal(number, signal.SIG_DFL)
+    try:
+        process = start(PARTS + END)
+    finally:
+        signal.signal(number, before)
     if paused:
         Line(process.port).call("simulation", "pause")
-    process._process.send_signal(getattr(signal, name))
+    process._process.send_signal(number)
     assert process._process.wait(60.0) == 0
     assert "EXITING SIMULATION" in process.log.read_text()
