@@ -117,6 +117,26 @@ def test_a_slow_callback_gets_the_latest_message_only(simu: Morse) -> None:
         simu.robot.pose.unsubscribe(slow)
 
 
+def test_a_step_does_not_run_callbacks_that_only_need_the_latest_message(
+    simu: Morse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    threads: list[threading.Thread] = []
+    simu.robot.pose.subscribe(lambda _: threads.append(threading.current_thread()), latest=True)
+    poller, connection = simu._latest_poller, simu._latest
+    assert poller is not None
+    assert connection is not None
+    has_received, looks = connection.has_received, iter([False] * 3)
+
+    def late(count: int) -> bool:
+        return next(looks, True) and has_received(count)
+
+    monkeypatch.setattr(connection, "has_received", late)
+    monkeypatch.setattr(poller, "serve_until", lambda *_: pytest.fail("the step ran the callback"))
+    simu.step()
+    wait_until(lambda: threads)
+    assert threads[0] is not threading.current_thread()
+
+
 def test_callbacks_of_every_message_get_every_message(simu: Morse) -> None:
     times: list[float] = []
     simu.robot.pose.subscribe(lambda message: times.append(message["timestamp"]))
