@@ -194,11 +194,8 @@ class Captures:
             self._displacements = self.world.displacements
             self._drop_displaced()
         if self._transforms.changed:
-            self._frames, self._has_frames, self._looked = (
-                None,
-                False,
-                False,
-            )  # the streams find the frames when they encode them
+            # the streams find the frames when they encode them
+            self._drop_frames()
             self._layouts.clear()
             return False
         self._others = self._streams.others()
@@ -257,6 +254,10 @@ class Captures:
         self._displacements = self.world.displacements
         return True
 
+    def _drop_frames(self) -> None:
+        """Determine the frames again in the next tick."""
+        self._frames, self._has_frames, self._looked = None, False, False
+
     def _drop_displaced(self) -> None:
         """Remove the captures of objects that were moved within their rigid groups."""
         for members, found in list(self._known.items()):
@@ -264,7 +265,7 @@ class Captures:
                 del self._known[members]
                 self._layouts.clear()
         if self._frames is not None and self._frames[1] != self._frame_mountings():
-            self._frames, self._has_frames, self._looked = None, False, False
+            self._drop_frames()
             self._layouts.clear()
 
     def _frame_mountings(self) -> list[Mounting]:
