@@ -50,6 +50,26 @@ class _WatchfulSelector(selectors.DefaultSelector):
         return super().select(timeout)
 
 
+class _Loop(asyncio.SelectorEventLoop):
+    """A loop whose servers can accept their connections through a door."""
+
+    async def create_server(  # type: ignore[override] # one more option
+        self, protocol_factory: Callable[[], asyncio.BaseProtocol], *args: Any, door: Any = None, **options: Any
+    ) -> asyncio.AbstractServer:
+        """See `asyncio.loop.create_server`.
+
+        Args:
+            door: a `morse.core.doors.streams.StreamDoor`; ``protocol_factory`` then makes its visitors.
+        """
+        if door is None:
+            return await super().create_server(protocol_factory, *args, **options)
+        bound = await super().create_server(protocol_factory, *args, start_serving=False, **options)
+        listeners = [sock.dup() for sock in bound.sockets]
+        bound.close()
+        server: asyncio.AbstractServer = door.serve(listeners, protocol_factory)
+        return server
+
+
 class Network:
     """An asyncio loop in a daemon thread.
 
@@ -63,7 +83,7 @@ class Network:
 
     def __init__(self) -> None:
         self._selector = _WatchfulSelector()
-        self._loop = asyncio.SelectorEventLoop(self._selector)
+        self._loop = _Loop(self._selector)
         self._thread = threading.Thread(target=self._serve, name="morse-network", daemon=True)
         self._parked, self._go_on = threading.Event(), threading.Event()
         self._asked_for = self._ending = self._woken = False

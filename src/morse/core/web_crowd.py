@@ -1,16 +1,24 @@
-"""Limits the connections of a web server, and the time that their messages take."""
+"""The connections of a web server, and the time that their messages take."""
 
 from __future__ import annotations
 
 import asyncio
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from websockets.asyncio.server import ServerConnection
-from websockets.protocol import State
+from websockets.frames import Frame, Opcode
+
+from morse.core.doors.streams import Visitor
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from websockets.protocol import Event
+
+    from morse.core.doors.streams import StreamGuest
+
+_DATA = (Opcode.TEXT, Opcode.BINARY)
 
 #: share of the time of the network thread for the messages of clients; processor seconds after which a client rests
 _SHARE, _TURN = 0.5, 0.005
@@ -18,63 +26,33 @@ MOST_WAITING = 4
 """Maximum number of received messages of a client that wait to be processed; then its connection is not read."""
 
 
-class Crowd:
-    """The connections of a server, also those that have not sent a request.
+class Connection(Visitor, ServerConnection):
+    """A connection to a web server.
 
-    If there are too many, the oldest connection without a complete request is closed, then the oldest one that has not
-    opened a WebSocket; if all are open, the new one.
-
-    Args:
-        most: maximum number of connections.
-        full: called with the reason if a connection is closed.
+    If there are too many, those without a complete request leave first, then those that have not sent a message over a
+    WebSocket.
     """
 
-    def __init__(self, most: int, full: Callable[[str], object]) -> None:
-        self._most, self._full = most, full
-        self._members: dict[Connection, None] = {}
-
-    def __len__(self) -> int:
-        return len(self._members)
-
-    def connection(self, *args: Any, **options: Any) -> Connection:
-        """The factory for ``websockets.asyncio.server.serve(create_connection=...)``."""
-        return Connection(self, *args, **options)
-
-    def enter(self, connection: Connection) -> None:
-        """Add a connection, and close one if there are too many."""
-        self._members[connection] = None
-        if len(self._members) > self._most:
-            leaving = self._least_missed() or connection
-            self._full(f"a connection is closed: there are more than {self._most}")
-            self.leave(leaving)
-            leaving.transport.abort()
-
-    def leave(self, connection: Connection) -> None:
-        """Remove a connection that has ended."""
-        self._members.pop(connection, None)
-
-    def _least_missed(self) -> Connection | None:
-        silent = (one for one in self._members if one.request is None)
-        unfinished = (one for one in self._members if one.protocol.state is State.CONNECTING)
-        return next(silent, None) or next(unfinished, None)
+    def process_event(self, event: Event) -> None:
+        """See `websockets.asyncio.server.ServerConnection`."""
+        super().process_event(event)
+        self.guest.stage = 1
+        if isinstance(event, Frame) and event.opcode in _DATA:
+            self.guest.keeps_place = True
 
 
-class Connection(ServerConnection):
-    """A connection that belongs to a `Crowd`."""
+def guest_of(connection: ServerConnection) -> StreamGuest:
+    """The guest of a connection of a server with a door."""
+    assert isinstance(connection, Connection)
+    return connection.guest
 
-    def __init__(self, crowd: Crowd, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
-        self._crowd = crowd
 
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """See `asyncio.Protocol`."""
-        super().connection_made(transport)
-        self._crowd.enter(self)
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """See `asyncio.Protocol`."""
-        self._crowd.leave(self)
-        super().connection_lost(exc)
+_REFUSAL = "The simulation has no place for one more connection. Close others, or try again later.\n"
+NO_PLACE = (
+    "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\nConnection: close\r\n"
+    f"Retry-After: 5\r\nContent-Length: {len(_REFUSAL)}\r\n\r\n{_REFUSAL}"
+).encode()
+"""What a client gets for whose connection there is no place."""
 
 
 class Pace:

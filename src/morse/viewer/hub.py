@@ -14,7 +14,8 @@ from websockets.asyncio.server import broadcast, serve
 from websockets.exceptions import ConnectionClosed
 
 from morse.core.complaints import Complaints
-from morse.core.web_crowd import MOST_WAITING, Crowd, Pace
+from morse.core.doors.streams import StreamDoor
+from morse.core.web_crowd import MOST_WAITING, NO_PLACE, Connection, Pace
 from morse.viewer import page_messages as pm
 from morse.viewer.page import Page
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
@@ -93,7 +94,7 @@ class Hub:
         self._evaluation: asyncio.TimerHandle | None = None
         self._wishes_waiting = False
         self._complaints = Complaints(logger)
-        self._crowd = Crowd(_MOST_CONNECTIONS, lambda text: self._complaints.warn("crowd", f"live view: {text}"))
+        self._door = StreamDoor("live view", most=_MOST_CONNECTIONS, complaints=self._complaints, refusal=NO_PLACE)
         self._pace = Pace()
         self._quiet = logging.Logger("morse.viewer.connections", logging.CRITICAL + 1)  # no log of invalid requests
 
@@ -116,7 +117,8 @@ class Hub:
                     host,
                     port,
                     process_request=self._answer,
-                    create_connection=self._crowd.connection,  # type: ignore[arg-type] # a factory is sufficient
+                    create_connection=Connection,
+                    door=self._door,
                     compression=None,
                     max_size=MAX_MESSAGE,
                     max_queue=MOST_WAITING,

@@ -57,7 +57,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         self._dialect = common
         self.axes = {name: Axes(name) for name in ("nwu", "enu", "ned")}
         self.axes["world"] = self.axes[self.options["world"]]
-        self._wanted = {getattr(common, f"MAVLINK_MSG_ID_{name}") for name in (*COMMANDS, "COMMAND_LONG")}
+        self._wanted = {getattr(common, f"MAVLINK_MSG_ID_{name}") for name in (*COMMANDS, "COMMAND_LONG", "HEARTBEAT")}
         self._links: dict[str, Link] = {}
         self._framers: dict[str, dict[object, Framer]] = {}
         self._vehicles: dict[tuple[str, str], Vehicle] = {}
@@ -139,7 +139,8 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
                     framers.clear()
                 framer = framers.setdefault(sender, Framer(self._wanted))
                 for frame in intake.frames(sender, framer, data):
-                    self._arrived(device, frame.data)
+                    if self._arrived(device, frame.data):
+                        link.understood(sender)
             if intake.lost:
                 self._complaints.warn(device, f"mavlink: {device} receives more than a tick can process: some is lost")
 
@@ -147,11 +148,12 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         """See `DatastreamManager.drain`."""
         self.action()
 
-    def _arrived(self, device: str, data: bytes) -> None:
+    def _arrived(self, device: str, data: bytes) -> bool:
+        """Pass a candidate for a message on; False if it is none."""
         try:
             message = self._parser.decode(bytearray(data))
         except Exception:  # pymavlink raises several errors for an invalid message, which is only noise
-            return
+            return False
         target = getattr(message, "target_system", _EVERYBODY)
         for (_, at), vehicle in self._vehicles.items():
             if at == device and target in (_EVERYBODY, vehicle.system):
@@ -159,6 +161,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
                     self._refuse(vehicle, message)
                 for stream in vehicle.streams:
                     self._give(stream, message)
+        return True
 
     @staticmethod
     def _give(stream: MavlinkStream, message: Any) -> None:

@@ -8,14 +8,16 @@ import logging
 import socket
 import time
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from morse.core.complaints import Complaints
+from morse.core.doors import Door
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.quoting import shown
 from morse.middleware.mavlink.framing import V1, V2
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     _Address = tuple[str, int]
 
@@ -48,6 +50,9 @@ class Link(ABC):
     @abstractmethod
     def receive(self) -> Iterator[tuple[object, bytes]]:
         """Return the received packets: sender and bytes."""
+
+    def understood(self, sender: object) -> None:
+        """A message of a sender was valid."""
 
     @abstractmethod
     def close(self) -> None:
@@ -101,11 +106,16 @@ class _Connection:
     """A TCP connection.
 
     Attributes:
+        peer: the address of the other side.
+        keeps_place: whether it has sent a message of MAVLink.
         over: whether the connection has ended.
     """
 
-    def __init__(self, sock: socket.socket) -> None:
-        self._socket = sock
+    def __init__(self, sock: socket.socket, address: Any = None, ended: Callable[[_Connection], object] = bool) -> None:
+        self._socket, self._ended = sock, ended
+        self._heard = time.monotonic()
+        self.peer = f"{address[0]}:{address[1]}" if address else "?"
+        self.keeps_place = False
         self._rest = bytearray()
         self._is_greeted = self.over = False
         sock.setblocking(False)
@@ -131,15 +141,23 @@ class _Connection:
             self.end()
             return b""
         self._is_greeted = True
+        self._heard = time.monotonic()
         return data
 
     def _end_unless_busy(self, error: OSError) -> None:
         if error.errno not in (*_UNDER_WAY, errno.ENOTCONN, errno.EINTR):
             self.end()
 
+    def importance(self) -> tuple[float, ...]:
+        return (self._heard,)
+
+    def dismiss(self) -> None:
+        self.end()
+
     def end(self) -> None:
         self.over = True
         self._socket.close()
+        self._ended(self)
 
 
 class TcpLink(Link):
@@ -150,27 +168,29 @@ class TcpLink(Link):
         self._address, self._family = address, family
         self._connections: list[_Connection] = []
         self._next_attempt = 0.0
-        self._listener: socket.socket | None = None
+        self._door: Door | None = None
         if listens:
-            self._listener = socket.socket(family, socket.SOCK_STREAM)
-            self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            self._listener.setblocking(False)
+            listener = socket.socket(family, socket.SOCK_STREAM)
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            self._door = Door(f"mavlink: {device}", self._join, most=_MOST_PEERS, complaints=Complaints(logger))
             try:
-                self._listener.bind(address)
-                self._listener.listen(_MOST_PEERS)
+                listener.bind(address)
+                self._door.open(listener)
             except OSError as error:
-                self._listener.close()
+                listener.close()
                 raise _refused(device, error) from None
 
+    def _join(self, sock: socket.socket, address: Any) -> None:
+        assert self._door is not None
+        one = _Connection(sock, address, self._door.leave)
+        self._door.join(one)
+        self._connections.append(one)
+
     def _look_for_others(self) -> None:
+        if self._door is not None:
+            self._door.accept()
         self._connections = [one for one in self._connections if not one.over]
-        if self._listener is not None:
-            while len(self._connections) < _MOST_PEERS:
-                try:
-                    self._connections.append(_Connection(self._listener.accept()[0]))
-                except OSError:
-                    return
-        elif not self._connections and time.monotonic() >= self._next_attempt:
+        if self._door is None and not self._connections and time.monotonic() >= self._next_attempt:
             self._next_attempt = time.monotonic() + _PAUSE
             sock = socket.socket(self._family, socket.SOCK_STREAM)
             sock.setblocking(False)
@@ -193,12 +213,17 @@ class TcpLink(Link):
             if data:
                 yield one, data
 
+    def understood(self, sender: object) -> None:
+        """See `Link.understood`."""
+        if isinstance(sender, _Connection):
+            sender.keeps_place = True
+
     def close(self) -> None:
         """See `Link.close`."""
         for one in self._connections:
             one.end()
-        if self._listener is not None:
-            self._listener.close()
+        if self._door is not None:
+            self._door.close()
 
 
 _WAYS = {"udpout": (UdpLink, False), "udpin": (UdpLink, True), "udp": (UdpLink, True), "tcp": (TcpLink, False),

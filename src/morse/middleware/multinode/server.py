@@ -89,6 +89,7 @@ class _Node(LineClient):
             self.server.complaints.warn("read", f"{self.peer} is disconnected: {error}")
             self.transport.abort()
             return
+        self.is_proven = True
         if name != self._name:
             self._name = name
             self.server.complaints.log(logging.INFO, "node", f"{self.peer} is node {name!r:.60}: {len(poses)} robots")

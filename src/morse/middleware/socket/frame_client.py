@@ -65,9 +65,10 @@ class FrameClient(LineClient):
             self.unsubscribe(channel)
         super().give_up()
 
-    def importance(self) -> tuple[float, ...]:
-        """A client without subscriptions has the lowest priority, then a client that does not read."""
-        return (bool(self.every or self._latest), not self.congested, -self.heard)
+    @property
+    def keeps_place(self) -> bool:
+        """Whether it has subscribed to a stream, and reads it."""
+        return bool(self.every or self._latest) and not self.congested
 
     # -- messages ----------------------------------------------------------------------------
 

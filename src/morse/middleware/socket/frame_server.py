@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 #: approximate size to which frames are combined
 _PIECE = 1 << 18
+#: what a client is sent for whose connection there is no place
+_NO_PLACE = notice_frame({"error": "the simulation has no place for one more connection", "subject": ""})
 
 
 class FrameServer(LineServer):
@@ -27,7 +29,7 @@ class FrameServer(LineServer):
     """
 
     def __init__(self, listener: socket.socket) -> None:
-        super().__init__("binary streams", listener, lambda _: FrameClient(self), comes_first=True)
+        super().__init__("binary streams", listener, lambda _: FrameClient(self), comes_first=True, refusal=_NO_PLACE)
         self.channels: dict[str, FrameChannel] = {}
         self._number = 0
 

@@ -6,10 +6,7 @@ import threading
 import weakref
 from typing import TYPE_CHECKING, Any, Protocol
 
-from morse.middleware.socket.listener import most_sockets
-
 if TYPE_CHECKING:
-    from morse.core.complaints import Complaints
     from morse.core.network import Network
 
 MAX_CLIENTS = 256
@@ -49,22 +46,14 @@ class Server(Protocol):
     """The part of a server that the limits use.
 
     Attributes:
-        name: for messages.
         clients: the connected clients.
-        connected: the number of connected clients.
-        complaints: warnings about its clients.
     """
 
-    name: str
     clients: set[Any]
-    connected: int
-    complaints: Complaints
 
-    def least_missed(self) -> Any:
-        """The client that is disconnected first."""
-
-    def leave(self, client: Any) -> None:
-        """Remove a client that has disconnected."""
+    @property
+    def connected(self) -> int:
+        """The number of connected clients."""
 
 
 class Limits:
@@ -80,18 +69,11 @@ class Limits:
         self.held = Budget(MAX_HELD)
         self.commands = Budget(MAX_COMMANDS)
         self.servers: set[Server] = set()
-        self._most = most_sockets()
 
     @property
     def connected(self) -> int:
         """The number of connections."""
         return sum(server.connected for server in self.servers)
-
-    def fullest(self) -> Server | None:
-        """The server with the most connections if the total limit is reached, else None."""
-        if self.connected + len(self.servers) < self._most:
-            return None
-        return max(self.servers, key=lambda server: server.connected)
 
     def high_water(self) -> int:
         """Number of unsent bytes above which a connection to a stream counts as slow."""

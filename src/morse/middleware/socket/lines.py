@@ -25,7 +25,7 @@ class LineClient:
     Attributes:
         peer: address and port of the client.
         heard: time of the last received data (`time.monotonic`), or of the connection.
-        spoken: whether it has sent data.
+        is_proven: whether it has sent something valid.
         held: received bytes that are not yet processed.
     """
 
@@ -36,7 +36,7 @@ class LineClient:
         self.congested = False
         self.gone = asyncio.Event()
         self.heard = time.monotonic()
-        self.spoken = False
+        self.is_proven = False
         self.held = 0
         self._first_line: FirstLine | None = FirstLine()
         self._partial: list[bytes] = []
@@ -67,7 +67,6 @@ class LineClient:
         Call this method for all received bytes.
         """
         self.heard = time.monotonic()
-        self.spoken = True
         if self._first_line is None:
             return not self._shut_out
         stranger = self._first_line.stranger(data)
@@ -166,12 +165,22 @@ class LineClient:
     def overlong(self) -> None:
         """The client sent more than `MAX_LINE` bytes without a line end; it is about to be disconnected."""
 
-    def importance(self) -> tuple[float, ...]:
-        """If there are too many clients, the client with the lowest priority is disconnected.
+    @property
+    def keeps_place(self) -> bool:
+        """Whether it does not have to leave for a new client."""
+        return self.is_proven
 
-        A client that has never sent anything has the lowest priority, then the client that has been silent for longest.
+    def importance(self) -> tuple[float, ...]:
+        """If there are too many clients, the one with the lowest importance leaves, unless it keeps its place.
+
+        It is the one that has been silent for longest.
         """
-        return (self.spoken, self.heard)
+        return (self.heard,)
+
+    def dismiss(self) -> None:
+        """Disconnect it because another client needs its place."""
+        self.server.leave(self)
+        self.transport.abort()
 
 
 def beginning(line: bytes) -> str:

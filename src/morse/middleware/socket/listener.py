@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _TAKEN = (errno.EADDRINUSE, errno.EACCES, getattr(errno, "WSAEACCES", errno.EACCES))
-_BACKLOG = 128
 
 
 def listen(host: str, ports: Iterable[int]) -> socket.socket:
@@ -55,7 +54,7 @@ def _bound(host: str, port: int) -> socket.socket:
         if os.name == "posix":
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)
-        listener.listen(_BACKLOG)
+        listener.listen()
         listener.setblocking(False)
     except BaseException:
         listener.close()
@@ -77,19 +76,3 @@ def allow_many_sockets() -> None:
         wanted = 1 << 16 if hard == resource.RLIM_INFINITY else min(hard, 1 << 16)
         if soft != resource.RLIM_INFINITY and soft < wanted:
             resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
-
-
-#: maximum number of sockets for `select` on Windows
-_WINDOWS = 512
-#: maximum number of sockets on other systems, and the number reserved for other parts of the process
-_MOST, _OTHERS = 1 << 14, 128
-
-
-def most_sockets() -> int:
-    """The maximum number of sockets for clients."""
-    with contextlib.suppress(ImportError, OSError, ValueError):
-        import resource
-
-        soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-        return _MOST if soft == resource.RLIM_INFINITY else max(64, min(_MOST, soft - _OTHERS))
-    return _WINDOWS - _OTHERS

@@ -13,7 +13,6 @@ from morse.core.exceptions import MorseMiddlewareError
 PATH_VARIABLE = "MORSE_SOCKET_PATH"
 #: read and write for the owner only
 _MODE = 0o600
-_BACKLOG = 128
 
 
 def wanted_path() -> str | None:
@@ -36,7 +35,7 @@ def listen_locally(path: str) -> socket.socket:
     try:
         listener.bind(path)
         os.chmod(path, _MODE)
-        listener.listen(_BACKLOG)
+        listener.listen()
         listener.setblocking(False)
     except OSError as error:
         listener.close()

@@ -41,6 +41,8 @@ _REPLIES_PER_TICK = 4 << 20
 _MAX_CALLS = 1024
 #: the service whose reply can contain the number of messages sent to each client of a stream
 _STEP = ("simulation", "step")
+#: what a client is sent for whose connection there is no place
+_NO_PLACE = format_failure("?", "The simulation has no place for one more connection: close others, or try again later")
 
 
 class SocketRequestManager(RequestManager):
@@ -99,11 +101,11 @@ class SocketRequestManager(RequestManager):
             )
         else:
             logger.info("services are on port %d", self.port)
-        self._server = LineServer("services", listener, self._welcome)
+        self._server = LineServer("services", listener, self._welcome, refusal=_NO_PLACE)
         self._context.network.call(self._server.start(self._context.network))
         path = wanted_path()
         if path is not None:
-            server = LineServer("local services", listen_locally(path), self._welcome)
+            server = LineServer("local services", listen_locally(path), self._welcome, refusal=_NO_PLACE)
             self._local = (server, path)
             self._context.network.call(server.start(self._context.network))
             logger.info("services are on the Unix socket %s", path)

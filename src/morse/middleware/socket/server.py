@@ -9,6 +9,7 @@ import socket
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
+from morse.core.doors import Door
 from morse.middleware.socket.connection import Connection
 from morse.middleware.socket.limits import MAX_CLIENTS, Limits, limits_of
 
@@ -22,10 +23,6 @@ logger = logging.getLogger(__name__)
 
 #: seconds for which clients may read the remaining bytes when a server closes
 _FAREWELL = 1.0
-#: maximum number of connections that are accepted at once
-_AT_A_TIME = 64
-#: seconds without accepting connections after the system could not create a socket
-_PAUSE = 1.0
 #: TCP keep-alive: seconds of silence before the first probe, seconds between probes, and number of probes without an
 #: answer after which the connection is closed
 _SILENCE, _PROBE, _PROBES = 10, 10, 6
@@ -37,10 +34,10 @@ class LineServer:
     Args:
         make: creates the client of a new connection.
         comes_first: data of its clients are read before requests are processed (see `Network.when_read`).
+        refusal: what a client is sent before it is disconnected because there is no place for it.
 
     Attributes:
         clients: the connected clients.
-        connected: the number of connected clients; any thread may read it.
         complaints: warnings about its clients.
         limits: limits shared by all clients of the simulation.
     """
@@ -52,82 +49,55 @@ class LineServer:
         make: Callable[[LineServer], LineClient],
         *,
         comes_first: bool = False,
+        refusal: bytes = b"",
     ) -> None:
         self.name = name
-        self.clients: set[Any] = set()
-        self.connected = 0
         self.complaints = Complaints(logger)
+        self._door = Door(name, self._join, most=MAX_CLIENTS, complaints=self.complaints, refusal=refusal)
+        self.clients: set[Any] = self._door.guests
         self.limits: Limits
         self._listener = listener
         self._make = make
         self._comes_first = comes_first
         self._network: Network | None = None
 
+    @property
+    def connected(self) -> int:
+        """The number of connected clients; any thread may read it."""
+        return len(self.clients)
+
     async def start(self, network: Network) -> None:
         """Start accepting clients."""
         self._network = network
         self.limits = limits_of(network)
         self.limits.servers.add(self)
-        self._listen()
+        self._door.open(self._listener, network.loop, self._watch, network.ignore)
 
-    def _listen(self) -> None:
-        if self._network is not None:
-            self._network.on_readable(self._listener, self._accept, comes_first=self._comes_first)
-
-    def _accept(self) -> None:
-        for _ in range(_AT_A_TIME):
-            try:
-                sock, address = self._listener.accept()
-            except (BlockingIOError, InterruptedError, ConnectionError):
-                return
-            except OSError as error:
-                if self._network is None:
-                    return
-                self.complaints.warn("accept", f"{self.name}: nobody can connect for a while: {error.strerror}")
-                self._network.ignore(self._listener)
-                self._network.loop.call_later(_PAUSE, self._listen)
-                return
-            self._join(sock, address)
+    def _watch(self, listener: socket.socket, accept: Callable[[], None]) -> None:
+        assert self._network is not None
+        self._network.on_readable(listener, accept, comes_first=self._comes_first)
 
     def _join(self, sock: socket.socket, address: Any) -> None:
         assert self._network is not None
-        self._make_room()
         with contextlib.suppress(OSError):  # it may have disconnected
             _probe_when_silent(sock)
         client = self._make(self)
         connection = Connection(self._network, sock, comes_first=self._comes_first)
         peer = f"{address[0]}:{address[1]}" if isinstance(address, tuple) else "?"
-        self.clients.add(client)
-        self.connected = len(self.clients)
+        self._door.join(client)
         client.connection_made(connection, peer)
         connection.start(client)
         if self._comes_first:
             connection.read()  # it may have sent data before it was accepted
 
-    def _make_room(self) -> None:
-        """Disconnect the client with the lowest priority if there are too many."""
-        crowded = self if self.connected >= MAX_CLIENTS else self.limits.fullest()
-        if crowded is None or not crowded.clients:
-            return
-        leaving = crowded.least_missed()
-        text = f"{crowded.name}: {leaving.peer} is disconnected to make room: there are {crowded.connected} clients"
-        crowded.complaints.warn("many", text)
-        crowded.leave(leaving)
-        leaving.transport.abort()
-
-    def least_missed(self) -> Any:
-        """The client that is disconnected first if there are too many."""
-        return min(self.clients, key=lambda client: client.importance())
-
     def leave(self, client: LineClient) -> None:
         """Remove a client that has disconnected."""
-        self.clients.discard(client)
-        self.connected = len(self.clients)
+        self._door.leave(client)
 
     async def close(self) -> None:
         """Stop accepting, send the remaining bytes, and close. Clients that do not read are disconnected."""
         if self._network is not None:
-            self._network.ignore(self._listener)
+            self._door.close()
             self._network = None
             self.limits.servers.discard(self)
         self._listener.close()

@@ -54,6 +54,8 @@ class ServiceClient(LineClient):
         """A request has arrived."""
         if not self.hold(len(line) + _OVERHEAD):
             return
+        # an id, a component and a service
+        self.is_proven = self.is_proven or len(line.split(None, 2)) == 3
         self._waiting += 1
         if (self._waiting > _MAX_WAITING or self.held > _MANY_BYTES) and not self._held_back:
             self._held_back = True
@@ -83,10 +85,6 @@ class ServiceClient(LineClient):
         if self._held_back and self._waiting < _RESUME_BELOW and self.held < _MANY_BYTES // 2:
             self._held_back = False
             self.transport.resume_reading()
-
-    def importance(self) -> tuple[float, ...]:
-        """Clients that wait for a reply have the highest priority."""
-        return (self.calls > 0 or self._waiting > 0, *super().importance())
 
     def reply(self, data: bytes) -> None:
         """Send replies."""

@@ -46,7 +46,7 @@ class StreamClient(LineClient):
             self._complain("several", f"has {self.server.connected} clients: the last one that writes wins")
 
     def importance(self) -> tuple[float, ...]:
-        """The priority of a listener grows with the time since it connected, because listeners send nothing."""
+        """Listeners send nothing: those that do not read leave first, then the newest."""
         return super().importance() if self.server.reads else (not self.congested, -self.heard)
 
     def offer(self, parcels: Sequence[tuple[bytes, int]], last: bytes) -> None:
@@ -87,10 +87,12 @@ class StreamClient(LineClient):
     def line(self, line: bytes) -> None:
         """A message has arrived."""
         if line.strip():
+            self.is_proven = self.is_proven or line.lstrip().startswith(b"{")
             self.server.inbox.put(line)
 
     def lines(self, lines: list[bytes]) -> None:
         """Several messages have arrived at once."""
+        self.is_proven = self.is_proven or any(line.lstrip().startswith(b"{") for line in lines)
         self.server.inbox.put_all([line for line in lines if line.strip()])
 
     def unfinished(self, rest: bytes) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from typing import TYPE_CHECKING
 
 from morse.middleware.socket.lines import LineClient
@@ -18,6 +19,8 @@ logger = logging.getLogger(__name__)
 
 #: interval in which the waiting simulation thread checks whether the simulation is to end, s
 _SLICE = 0.02
+#: wall-clock time in which a client has to send its first bytes; later it no longer holds up the simulation, s
+_PATIENCE = 30.0
 
 
 class TimeSync:
@@ -25,6 +28,7 @@ class TimeSync:
 
     While at least one client is connected, a tick begins only after bytes have arrived since the
     beginning of the last tick; their number does not matter. Services are answered in the meantime.
+    A client that sends nothing within 30 s does not hold up the simulation until it sends something.
     """
 
     def __init__(self, context: Context, listener: socket.socket) -> None:
@@ -49,9 +53,21 @@ class TimeSync:
         self._released = True
         self._context.wake()
 
+    def _is_paced(self) -> bool:
+        clients = list(self._server.clients)
+        if any(client.is_proven for client in clients):
+            return True
+        now = time.monotonic()
+        for client in clients:
+            if now - client.heard < _PATIENCE:
+                return True
+            text = f"time sync: {client.peer} sends nothing, so it no longer holds up the simulation"
+            self._server.complaints.warn("silent", text)
+        return False
+
     def wait(self) -> None:
         """Wait until the next tick is allowed; runs in the simulation thread."""
-        while self._server.connected and not self._released and not self._context.stopping():
+        while self._is_paced() and not self._released and not self._context.stopping():
             self._context.services.process()
             self._context.wait(_SLICE)
         self._released = False
@@ -68,6 +84,7 @@ class _SyncClient(LineClient):
 
     def data_received(self, data: bytes) -> None:
         if self.is_welcome(data):
+            self.is_proven = True
             self._sync.arrived()
 
     def connection_lost(self, error: OSError | None) -> None:

@@ -14,9 +14,10 @@ from websockets.asyncio.server import serve
 from websockets.exceptions import ConnectionClosed
 
 from morse.core.complaints import Complaints
+from morse.core.doors.streams import StreamDoor
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.web_access import Access
-from morse.core.web_crowd import MOST_WAITING, Crowd, Pace
+from morse.core.web_crowd import MOST_WAITING, NO_PLACE, Connection, Pace, guest_of
 from morse.middleware.web.client import WebClient
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ class WebServer(Generic[_C]):
         self.port = 0
         self.complaints = Complaints(logger)
         most = self._most + _UNFINISHED
-        self._crowd = Crowd(most, lambda text: self.complaints.warn("crowd", f"{name}: {text}"))
+        self._door = StreamDoor(name, most=most, complaints=self.complaints, refusal=NO_PLACE)
         self._pace = Pace()
         self._server: Server | None = None
         self._quiet = logging.Logger(
@@ -126,7 +127,8 @@ class WebServer(Generic[_C]):
                     process_request=self._check,
                     subprotocols=self._subprotocols or None,  # type: ignore[arg-type] # words are subprotocols
                     compression=None,
-                    create_connection=self._crowd.connection,  # type: ignore[arg-type] # a factory is sufficient
+                    create_connection=Connection,
+                    door=self._door,
                     max_size=MAX_MESSAGE,
                     max_queue=MOST_WAITING,
                     open_timeout=_PATIENCE,
@@ -168,11 +170,23 @@ class WebServer(Generic[_C]):
         if refusal is not None:
             self.complaints.warn("refused", f"{self._name}: {refusal}")
             return connection.respond(HTTPStatus.FORBIDDEN, refusal + "\n")
-        if len(self.clients) >= self._most:
+        if len(self.clients) >= self._most and not self._make_room():
             text = f"{self._name}: there are {self._most} clients already (most_clients)"
             self.complaints.warn("full", text)
             return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, text + "\n")
         return None
+
+    def _make_room(self) -> bool:
+        """Disconnect the oldest client that has not sent a message; False if all have."""
+        guests = [(guest_of(client.connection), client) for client in self.clients]
+        silent = [(guest.importance(), guest, client) for guest, client in guests if not guest.keeps_place]
+        if not silent:
+            return False
+        _, guest, client = min(silent, key=lambda one: one[0])
+        self.complaints.warn("many", f"{self._name}: {client.peer} is disconnected to make room: it sends nothing")
+        guest.dismiss()
+        self.clients.discard(client)
+        return True
 
     async def _serve(self, connection: ServerConnection) -> None:
         client = self._make(connection)

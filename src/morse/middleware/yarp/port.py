@@ -9,6 +9,8 @@ import re
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from morse.core.complaints import Complaints
+from morse.core.doors import DESCRIPTORS
+from morse.core.doors.streams import StreamDoor, Visitor
 from morse.core.quoting import shown
 from morse.middleware.yarp import wire
 from morse.middleware.yarp.bottle import BottleError, Vocab, decode, encode
@@ -51,6 +53,10 @@ class _Input(NamedTuple):
     writer: asyncio.StreamWriter
 
 
+class _Visitor(Visitor, asyncio.StreamReaderProtocol):
+    """A connection to a port."""
+
+
 class Port:
     """A port of the simulation; all methods run in the network loop.
 
@@ -67,16 +73,14 @@ class Port:
         self.name, self._names, self._take = name, names, take
         self.outputs: dict[str, Output] = {}
         self._inputs: set[_Input] = set()
-        #: number of connections, also of those that have not begun to speak
-        self._open = 0
-        self._server: asyncio.Server | None = None
         self._number = 0
         self._complaints = Complaints(logger)
+        self._door = StreamDoor(f"yarp: {name}", most=_MOST_CONNECTIONS, complaints=self._complaints)
 
     async def open(self, listener: socket.socket) -> None:
         """Accept connections."""
         self._number = listener.getsockname()[1]
-        self._server = await asyncio.start_server(self._serve, sock=listener, limit=_LARGEST)
+        self._door.serve([listener], lambda: _Visitor(asyncio.StreamReader(limit=_LARGEST), self._serve))
 
     async def close(self) -> None:
         """End all connections, after the messages that still wait were sent."""
@@ -84,8 +88,7 @@ class Port:
             async with asyncio.timeout(_TIMEOUT / 5):
                 while not all(output.is_idle for output in self.outputs.values()):
                     await asyncio.sleep(0.005)
-        if self._server is not None:
-            self._server.close()
+        self._door.close()
         for one in list(self._inputs):
             one.writer.close()
         for output in list(self.outputs.values()):
@@ -101,14 +104,10 @@ class Port:
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         one = None
-        self._open += 1
         try:
-            if self._open > 2 * _MOST_CONNECTIONS:
-                raise wire.WireError(f"the port has {self._open} connections")
             async with asyncio.timeout(_TIMEOUT):
                 one = await self._greet(reader, writer)
-            if len(self._inputs) >= _MOST_CONNECTIONS:
-                raise wire.WireError(f"the port has {_MOST_CONNECTIONS} connections")
+            writer.transport.get_protocol().guest.keeps_place = True  # type: ignore[attr-defined] # a visitor
             self._inputs.add(one)
             await (self._lines(one) if one.carrier in (wire.TEXT, wire.TEXT_ACK) else self._messages(one))
         except (OSError, asyncio.IncompleteReadError, TimeoutError):
@@ -116,7 +115,6 @@ class Port:
         except ValueError as error:
             self._complaints.warn("wrong", f"yarp: a connection to {self.name} is closed: {error}")
         finally:
-            self._open -= 1
             if one is not None:
                 self._inputs.discard(one)
             writer.close()
@@ -228,6 +226,8 @@ class Port:
             return [-1, f"Do not know how to use the carrier {carrier}; {self.name} sends by tcp and fast_tcp\r\n"]
         if len(self.outputs) >= _MOST_CONNECTIONS:
             return [-1, f"{self.name} has {_MOST_CONNECTIONS} connections\r\n"]
+        if not DESCRIPTORS.has_room(measure=True):
+            return [-1, f"{self.name} has no place for one more connection: too many files are open\r\n"]
         output = Output(self.name, name, carrier, self._lost, self._slow)
         try:
             address = await self._names.query(name)
