@@ -9,6 +9,7 @@ import numpy as np
 from morse.assets import kept_shapes
 from morse.assets.known_shapes import KnownShapes, content
 from morse.assets.shapes import ConvexPart, Primitive, convex_parts, detect_primitive, fit_bounds, thickened
+from morse.mathutils.portable import det, eigh, matmul
 from morse.scene import Bounds, CollisionShape, PhysicsType, ShapeKind
 from morse.scene.frames import rigid_frame
 
@@ -24,6 +25,8 @@ _FITTED = (Bounds.BOX, Bounds.SPHERE, Bounds.CYLINDER, Bounds.CONE, Bounds.CAPSU
 
 #: minimum thickness of a hull, m, and as a share of its coordinates, which the engine rounds to 32 bits
 _LEAST, _ROUNDING = 1e-4, 4e-6
+#: points whose second moment, m^2, about a plane is smaller have no volume
+_FLAT = 1e-8
 
 _Key = tuple[int, tuple[float, ...], Bounds | None]
 
@@ -90,13 +93,13 @@ def _without_mesh(node: Node) -> list[CollisionShape]:
 def _parts(
     mesh: Mesh, stretch: NDArray[np.float64], bounds: Bounds | None
 ) -> tuple[Sequence[Primitive | ConvexPart], list[str]]:
-    vertices = np.asarray(mesh.vertices, dtype=np.float64) @ stretch.T
+    vertices = matmul(np.asarray(mesh.vertices, dtype=np.float64), stretch.T)
     if len(vertices) == 0 or len(mesh.triangles) == 0:
         return [], []
     if bounds in _FITTED:
         return [fit_bounds(vertices, bounds)], []
     # mirroring flips the triangles
-    triangles = mesh.triangles if np.linalg.det(stretch) >= 0.0 else mesh.triangles[:, ::-1]
+    triangles = mesh.triangles if det(stretch) >= 0.0 else mesh.triangles[:, ::-1]
     primitive = detect_primitive(vertices, triangles)
     if primitive is not None:
         return [primitive], []
@@ -110,7 +113,7 @@ def _hull(vertices: NDArray[np.float64]) -> Primitive | ConvexPart:
     vertices = vertices[np.isfinite(vertices).all(axis=1)]
     points = np.unique(vertices.round(6), axis=0)
     spread = points - points.mean(axis=0)
-    if np.linalg.matrix_rank(spread, tol=1e-4) < 3:
+    if eigh(matmul(spread.T, spread))[0][0] < _FLAT:
         return fit_bounds(vertices, Bounds.BOX)
     return ConvexPart(points)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils.portable import eigh, matmul
 from morse.scene import Inertial
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def inertial_of(mass: float, origin: Matrix, moments: Sequence[float] | None) ->
     else:
         xx, yy, zz, xy, xz, yz = moments
         inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        values, axes = np.linalg.eigh(inertia)
+        values, axes = eigh(inertia)
         if values[0] <= 0.0:
             if mass and (values != 0.0).any():
                 remark = (
@@ -55,8 +56,8 @@ def inertial_of(mass: float, origin: Matrix, moments: Sequence[float] | None) ->
                 "the others; the smaller ones are enlarged"
             )
             values[:2] += 0.5 * (values[2] - values[0] - values[1])
-            inertia = axes @ np.diag(values) @ axes.T
-    inertia = turned @ inertia @ turned.T
+            inertia = matmul(matmul(axes, np.diag(values)), axes.T)
+    inertia = matmul(matmul(turned, inertia), turned.T)
     a, b, c, d, e, f, g, h, i = (float(value) for value in inertia.ravel())
     return Inertial(mass, (x, y, z), (a, b, c, d, e, f, g, h, i)), remark
 

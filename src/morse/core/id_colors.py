@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils import portable
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -42,9 +44,9 @@ def as_directions(flow: NDArray[np.floating]) -> NDArray[np.uint8]:
     x, y = (np.where(known, flow[..., axis], 0.0).astype(np.float64) for axis in range(2))
     length = np.hypot(x, y)
     share = length / max(float(length.max(initial=0.0)), _SHORTEST)
-    hue = np.arctan2(y, x)
+    hue = portable.arctan2(y, x)
     # three cosines, shifted by a third of a turn
-    colors = [1.0 - share * (0.5 - 0.5 * np.cos(hue - third)) for third in (0.0, 2.0944, 4.1888)]
+    colors = [1.0 - share * (0.5 - 0.5 * portable.cos(hue - third)) for third in (0.0, 2.0944, 4.1888)]
     pixels = np.round(np.stack(colors, axis=-1) * 255).astype(np.uint8)
     pixels[~known] = 0
     return pixels

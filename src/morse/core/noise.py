@@ -10,6 +10,7 @@ import numpy as np
 
 from morse.core.generators import generator_state, set_generator_state
 from morse.core.units import conversion
+from morse.mathutils.portable import norm
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -78,7 +79,7 @@ class Noise:
             # the remainder is in [0, turn), so that the result is in (-turn/2, turn/2]
             values = turn / 2.0 - np.mod(turn / 2.0 - values, turn)
         if field.quaternion:
-            length = float(np.linalg.norm(values))
+            length = float(norm(values))
             values = values / length if length > 0.0 else np.array([1.0, 0.0, 0.0, 0.0])
         if field.low is not None or field.high is not None:
             clipped = np.clip(values, field.low, field.high)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -27,12 +28,12 @@ def extent(nodes: Iterable[Node], frame: Node | None = None) -> tuple[NDArray[np
         # without the scale of the frame, so that the unit is still the metre
         rigid = rigid_frame(frame)
         into[:3, :3] = np.array([list(row) for row in rigid.rotation]).T
-        into[:3, 3] = -into[:3, :3] @ np.array(list(rigid.position))
+        into[:3, 3] = matmul(-into[:3, :3], np.array(list(rigid.position)))
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for node in nodes:
         if node.mesh is None or len(node.mesh.vertices) == 0:
             continue
-        matrix = into @ np.array([list(row) for row in node.world_matrix()])
-        points = node.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        matrix = matmul(into, np.array([list(row) for row in node.world_matrix()]))
+        points = matmul(node.mesh.vertices, matrix[:3, :3].T) + matrix[:3, 3]
         low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
     return (low, high) if np.isfinite(low).all() else None

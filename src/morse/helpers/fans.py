@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils import portable
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -55,9 +57,9 @@ def fan(
     azimuth = angles + turns[:, None]
     return np.stack(
         [
-            np.cos(azimuth) * np.cos(heights)[:, None],
-            np.sin(azimuth) * np.cos(heights)[:, None],
-            np.broadcast_to(np.sin(heights)[:, None], azimuth.shape),
+            portable.cos(azimuth) * portable.cos(heights)[:, None],
+            portable.sin(azimuth) * portable.cos(heights)[:, None],
+            np.broadcast_to(portable.sin(heights)[:, None], azimuth.shape),
         ],
         axis=2,
     ).reshape(-1, 3)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.mathutils.portable import matmul, solve
 from morse.mathutils.rotations import rotation_vector
 from morse.scene import JointKind
 
@@ -81,7 +82,7 @@ def improve(chain: Chain, targets: Sequence[Target], values: Sequence[float], it
         return Solution(values, 0.0, True)
     frames = chain.frames(values)
     errors = _errors(chain, targets, frames)
-    cost, damping = float(errors @ errors), _DAMPING
+    cost, damping = float(matmul(errors, errors)), _DAMPING
     jacobian: NDArray[np.float64] | None = None
     for _ in range(iterations):
         if cost <= REACHED:
@@ -96,7 +97,7 @@ def improve(chain: Chain, targets: Sequence[Target], values: Sequence[float], it
             trial[number] = chain.clamped(number, values[number] + change)
         frames_there = chain.frames(trial)
         errors_there = _errors(chain, targets, frames_there)
-        cost_there = float(errors_there @ errors_there)
+        cost_there = float(matmul(errors_there, errors_there))
         if cost_there < cost:
             values, frames, errors, cost, jacobian = trial, frames_there, errors_there, cost_there, None
             damping = max(0.2 * damping, _LEAST_DAMPING)
@@ -164,9 +165,7 @@ def _step(
     step: NDArray[Any] = np.zeros(len(movable))
     for _ in range(3):
         part = jacobian * free
-        normal = part.T @ part
-        normal.flat[:: len(movable) + 1] += damping
-        step = np.linalg.solve(normal, part.T @ errors) * free
+        step = _damped(part, errors, damping) * free
         leaving = [
             i
             for i, number in enumerate(movable)
@@ -182,6 +181,18 @@ def _step(
         step[leaving] = 0.0
     longest = float(np.abs(step).max())
     return step * (_STRIDE / longest) if longest > _STRIDE else step
+
+
+def _damped(jacobian: NDArray[np.float64], errors: NDArray[np.float64], damping: float) -> NDArray[np.float64]:
+    """(N,) the damped least squares step, by the smaller of the two equivalent systems of equations."""
+    count, joints = jacobian.shape
+    normal = matmul(jacobian, jacobian.T) if count < joints else matmul(jacobian.T, jacobian)
+    normal.flat[:: len(normal) + 1] += damping
+    if count < joints:
+        weights = solve(normal, errors)
+        return np.zeros(joints) if weights is None else np.asarray(matmul(jacobian.T, weights))
+    step = solve(normal, matmul(jacobian.T, errors))
+    return np.zeros(joints) if step is None else step
 
 
 def kicked(chain: Chain, values: Sequence[float], attempt: int) -> list[float]:

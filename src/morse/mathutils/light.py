@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils import portable
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
@@ -13,4 +15,6 @@ if TYPE_CHECKING:
 def linear_light(codes: ArrayLike) -> NDArray[np.float64]:
     """Return the linear light, 0 to 1, of sRGB values, 0 to 1 (IEC 61966-2-1)."""
     values = np.asarray(codes, dtype=np.float64)
-    return np.asarray(np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4))
+    return np.asarray(
+        np.where(values <= 0.04045, values / 12.92, portable.power((np.maximum(values, 0.0) + 0.055) / 1.055, 2.4))
+    )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import det, eigh, matmul, norm
 from morse.physics.inertia import mass_of, moved_inertia
 from morse.physics.layout import Motion
 from morse.physics.motors import Load, Motor, weight
@@ -114,8 +115,14 @@ class Articulated:
             position, rotation = relative_pose(node, pose)
             inertial = node.inertial
             assert inertial is not None
-            inertia = rotation @ np.reshape(inertial.inertia, (3, 3)) @ rotation.T
-            parts.append((scale * inertial.mass, position + rotation @ np.array(inertial.centre), scale * inertia))
+            inertia = matmul(matmul(rotation, np.reshape(inertial.inertia, (3, 3))), rotation.T)
+            parts.append(
+                (
+                    scale * inertial.mass,
+                    position + matmul(rotation, np.array(inertial.centre)),
+                    scale * inertia,
+                )
+            )
         if not any(mass for mass, _, _ in parts) and not _has_masses(frame):
             parts = [mass_of(shape, *relative_pose(node, pose)) for node in frame.solid for shape in node.shapes or ()]
         mass = sum((part[0] for part in parts), 0.0)
@@ -127,8 +134,8 @@ class Articulated:
             centre = sum((m * c for m, c, _ in parts), np.zeros(3)) / mass
             inertia = sum((moved_inertia(i, m, c - centre) for m, c, i in parts), np.zeros((3, 3)))
         body.mass, body.ipos = mass, centre
-        moments, axes = np.linalg.eigh(inertia)
-        if np.linalg.det(axes) < 0.0:
+        moments, axes = eigh(inertia)
+        if det(axes) < 0.0:
             axes[:, 0] *= -1.0
         quaternion = np.zeros(4)
         mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(axes).ravel())
@@ -137,7 +144,7 @@ class Articulated:
         moments = np.maximum(moments, _SMALLEST * min(mass, 1.0))
         moments[:2] += max(0.0, 0.5 * (1.001 * moments[2] - moments[0] - moments[1]))
         body.inertia = moments
-        place = np.array(pose.position) + as_array(pose.rotation) @ centre
+        place = np.array(pose.position) + matmul(as_array(pose.rotation), centre)
         self._groups[frame] = _Group(frame, body, float(mass), place)
         return True
 
@@ -156,11 +163,11 @@ class Articulated:
         for index in frame.joints:
             bone = bones[index]
             place, axes = frames[index]
-            anchor = base + turned @ np.array(place)
-            axis = turned @ np.reshape(axes, (3, 3))[:, bone.axis]
+            anchor = base + matmul(turned, np.array(place))
+            axis = matmul(turned, np.reshape(axes, (3, 3))[:, bone.axis])
             if bone.kind.is_loose:
-                turned_bone = rotation.T @ turned @ np.reshape(axes, (3, 3))
-                found += self._add_loose(frame, bone, body, anchor, rotation.T @ (anchor - origin), turned_bone)
+                turned_bone = matmul(matmul(rotation.T, turned), np.reshape(axes, (3, 3)))
+                found += self._add_loose(frame, bone, body, anchor, matmul(rotation.T, anchor - origin), turned_bone)
                 continue
             slides = bone.kind is JointKind.PRISMATIC
             value = start_value(bones, index) * (scale if slides else 1.0)
@@ -169,8 +176,8 @@ class Articulated:
             joint = body.add_joint(
                 type=_TYPES[bone.kind],
                 name=name,
-                pos=rotation.T @ (anchor - origin),
-                axis=rotation.T @ axis,
+                pos=matmul(rotation.T, anchor - origin),
+                axis=matmul(rotation.T, axis),
                 ref=value,
                 armature=limit.inertia,
                 frictionloss=limit.friction,
@@ -290,7 +297,7 @@ class Articulated:
                     for other in self._tree(root, below):
                         if other not in mine:
                             part = self._groups[other]
-                            reach = float(np.linalg.norm(part.centre - made.anchor))
+                            reach = float(norm(part.centre - made.anchor))
                             rest += part.mass
                             turned += part.mass * reach * reach
                             lever += weight(part.mass, reach)
@@ -312,13 +319,13 @@ class Articulated:
         while waiting:
             one, place, length = waiting.pop()
             group = self._groups[one]
-            reach = length + float(np.linalg.norm(group.centre - place))
+            reach = length + float(norm(group.centre - place))
             mass += group.mass
             inertia += group.mass * reach * reach + float(np.max(group.body.inertia))
             moment += weight(group.mass, reach)
             for other in below.get(one, ()):
                 there = self._groups[other].joints[0].anchor
-                waiting.append((other, there, length + float(np.linalg.norm(there - place))))
+                waiting.append((other, there, length + float(norm(there - place))))
         return mass, inertia, moment
 
     def _tree(self, frame: Frame, below: dict[Frame, list[Frame]]) -> Iterator[Frame]:

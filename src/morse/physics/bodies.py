@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, cast
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import matmul, norm
 from morse.physics import glide_velocity, rigid
 from morse.physics.kinematics import settle_fixed
 from morse.physics.layout import Motion
@@ -207,7 +208,7 @@ class Bodies:
         for joint in slot.joints:
             number = int(model.dof_jntid[joint.dof])
             if joint.width == 4:
-                along = data.xmat[slot.body].reshape(3, 3) @ data.qvel[joint.dof : joint.dof + 3]
+                along = matmul(data.xmat[slot.body].reshape(3, 3), data.qvel[joint.dof : joint.dof + 3])
                 angular = angular + along
                 linear += np.cross(along, place - data.xanchor[number])
                 continue
@@ -269,7 +270,7 @@ class Bodies:
         linear, angular = self.velocity(index)
         speed = np.add(linear, np.cross(angular, np.subtract(held, state.positions[index])))
         wanted = stiffness * np.subtract(target, held) - damping * speed
-        size = float(np.linalg.norm(wanted))
+        size = float(norm(wanted))
         mass = float(state.model.body_subtreemass[slot.body])
         strongest = min(strongest, FORCE.limit / mass)
         if not size < math.inf:

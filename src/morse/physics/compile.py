@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.physics.articulated import Articulated, JointSlot
 from morse.physics.couplings import CouplingBuilder, TendonSlot
 from morse.physics.feet import Stance, corners, stance, trimmed
@@ -208,7 +209,10 @@ class _Builder:
             parent = self._bodies[frame.parent]
             outer = rigid_frame(frame.parent.node)
             turned = as_array(outer.rotation).T
-            position, rotation = turned @ (position - np.array(outer.position)), turned @ rotation
+            position, rotation = (
+                matmul(turned, position - np.array(outer.position)),
+                matmul(turned, rotation),
+            )
         body = parent.add_body(
             name=frame.node.name, pos=position, quat=_quaternion(rotation), mocap=frame.motion is Motion.KINEMATIC
         )
@@ -293,12 +297,12 @@ class _Builder:
         if shape.kind is ShapeKind.CONVEX:
             mesh = self._hull(shape)
             return body.add_geom(type=_TYPES[shape.kind], meshname=mesh, pos=position, quat=_quaternion(rotation))
-        turned = rotation @ np.reshape(shape.rotation, (3, 3))
+        turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
         if shape.kind is ShapeKind.HEIGHT_FIELD:
             return body.add_geom(
                 type=mujoco.mjtGeom.mjGEOM_HFIELD,
                 hfieldname=self._height_field(shape),
-                pos=position + rotation @ np.asarray(shape.position),
+                pos=position + matmul(rotation, np.asarray(shape.position)),
                 quat=_quaternion(turned),
             )
         size = np.zeros(3)
@@ -306,7 +310,7 @@ class _Builder:
         return body.add_geom(
             type=_TYPES[shape.kind],
             size=size,
-            pos=position + rotation @ np.asarray(shape.position),
+            pos=position + matmul(rotation, np.asarray(shape.position)),
             quat=_quaternion(turned),
         )
 

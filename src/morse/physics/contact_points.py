@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import matmul
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -49,7 +51,7 @@ class ContactPoints:
         for index, fixed in enumerate(self._second_is_fixed(data)):
             contact = data.contact[index]
             mujoco.mj_contactForce(model, data, index, wrench)
-            force = contact.frame.reshape(3, 3).T @ wrench[:3]
+            force = matmul(contact.frame.reshape(3, 3).T, wrench[:3])
             rows[index, :3], rows[index, 3:] = contact.pos, -force if fixed else force
         return rows
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.physics.poses import relative_pose
 from morse.scene import is_dynamic
 from morse.scene.couplings import ConstraintKind, WrapKind
@@ -70,7 +71,7 @@ class _Place:
 
     def point(self, local: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
         """A point of the link in the frame of the body."""
-        found: NDArray[np.float64] = self.position + self.rotation @ np.array(local)
+        found: NDArray[np.float64] = self.position + matmul(self.rotation, np.array(local))
         return found
 
 
@@ -193,7 +194,7 @@ class CouplingBuilder:
             data[:3], data[3:6] = first.point(data[:3]), second.point(data[3:6])
             if kind is ConstraintKind.WELD:
                 # of the second body in the first one
-                data[6:10] = _quaternion(one.rotation @ _matrix(data[6:10]) @ other.rotation.T)
+                data[6:10] = _quaternion(matmul(matmul(one.rotation, _matrix(data[6:10])), other.rotation.T))
         elif kind is ConstraintKind.JOINT:
             names = [f"{armature.name}/{name}" if name else "" for name in names]
         else:
@@ -240,4 +241,4 @@ def _quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _turned(rotation: NDArray[np.float64], quaternion: Sequence[float]) -> NDArray[np.float64]:
-    return _quaternion(rotation @ _matrix(quaternion))
+    return _quaternion(matmul(rotation, _matrix(quaternion)))

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils import portable
+from morse.mathutils.portable import matmul
 from morse.scene import CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
@@ -93,24 +95,24 @@ def trimmed(
     bottom = stand.floor + stand.clearance
     if shape.kind is ShapeKind.CONVEX:
         assert shape.vertices is not None
-        points = shape.vertices @ rotation.T + position
+        points = matmul(shape.vertices, rotation.T) + position
         if points[:, 2].min() >= bottom:
             return shape
         top = points[:, 2].max()
         share = (top - bottom) / max(top - points[:, 2].min(), 1e-9)
         points[:, 2] = top - (top - points[:, 2]) * share
-        return CollisionShape(shape.kind, (), vertices=(points - position) @ rotation)
-    turned = rotation @ np.reshape(shape.rotation, (3, 3))
+        return CollisionShape(shape.kind, (), vertices=matmul(points - position, rotation))
+    turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
     if shape.kind not in (ShapeKind.BOX, ShapeKind.CYLINDER) or abs(abs(turned[2, 2]) - 1.0) > 1e-6:
         return None
     half = shape.size[-1]
-    centre = position + rotation @ np.asarray(shape.position)
+    centre = position + matmul(rotation, np.asarray(shape.position))
     cut = bottom - (centre[2] - half)
     if cut <= 0.0:
         return shape
     if cut >= half:
         return None
-    moved = rotation.T @ (centre + np.array([0.0, 0.0, cut / 2]) - position)
+    moved = matmul(rotation.T, centre + np.array([0.0, 0.0, cut / 2]) - position)
     x, y, z = moved.tolist()
     return CollisionShape(shape.kind, (*shape.size[:-1], half - cut / 2), (x, y, z), shape.rotation)
 
@@ -119,17 +121,17 @@ def corners(shape: CollisionShape, position: NDArray[np.float64], rotation: NDAr
     """Return points (P, 3) in the frame of the robot whose convex hull is the shape (approximately, if it is round)."""
     if shape.kind is ShapeKind.CONVEX:
         assert shape.vertices is not None
-        return np.asarray(shape.vertices @ rotation.T + position)
+        return np.asarray(matmul(shape.vertices, rotation.T) + position)
     if shape.kind is ShapeKind.BOX:
         signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
         own = signs * np.asarray(shape.size)
     elif shape.kind is ShapeKind.CYLINDER:
         turn = np.arange(24) * (math.pi / 12)
-        ring = np.column_stack([np.cos(turn), np.sin(turn)]) * shape.size[0]
+        ring = np.column_stack([portable.cos(turn), portable.sin(turn)]) * shape.size[0]
         own = np.vstack([np.column_stack([ring, np.full(24, h)]) for h in (-shape.size[1], shape.size[1])])
     else:
         radius = shape.size[0]
         up = radius + (shape.size[1] if shape.kind is ShapeKind.CAPSULE else 0.0)
         own = np.array([[radius, 0, 0], [-radius, 0, 0], [0, radius, 0], [0, -radius, 0], [0, 0, up], [0, 0, -up]])
-    turned = rotation @ np.reshape(shape.rotation, (3, 3))
-    return np.asarray(own @ turned.T + position + rotation @ np.asarray(shape.position))
+    turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
+    return np.asarray(matmul(own, turned.T) + position + matmul(rotation, np.asarray(shape.position)))

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.physics.collision_bits import ALL_BITS
 from morse.physics.floors import Floor, find_floors
 from morse.physics.glide import Glide
@@ -144,7 +145,7 @@ class Gliding:
             heights = []
             for geom in self._moved[index]:
                 up, box = data.geom_xmat[geom, 6:9], model.geom_aabb[geom]
-                heights.append(float(data.geom_xpos[geom, 2] + up @ box[:3] - np.abs(up) @ box[3:]))
+                heights.append(float(data.geom_xpos[geom, 2] + matmul(up, box[:3]) - matmul(np.abs(up), box[3:])))
             self._lowest[index] = min(heights) - self._state.positions[index][2]
         return self._state.positions[index][2] + self._lowest[index] < floor.height + _NEAR
 

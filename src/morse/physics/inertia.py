@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.scene import ShapeKind
 
 if TYPE_CHECKING:
@@ -54,12 +55,12 @@ def bounding_box(
     """Return the lower and upper corner (3,) of a shape, given the pose of its node in the wanted frame, m."""
     if shape.kind is ShapeKind.CONVEX:
         assert shape.vertices is not None
-        points = shape.vertices @ rotation.T + position
+        points = matmul(shape.vertices, rotation.T) + position
         return points.min(axis=0), points.max(axis=0)
-    turned = rotation @ np.reshape(shape.rotation, (3, 3))
-    centre = position + rotation @ np.asarray(shape.position)
+    turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
+    centre = position + matmul(rotation, np.asarray(shape.position))
     half = half_sizes(shape)
-    extent = np.abs(turned) @ half if shape.kind is not ShapeKind.SPHERE else half
+    extent = matmul(np.abs(turned), half) if shape.kind is not ShapeKind.SPHERE else half
     return centre - extent, centre + extent
 
 
@@ -115,12 +116,16 @@ def mass_of(
         centre, half, turned = (low + high) / 2.0, (high - low) / 2.0, rotation
     else:
         centre, half = np.asarray(shape.position), half_sizes(shape)
-        turned = rotation @ np.reshape(shape.rotation, (3, 3))
+        turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
     squares = (2.0 * half) ** 2
     moments = mass / 12.0 * (squares.sum() - squares)
-    return mass, position + rotation @ centre, turned @ np.diag(moments) @ turned.T
+    return (
+        mass,
+        position + matmul(rotation, centre),
+        matmul(matmul(turned, np.diag(moments)), turned.T),
+    )
 
 
 def moved_inertia(inertia: NDArray[np.float64], mass: float, by: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the inertia (3, 3) about a point at a distance from the centre of mass (parallel axis theorem)."""
-    return np.asarray(inertia + mass * (float(by @ by) * np.eye(3) - np.outer(by, by)))
+    return np.asarray(inertia + mass * (float(matmul(by, by)) * np.eye(3) - np.outer(by, by)))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.physics.collision_bits import FIRST_PLANE, MOST_PLANES
 from morse.physics.level import level_axis
 
@@ -44,7 +45,7 @@ class PlaneBuilder:
             return
         own = np.empty(9)
         mujoco.mju_quat2Mat(own, geom.quat)
-        turned = rotation @ own.reshape(3, 3)
+        turned = matmul(rotation, own.reshape(3, 3))
         up = level_axis(turned)
         if up is None:
             return

@@ -7,6 +7,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -35,8 +36,8 @@ def relative_pose(node: Node, frame: RigidFrame) -> tuple[NDArray[np.float64], N
     if known is not None and known[0] is own and known[1] is frame:
         return known[2], known[3]
     turned = as_array(frame.rotation).T
-    position = turned @ (np.array(own.position) - np.array(frame.position))
-    rotation = turned @ as_array(own.rotation)
+    position = matmul(turned, np.array(own.position) - np.array(frame.position))
+    rotation = matmul(turned, as_array(own.rotation))
     position.flags.writeable = rotation.flags.writeable = False
     _known[node] = own, frame, position, rotation
     return position, rotation

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.physics import engine_values
 from morse.physics.layout import Motion
 from morse.physics.limits import RUNAWAY_DISTANCE, RUNAWAY_SPEED
@@ -206,7 +207,7 @@ class Rescue:
             return
         self._gliding.unsettle(index)
         pose = data.qpos[slot.qpos : slot.qpos + 7]
-        turned = float(np.dot(pose[3:], pose[3:])) if np.isfinite(pose).all() else 0.0
+        turned = float(matmul(pose[3:], pose[3:])) if np.isfinite(pose).all() else 0.0
         if not (0.25 < turned < 4.0 and np.abs(pose[:3]).max() <= RUNAWAY_DISTANCE):
             pose[:3], pose[3:] = slot.pose.position, slot.pose.quaternion
         parts = [slot, *(state.slots[wheel] for wheel in state.wheels.get(index, ()))]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.physics import rigid
 from morse.physics.layout import Motion
 from morse.physics.mounting import Mounted, Mounting
@@ -61,7 +62,7 @@ class Snapshot:
     def rotations(self) -> NDArray[np.float64]:
         """Return the rotations (N, 3, 3) from the axes of each object to those of the world."""
         turned = np.array([mounting.turned for mounting in self.mountings]).reshape(-1, 3, 3)
-        return np.asarray(self.group_rotations[self.slots].reshape(-1, 3, 3) @ turned)
+        return np.asarray(matmul(self.group_rotations[self.slots].reshape(-1, 3, 3), turned))
 
 
 class Snapshots:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.physics.layout import Motion
 from morse.physics.nearby import boxes_of
 from morse.physics.rays.solids import body_of, owner
@@ -135,7 +136,7 @@ class Touching:
 
     def _half_of_box(self, geom: int) -> NDArray[np.float64]:
         """Return (3,) half sizes of an axis-aligned box around a shape, centred at the origin of the shape, m."""
-        turned: NDArray[np.float64] = np.abs(self._turns[geom]).reshape(3, 3) @ self._halves[geom]
+        turned: NDArray[np.float64] = matmul(np.abs(self._turns[geom]).reshape(3, 3), self._halves[geom])
         return turned
 
     def _boxes(self, fixed: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

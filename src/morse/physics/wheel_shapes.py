@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils.portable import matmul, norm
 from morse.physics.inertia import bounding_box
 from morse.physics.poses import as_array
 from morse.scene.frames import rigid_frame
@@ -22,15 +23,15 @@ def _rotation(node: Node) -> NDArray[np.float64]:
 
 def wheel_axis(wheel: Node, robot: Node) -> NDArray[np.float64]:
     """Return the axle (3,) in the frame of the wheel: the Y axis of the robot, so that positive speed is forward."""
-    return _rotation(wheel).T @ _rotation(robot)[:, 1]
+    return np.asarray(matmul(_rotation(wheel).T, _rotation(robot)[:, 1]))
 
 
 def wheel_size(wheel: Node, axis: NDArray[np.float64]) -> tuple[float, float, NDArray[np.float64]]:
     """Return radius and half width of the shapes of a wheel, m, and the rotation (3, 3) from Z to the axle."""
-    z = axis / np.linalg.norm(axis)
+    z = axis / norm(axis)
     helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     x = np.cross(helper, z)
-    x /= np.linalg.norm(x)
+    x /= norm(x)
     rotation = np.column_stack([x, np.cross(z, x), z])
     lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
     for shape in wheel.shapes or ():

@@ -22,6 +22,7 @@ from morse.kernel.drawing.arrays import (
     Drawing,
     Poses,
 )
+from morse.mathutils.portable import det, matmul
 from morse.rendering.meshes import clusters_of
 from morse.rendering.motion import moved
 from morse.scene import is_shown, slot_materials
@@ -145,8 +146,11 @@ class Contents:
             frame = rigid_frame(node)
             self._stretches[number] = [list(row) for row in frame.stretch]
             rotation = np.array([list(row) for row in frame.rotation])
-            self.placed[number, :, :3], self.placed[number, :, 3] = rotation @ self._stretches[number], frame.position
-            flags = MIRRORED * int(np.linalg.det(self._stretches[number]) < 0.0)
+            self.placed[number, :, :3], self.placed[number, :, 3] = (
+                matmul(rotation, self._stretches[number]),
+                frame.position,
+            )
+            flags = MIRRORED * int(det(self._stretches[number]) < 0.0)
             flags |= MOVES * int(not world.is_fixed(self._groups[number]))
             own = [self._material(material, node.color or material.color) for material in surfaces]
             flags |= SOLID * int(not any(self._has_holes[material] for material in own))
@@ -280,7 +284,7 @@ class Contents:
             self._offsets = self._offsets.copy()
         for number in numbers:
             position, rotation = self._objects[number].offset
-            self._offsets[number, :, :3] = np.reshape(rotation, (3, 3)) @ self._stretches[number]
+            self._offsets[number, :, :3] = matmul(np.reshape(rotation, (3, 3)), self._stretches[number])
             self._offsets[number, :, 3] = position
 
     def node(self, number: int) -> Node:
@@ -292,7 +296,7 @@ def _placed(
     frames: Frames, rows: NDArray[np.intp], groups: NDArray[np.intp]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """The poses (N, 12) and (N, 9) of some instances, see `Poses`."""
-    model = frames.rotations[groups] @ frames.offsets[rows]
+    model = matmul(frames.rotations[groups], frames.offsets[rows])
     model[:, :, 3] += frames.positions[groups]
     seen = frames.visible[rows] & (np.abs(model) < 1e7).all(axis=(1, 2))
     model[~seen] = 0.0

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils import portable
 from morse.rendering.lens import Lens
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ class DistortedLens(Lens):
         if self.model == "plumb_bob":
             return super().project(points)
         across = np.sqrt(points[..., 0] ** 2 + points[..., 1] ** 2)
-        angle = np.arctan2(across, points[..., 2])
+        angle = portable.arctan2(across, points[..., 2])
         bent = angle * _fisheye(angle * angle, self.coefficients)[0]
         share = np.where(
             across > 1e-12, bent / np.maximum(across, 1e-12), 1 / np.maximum(np.abs(points[..., 2]), 1e-12)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from morse.kernel.drawing import Simplification, simplify
+from morse.mathutils.portable import norm
 from morse.rendering.rows import different
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def levels_of(rows: NDArray[np.float32], slot: NDArray[np.integer], *, textured:
     if len(rows) < _FEWEST:
         return made
     corners = rows.reshape(-1, 8)
-    size = float(np.linalg.norm(np.ptp(corners[:, :3], axis=0).astype(np.float64)))
+    size = float(norm(np.ptp(corners[:, :3], axis=0).astype(np.float64)))
     if not size > 0.0:
         return made
     mesh, places, looks = _mesh(corners, slot, textured=textured)

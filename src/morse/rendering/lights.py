@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from morse.kernel.drawing.arrays import HEMISPHERE, LAMP, POINT, SPOT, SUN
+from morse.mathutils.portable import norm
 from morse.rendering.textures import LINEAR
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
             strength = _FULL * light.energy * share
             rows.append(_lamp(kind, position, towards, color * strength, shape=shape, ground=(float(casts), 0.0, 0.0)))
     if sunny is None:
-        sunny = np.array(_TOWARDS_SUN) / np.linalg.norm(_TOWARDS_SUN)
+        sunny = np.array(_TOWARDS_SUN) / norm(_TOWARDS_SUN)
         # with lamps in the scene, the sun is faint
         strength = _FULL * (0.35 if nodes else 0.95) * 0.85 * view.daylight
         rows.append(_lamp(SUN, (0, 0, 0), sunny, _srgb(0xFFF3E2) * strength, shape=(1.0, 0.0)))

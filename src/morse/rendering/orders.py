@@ -9,6 +9,7 @@ import numpy as np
 
 from morse.kernel.drawing import Kept
 from morse.kernel.drawing.arrays import CAMERA
+from morse.mathutils.portable import matmul
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.motion import moved
 from morse.rendering.warp import Drawn
@@ -130,7 +131,7 @@ def cameras_of(orders: Sequence[Order], time: float) -> NDArray[Any]:
         position, rotation = order.pose(time)
         lens = view.lens
         # the rotations of undistorted images permute axes, so that these products are exact
-        axes = (rotation @ view.turn).T.ravel()
+        axes = matmul(rotation, view.turn).T.ravel()
         # one assignment takes a fraction of the time of one for each field
         cameras[number] = (
             *(lens.fx, lens.fy, lens.cx, lens.cy, lens.near, lens.far, axes, position, order.exposure),

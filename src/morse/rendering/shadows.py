@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.drawing.arrays import NO_SURFACE, Light, Poses, bounds_for, changes_for
+from morse.mathutils.portable import matmul, norm
 
 if TYPE_CHECKING:
     from typing import Protocol
@@ -166,7 +167,7 @@ class ShadowMap:
 def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:
     """(3, 3) rows: two directions perpendicular to the light, and the direction to the sun."""
     right = np.cross(sunny, (0.0, 1.0, 0.0) if abs(sunny[1]) < 0.9 else (1.0, 0.0, 0.0))
-    right /= np.linalg.norm(right)
+    right /= norm(right)
     return np.stack([right, np.cross(sunny, right), sunny])
 
 
@@ -182,7 +183,10 @@ def _extent(
         balls = spheres[parts[fine, 0]].astype(np.float64)
         centres = np.einsum("pij,pj->pi", shape[fine, :, :3], balls[:, :3]) + shape[fine, :, 3]
         reach = (balls[:, 3] * np.linalg.norm(shape[fine, :, :3], axis=(1, 2)))[:, None]
-        low, high = (centres @ axes.T - reach).min(axis=0), (centres @ axes.T + reach).max(axis=0)
+        low, high = (
+            (matmul(centres, axes.T) - reach).min(axis=0),
+            (matmul(centres, axes.T) + reach).max(axis=0),
+        )
     return low - around, high + around
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.drawing.arrays import CAMERA, NO_SURFACE, Light, Poses, bounds_for
+from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
     from typing import Protocol
@@ -64,8 +65,8 @@ class SpotShadows:
         self._map = np.where(depth > 0.0, -depth, np.float32(NO_SURFACE)).astype(np.float32)
         self._bounds = bounds_for(self._map)
         drawer.bound_shadows(light._replace(shadow=self._map, shadow_bounds=self._bounds))
-        matrix = np.array([[focal, 0, _SIZE / 2], [0, focal, _SIZE / 2], [0, 0, 1]]) @ axes
+        matrix = matmul(np.array([[focal, 0, _SIZE / 2], [0, focal, _SIZE / 2], [0, 0, 1]]), axes)
         frame = np.zeros(16)
-        frame[:12] = np.column_stack([matrix, -matrix @ np.array(spot.position)]).ravel()
+        frame[:12] = np.column_stack([matrix, matmul(-matrix, np.array(spot.position))]).ravel()
         frame[12] = 1 / focal
         self._frame = frame.astype(np.float32)

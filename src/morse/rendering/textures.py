@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import math
 import warnings
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
@@ -153,7 +154,7 @@ def _pixels(image: Image) -> NDArray[np.uint8]:
 
 
 def _power_of_two(size: int) -> int:
-    return int(min(1 << max(0, round(float(np.log2(max(size, 1))))), _MOST_ASIDE))
+    return int(min(1 << max(0, round(math.log2(max(size, 1)))), _MOST_ASIDE))
 
 
 def _checkered() -> NDArray[np.uint8]:

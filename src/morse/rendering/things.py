@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ class Things:
         if not extents:
             return None
         low, high = np.min([e[0] for e in extents], axis=0), np.max([e[1] for e in extents], axis=0)
-        return Box(turn @ ((low + high) / 2) + place, turn, high - low)
+        return Box(matmul(turn, (low + high) / 2) + place, turn, high - low)
 
     def _extent(
         self, node: Node, obj: GameObject, thing: GameObject, place: NDArray[np.float64], turn: NDArray[np.float64]
@@ -88,13 +89,16 @@ class Things:
         """Lower and upper corner of a mesh in the frame of its object."""
         if obj.slot != thing.slot:
             here, own = _as_arrays(obj.world_pose())
-            return _reach(node, turn.T @ own, turn.T @ (here - place))
+            return _reach(node, matmul(turn.T, own), matmul(turn.T, here - place))
         # parts of one body do not move relative to each other, unless they are displaced explicitly
         offsets = (obj.offset, thing.offset)
         known = self._fixed.get(node)
         if known is None or known[0] != offsets:
             (here, own), (place, turn) = (_as_arrays(offset) for offset in offsets)
-            known = self._fixed[node] = (offsets, _reach(node, turn.T @ own, turn.T @ (here - place)))
+            known = self._fixed[node] = (
+                offsets,
+                _reach(node, matmul(turn.T, own), matmul(turn.T, here - place)),
+            )
         return known[1]
 
 
@@ -103,7 +107,7 @@ def _reach(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     assert node.mesh is not None
     stretch = np.array([list(row) for row in rigid_frame(node).stretch])
-    points = np.asarray(node.mesh.vertices, np.float64).reshape(-1, 3) @ (rotation @ stretch).T + position
+    points = matmul(np.asarray(node.mesh.vertices, np.float64).reshape(-1, 3), matmul(rotation, stretch).T) + position
     points = points[np.isfinite(points).all(axis=1)]
     return (points.min(axis=0), points.max(axis=0)) if len(points) else (position, position)
 

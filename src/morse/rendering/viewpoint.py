@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.mathutils import Euler
+from morse.mathutils.portable import norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,12 +44,12 @@ class Viewpoint:
         """
         here, there = np.array(_three(position, "location")), np.array(_three(target, "target"))
         forward = there - here
-        if not np.linalg.norm(forward) > 1e-9:
+        if not norm(forward) > 1e-9:
             raise ValueError(f"the viewpoint and the point at which it looks are both {tuple(here.tolist())}")
-        forward /= np.linalg.norm(forward)
+        forward /= norm(forward)
         up = (0.0, 0.0, 1.0) if abs(forward[2]) < 0.9999 else (0.0, 1.0, 0.0)
         right = np.cross(forward, up)
-        right /= np.linalg.norm(right)
+        right /= norm(right)
         return cls(here, np.column_stack([right, np.cross(forward, right), forward]))
 
     @classmethod

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.rendering.lens import MOST_PIXELS, Lens
 from morse.rendering.light_codes import LIGHT, encoded
 
@@ -91,7 +92,7 @@ class Warp:
         if not len(rays) or rays[:, 2].min() > _ONE_IS_ENOUGH:
             face = np.zeros(len(rays), np.intp)
         else:
-            face = np.stack([rays @ turn[:, 2] for turn in _FACES]).argmax(axis=0)
+            face = np.stack([matmul(rays, turn[:, 2]) for turn in _FACES]).argmax(axis=0)
         self.flats = [
             _flat(lens, turn, numbers[face == n], rays[face == n]) for n, turn in enumerate(_FACES) if (face == n).any()
         ]
@@ -110,7 +111,7 @@ class Warp:
             numbers = picture.ids.ravel()[flat.nearest]
             if picture.normals is not None and normals is not None:
                 # these rotations permute axes, so that the products are exact
-                turned = picture.normals.reshape(-1, 3)[flat.nearest] @ flat.turn.T.astype(np.float32)
+                turned = matmul(picture.normals.reshape(-1, 3)[flat.nearest], flat.turn.T.astype(np.float32))
                 normals[flat.pixels] = turned + np.float32(0)
             depths = _depths(flat, picture, numbers) * flat.stretch
             far = depths > np.float32(self._lens.far)
@@ -128,7 +129,7 @@ class Warp:
 
 
 def _flat(lens: DistortedLens, turn: NDArray[np.float64], pixels: NDArray[np.intp], rays: NDArray[np.float64]) -> Flat:
-    own = rays @ turn
+    own = matmul(rays, turn)
     x, y = own[:, 0] / own[:, 2], own[:, 1] / own[:, 2]
     low, high = (x.min(), y.min()), (x.max(), y.max())
     f = _DENSITY * max(lens.fx, lens.fy)

@@ -12,6 +12,7 @@ from morse.core.hints import nearest
 from morse.core.quoting import shown
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
+from morse.mathutils.portable import matmul
 from morse.sensors.camera_unit import CameraUnit
 from morse.sensors.depth_camera import DepthCamera
 
@@ -114,7 +115,7 @@ class DepthCameraAggregator(CameraUnit):
                 # rendered in this tick, although the action of the camera comes later
                 camera.measure()
             points = camera.local_data["points"].astype(np.float64)
-            turned = points @ np.reshape(own, (3, 3)).T + (np.array(here) - position)
-            joined.append((turned @ to_master).astype(np.float32))
+            turned = matmul(points, np.reshape(own, (3, 3)).T) + (np.array(here) - position)
+            joined.append(matmul(turned, to_master).astype(np.float32))
         self.local_data["points"] = np.concatenate(joined)
         self.local_data["nb_points"] = len(self.local_data["points"])

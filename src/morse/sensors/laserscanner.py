@@ -15,6 +15,7 @@ from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_level, add_property, prop
 from morse.helpers.fans import fan
+from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -346,7 +347,7 @@ class LaserScannerRotationZ(LaserScanner):
         # a quarter turn about X, then the tilt about Y
         upright = np.stack([flat[:, 0], -flat[:, 2], flat[:, 1]], axis=1)
         c, s = math.cos(_TILT), math.sin(_TILT)
-        return np.asarray(upright @ np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]]))
+        return np.asarray(matmul(upright, np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])))
 
     def measure(self) -> None:
         """Measure the scan, and rotate."""

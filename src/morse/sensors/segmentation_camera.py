@@ -10,6 +10,7 @@ import numpy as np
 from morse.core.mathutils import Matrix
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
+from morse.mathutils.portable import matmul
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
 if TYPE_CHECKING:
@@ -227,7 +228,7 @@ class SegmentationCamera(Camera):
         if self.relative:
             here, turned = self.bge_object.world_pose()
             frame = np.reshape(turned, (3, 3))
-            position, rotation = frame.T @ (position - here), frame.T @ rotation
+            position, rotation = matmul(frame.T, position - here), matmul(frame.T, rotation)
         return {
             "position": position.tolist(),
             "orientation": Matrix(rotation.tolist()).to_quaternion(),

@@ -8,6 +8,7 @@ import numpy as np
 
 from morse.core.mathutils import Matrix
 from morse.helpers.components import add_data, add_kind, add_property
+from morse.mathutils.portable import matmul
 from morse.scene.frames import rigid_frame
 from morse.sensors.camera import Camera
 
@@ -114,10 +115,10 @@ class SemanticCamera(Camera):
             place, own = part.world_pose()
             low, high = node.mesh.vertices.min(axis=0), node.mesh.vertices.max(axis=0)
             corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
-            corners = corners @ np.array([list(row) for row in rigid_frame(node).stretch]).T
-            points.append((corners @ np.reshape(own, (3, 3)).T + place - position) @ turn)
+            corners = matmul(corners, np.array([list(row) for row in rigid_frame(node).stretch]).T)
+            points.append(matmul(matmul(corners, np.reshape(own, (3, 3)).T) + place - position, turn))
         if len(points) == 1:
-            points = [((np.array(obj.world_pose()[0]) - position) @ turn)[None]]
+            points = [(matmul(np.array(obj.world_pose()[0]) - position, turn))[None]]
         return _may_show(np.concatenate(points[1:] or points), self.lens)
 
     def _is_first_on_ray(self, obj: Any) -> bool:
@@ -130,8 +131,8 @@ class SemanticCamera(Camera):
         if self.relative:
             here, turned = self.bge_object.world_pose()
             frame = np.reshape(turned, (3, 3))
-            position = (frame.T @ (np.array(position) - here)).tolist()
-            rotation = (frame.T @ np.reshape(rotation, (3, 3))).ravel().tolist()
+            position = (matmul(frame.T, np.array(position) - here)).tolist()
+            rotation = (matmul(frame.T, np.reshape(rotation, (3, 3)))).ravel().tolist()
         matrix = Matrix([rotation[0:3], rotation[3:6], rotation[6:9]])
         return {
             "name": str(obj.get("Label", obj.name)),

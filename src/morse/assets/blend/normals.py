@@ -7,6 +7,7 @@ from math import cos
 import numpy as np
 
 from morse.assets.blend.polygons import Floats, Ints, Polygons, unit
+from morse.mathutils import portable
 
 
 def corner_normals(polygons: Polygons, crease: float | None = None) -> Floats | None:
@@ -38,7 +39,7 @@ def _angles(polygons: Polygons) -> Floats:
     ahead = unit(points[polygons.following] - points)
     behind = np.empty_like(ahead)
     behind[polygons.following] = -ahead
-    angles: Floats = np.arccos(np.clip(np.einsum("nj,nj->n", ahead, behind), -1.0, 1.0))
+    angles: Floats = portable.arccos(np.clip(np.einsum("nj,nj->n", ahead, behind), -1.0, 1.0))
     return angles
 
 

@@ -16,6 +16,7 @@ from morse.assets.meshfiles.files import SIZE_LIMIT, Below
 from morse.assets.meshfiles.surfaces import Surfaces
 from morse.assets.triangle_limit import check_stl, check_triangles
 from morse.mathutils import Matrix
+from morse.mathutils.portable import det, matmul, nearest_rotation
 from morse.scene import Library, Node, NodeKind, PhysicsType
 
 #: glTF models face +Z with +Y up; models of MORSE face +X with +Z up
@@ -156,16 +157,15 @@ class _Reading:
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
             raise AssetError(self._path, f"the pose of '{node.name}' is not a matrix of finite numbers")
         # the axes of each node are rotated in the same way as the axes of its mesh
-        turn = self._turn @ matrix[:3, :3] @ self._turn.T
+        turn = matmul(matmul(self._turn, matrix[:3, :3]), self._turn.T)
         scale = np.linalg.norm(turn, axis=0)
-        if np.linalg.det(turn) < 0.0:
+        if det(turn) < 0.0:
             scale[2] = -scale[2]
         scale[scale == 0.0] = 1.0
         rotation = turn / scale
-        if not np.allclose(rotation.T @ rotation, np.eye(3), atol=_SHEAR):
+        if not np.allclose(matmul(rotation.T, rotation), np.eye(3), atol=_SHEAR):
             self._sheared.append(node.name)
-            u, _, v = np.linalg.svd(rotation)
-            rotation = u @ v
-        node.location = (self._turn @ matrix[:3, 3]).tolist()
+            rotation = nearest_rotation(rotation)
+        node.location = matmul(self._turn, matrix[:3, 3]).tolist()
         node.rotation_euler = list(Matrix(rotation.tolist()).to_euler())
         node.scale = scale.tolist()

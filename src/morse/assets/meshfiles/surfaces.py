@@ -12,6 +12,7 @@ from morse.assets.blend.polygons import Polygons
 from morse.assets.meshfiles.pictures import too_large
 from morse.assets.stand_in import chequered
 from morse.mathutils.light import linear_light
+from morse.mathutils.portable import matmul
 from morse.scene import Image, Material, Mesh
 
 #: rad; edges with a larger angle are shown as creases
@@ -48,7 +49,7 @@ class Surfaces:
 
     def _converted(self, name: str, given: Any) -> Mesh:
         with np.errstate(over="ignore", invalid="ignore"):  # refused below
-            vertices = np.asarray(given.vertices, dtype=np.float32).reshape(-1, 3) @ self._turn.T
+            vertices = matmul(np.asarray(given.vertices, dtype=np.float32).reshape(-1, 3), self._turn.T)
         triangles = np.ascontiguousarray(given.faces, dtype=np.int32).reshape(-1, 3)
         if not np.isfinite(vertices).all():
             raise ValueError(f"the mesh '{name}' has coordinates that are not finite numbers")

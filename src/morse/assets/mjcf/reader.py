@@ -13,6 +13,7 @@ from morse.assets.mjcf.sensors import sensors_of
 from morse.assets.mjcf.shapes import shape_node
 from morse.assets.mjcf.source import Source
 from morse.mathutils import Matrix
+from morse.mathutils.portable import matmul
 from morse.scene import Articulation, BodySettings, Inertial, Library, Node, NodeKind, PhysicsType
 from morse.scene.bone_frames import start_frames
 
@@ -165,7 +166,9 @@ class _Reader:
         mass, centre, turned, moments = body.inertial
         if mass:
             axes = np.array([list(row) for row in pose((0.0, 0.0, 0.0), turned).to_3x3()])
-            a, b, c, d, e, f, g, h, i = (float(value) for value in (axes @ np.diag(moments) @ axes.T).ravel())
+            a, b, c, d, e, f, g, h, i = (
+                float(value) for value in (matmul(matmul(axes, np.diag(moments)), axes.T)).ravel()
+            )
             x, y, z = centre
             node.inertial = Inertial(mass, (x, y, z), (a, b, c, d, e, f, g, h, i))
         self._add_shapes(node, body)

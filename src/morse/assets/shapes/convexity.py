@@ -9,6 +9,8 @@ import numpy as np
 
 from morse.assets.shapes.part import ConvexPart
 from morse.assets.shapes.surface import edge_neighbours
+from morse.mathutils import portable
+from morse.mathutils.portable import eigh, matmul
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +38,7 @@ def is_convex(surface: Surface) -> bool:
         return False
     chosen = faces[::step]
     for chunk in np.array_split(chosen, max(1, len(chosen) * len(surface.vertices) // _CHUNK)):
-        heights = surface.vertices @ surface.normals[chunk].T - offsets[chunk]
+        heights = matmul(surface.vertices, surface.normals[chunk].T) - offsets[chunk]
         if heights.max() > tolerance:
             return False
     return True
@@ -65,9 +67,9 @@ def thickened(points: Floats, least: float) -> Floats:
     Points that lie too close to a plane, a line or a point are duplicated, and one copy is moved to each side.
     """
     centre = points.mean(axis=0)
-    _, axes = np.linalg.eigh((points - centre).T @ (points - centre))
+    _, axes = eigh(matmul((points - centre).T, points - centre))
     for axis in axes.T:
-        lacking = least - float(np.ptp((points - centre) @ axis))
+        lacking = least - float(np.ptp(matmul(points - centre, axis)))
         if lacking > 0.0:
             points = np.vstack([points - axis * (lacking / 2.0), points + axis * (lacking / 2.0)])
     return points
@@ -80,9 +82,9 @@ def _extreme_points(points: Floats) -> Floats:
     turn = index * (math.pi * (1.0 + math.sqrt(5.0)))
     around = np.sqrt(1.0 - height**2)
     directions = np.vstack(
-        [np.column_stack([around * np.cos(turn), around * np.sin(turn), height]), np.eye(3), -np.eye(3)]
+        [np.column_stack([around * portable.cos(turn), around * portable.sin(turn), height]), np.eye(3), -np.eye(3)]
     )
     scale = np.maximum(np.ptp(points, axis=0), 1e-12)
-    extreme = np.unique(np.concatenate([(points @ d).argmax(keepdims=True) for d in directions / scale]))
+    extreme = np.unique(np.concatenate([matmul(points, d).argmax(keepdims=True) for d in directions / scale]))
     chosen: Floats = points[extreme]
     return chosen

@@ -10,6 +10,7 @@ import numpy as np
 from morse.assets.shapes.fit import fit_round
 from morse.assets.shapes.part import Primitive
 from morse.assets.shapes.surface import Surface, clean_surface, components
+from morse.mathutils.portable import eigh, matmul, norm
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -59,7 +60,7 @@ def primitive_of(surface: Surface) -> Primitive | None:
 
 
 def _as_box(points: Floats, volume: float, rotation: Floats) -> Primitive | None:
-    local = points @ rotation
+    local = matmul(points, rotation)
     low, high = local.min(axis=0), local.max(axis=0)
     half = (high - low) / 2.0
     centre = (high + low) / 2.0
@@ -69,16 +70,16 @@ def _as_box(points: Floats, volume: float, rotation: Floats) -> Primitive | None
     if off.max() > _OFF * half.max():
         return None
     x, y, z = half.tolist()
-    return Primitive("box", (x, y, z), rotation @ centre, rotation)
+    return Primitive("box", (x, y, z), matmul(rotation, centre), rotation)
 
 
 def _box_frames(surface: Surface) -> Iterator[Floats]:
     first = _main_normal(surface.normals, surface.areas)
-    across = (np.abs(surface.normals @ first) < _PARALLEL) & (surface.areas > 0.0)
+    across = (np.abs(matmul(surface.normals, first)) < _PARALLEL) & (surface.areas > 0.0)
     if across.any():
         second = _main_normal(surface.normals[across], surface.areas[across])
-        second = second - first * (first @ second)
-        second /= np.linalg.norm(second)
+        second = second - first * (matmul(first, second))
+        second /= norm(second)
         yield _nearest_to_frame([first, second, np.cross(first, second)])
     yield np.eye(3)
 
@@ -90,8 +91,8 @@ def _main_normal(normals: Floats, areas: Floats) -> Floats:
     _, group = np.unique((keys[:, 0] << 22) + (keys[:, 1] << 11) + keys[:, 2], return_inverse=True)
     group = group.ravel()
     chosen = group == np.bincount(group, weights=areas).argmax()
-    mean: Floats = areas[chosen] @ folded[chosen]
-    return mean / np.linalg.norm(mean)
+    mean: Floats = matmul(areas[chosen], folded[chosen])
+    return mean / norm(mean)
 
 
 def _leading_sign(normals: Floats) -> Floats:
@@ -133,14 +134,14 @@ def _cylinder_axes(surface: Surface) -> Iterator[Floats]:
     # The caps of a short cylinder have most of the area in one direction …
     yield _main_normal(surface.normals, surface.areas)
     # … and the side of a long cylinder has normals perpendicular to the axis.
-    spread = (surface.normals * surface.areas[:, None]).T @ surface.normals
-    yield from np.linalg.eigh(spread)[1].T
+    spread = matmul((surface.normals * surface.areas[:, None]).T, surface.normals)
+    yield from eigh(spread)[1].T
 
 
 def _as_cylinder(points: Floats, volume: float, axis: Floats) -> tuple[Primitive, float] | None:
     """The cylinder along an axis, and the largest distance of a vertex from it (as share of its size)."""
     rotation = _frame_along(axis)
-    local = points @ rotation
+    local = matmul(points, rotation)
     low, high = float(local[:, 2].min()), float(local[:, 2].max())
     half, middle = (high - low) / 2.0, (high + low) / 2.0
     flat = local[:, :2]
@@ -158,7 +159,7 @@ def _as_cylinder(points: Floats, volume: float, axis: Floats) -> tuple[Primitive
         return None
     if not _CYLINDER_VOLUME <= volume / (2.0 * half * math.pi * radius**2) <= 1.0 + _OFF:
         return None
-    found = Primitive("cylinder", (radius, half), rotation @ np.array([*centre, middle]), rotation)
+    found = Primitive("cylinder", (radius, half), matmul(rotation, np.array([*centre, middle])), rotation)
     return found, float((off_mantle + off_cap)[rims].mean())
 
 
@@ -171,8 +172,8 @@ def _outline(flat: Floats) -> Floats:
 
 def _frame_along(axis: Floats) -> Floats:
     """A rotation whose third column is the axis; the identity for Z."""
-    z = axis / np.linalg.norm(axis)
+    z = axis / norm(axis)
     start = np.eye(3)[0] if abs(z[0]) < 0.9 else np.eye(3)[1]
-    x = start - z * (z @ start)
-    x /= np.linalg.norm(x)
+    x = start - z * (matmul(z, start))
+    x /= norm(x)
     return np.column_stack([x, np.cross(z, x), z])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from morse.assets.shapes.part import Primitive
 from morse.assets.shapes.surface import rows_of_three
+from morse.mathutils.portable import matmul, solve
 from morse.scene.body import Bounds
 
 if TYPE_CHECKING:
@@ -61,9 +63,15 @@ def fit_round(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] 
         return None
     middle = points.mean(axis=0)
     local = points - middle
-    system = np.column_stack([2.0 * local, np.ones(len(local))])
-    solution, _, rank, _ = np.linalg.lstsq(system, (local * local).sum(axis=1), rcond=None)
-    squared = float(solution[dimension] + solution[:dimension] @ solution[:dimension])
-    if rank <= dimension or not squared > 0.0:
+    size = float(np.abs(local).max())
+    if not size > 0.0:
         return None
-    return middle + solution[:dimension], float(np.sqrt(squared))
+    local = local / size
+    system = np.column_stack([2.0 * local, np.ones(len(local))])
+    solution = solve(matmul(system.T, system), matmul(system.T, (local * local).sum(axis=1)))
+    if solution is None:
+        return None
+    squared = float(solution[dimension] + matmul(solution[:dimension], solution[:dimension]))
+    if not squared > 0.0:
+        return None
+    return middle + size * solution[:dimension], size * math.sqrt(squared)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
+from morse.mathutils import portable
+from morse.mathutils.portable import matmul
 from morse.scene.shapes import CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
@@ -45,8 +47,8 @@ class Primitive:
     def _cone_points(self) -> NDArray[np.float64]:
         radius, half = self.size
         turn = np.arange(CONE_SIDES) * (2.0 * math.pi / CONE_SIDES)
-        base = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(CONE_SIDES, -half)])
-        return np.vstack([base, [0.0, 0.0, half]]) @ self.rotation.T + self.position
+        base = np.column_stack([radius * portable.cos(turn), radius * portable.sin(turn), np.full(CONE_SIDES, -half)])
+        return np.asarray(matmul(np.vstack([base, [0.0, 0.0, half]]), self.rotation.T) + self.position)
 
 
 @dataclass(eq=False, slots=True)

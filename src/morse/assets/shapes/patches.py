@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.assets.shapes.surface import edge_neighbours, open_edges
+from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -73,9 +74,9 @@ def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch
             near = across[front].ravel()
             near = np.unique(near[near >= 0])
             near = near[label[near] == -1]
-            lies = surface.normals[near] @ normal >= slope
+            lies = matmul(surface.normals[near], normal) >= slope
             near = near[lies]
-            heights = surface.vertices[surface.triangles[near]] @ normal - offset
+            heights = matmul(surface.vertices[surface.triangles[near]], normal) - offset
             front = near[(np.abs(heights) <= flatness.distance).all(axis=1)]
             label[front] = number
         found.append(seed)

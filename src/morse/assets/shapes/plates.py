@@ -10,6 +10,7 @@ from morse.assets.shapes.part import ConvexPart, Part, Primitive
 from morse.assets.shapes.patches import outline
 from morse.assets.shapes.polygons import convex_polygons
 from morse.assets.shapes.rectangles import rectangles
+from morse.mathutils.portable import matmul, norm
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,19 +47,19 @@ def _polygons(surface: Surface, patch: Patch) -> list[Floats]:
     loops = [[place[vertex] for vertex in loop] for loop in outline(surface, patch.triangles)]
     start = np.eye(3)[int(np.abs(patch.normal).argmin())]
     x = np.cross(start, patch.normal)
-    x /= np.linalg.norm(x)
+    x /= norm(x)
     axes = np.column_stack([x, np.cross(patch.normal, x)])
-    flat = points @ axes
+    flat = matmul(points, axes)
     polygons = convex_polygons(flat, loops, triangles.reshape(-1, 3).tolist())
     boxes = rectangles(flat, loops) if len(polygons) > 1 else None
     if boxes is None or not _fill_the_same(boxes, patch, surface):
         return [points[polygon] for polygon in polygons]
-    return [box @ axes.T + patch.normal * patch.offset for box in boxes]
+    return [matmul(box, axes.T) + patch.normal * patch.offset for box in boxes]
 
 
 def _fill_the_same(boxes: list[Floats], patch: Patch, surface: Surface) -> bool:
     wanted = float(surface.areas[patch.triangles].sum())
-    made = sum(float(np.linalg.norm(box[1] - box[0]) * np.linalg.norm(box[3] - box[0])) for box in boxes)
+    made = sum(float(norm(box[1] - box[0]) * norm(box[3] - box[0])) for box in boxes)
     return abs(made - wanted) <= _SAME_AREA * wanted
 
 
@@ -80,9 +81,9 @@ def _thicknesses(surface: Surface, patches: list[Patch]) -> list[float]:
         inner = normal * wanted[index]
         low = np.minimum(lows[index], lows[index] - inner)
         high = np.maximum(highs[index], highs[index] - inner)
-        depth = (centres[index] - centres) @ normal
+        depth = matmul(centres[index] - centres, normal)
         opposite = (
-            (normals @ normal < -0.9)
+            (matmul(normals, normal) < -0.9)
             & (depth > -1e-9)
             & (depth < wanted[index])
             & (lows <= high).all(axis=1)
@@ -111,11 +112,11 @@ def _as_box(polygon: Floats, normal: Floats, thickness: float) -> Primitive | No
         return None
     a, b, c, d = polygon
     x, y = b - a, d - a
-    long, wide = float(np.linalg.norm(x)), float(np.linalg.norm(y))
+    long, wide = float(norm(x)), float(norm(y))
     tolerance = _SQUARE * min(long, wide)
-    if np.linalg.norm(a + c - b - d) > tolerance or abs(x @ y) > _SQUARE * long * wide:
+    if norm(a + c - b - d) > tolerance or abs(matmul(x, y)) > _SQUARE * long * wide:
         return None
-    if max(abs(x @ normal), abs(y @ normal)) > tolerance:
+    if max(abs(matmul(x, normal)), abs(matmul(y, normal))) > tolerance:
         return None
     x = x / long
     rotation = np.column_stack([x, np.cross(normal, x), normal])
@@ -125,7 +126,7 @@ def _as_box(polygon: Floats, normal: Floats, thickness: float) -> Primitive | No
 
 def _behind(polygon: Floats, plane: Floats) -> Floats:
     """The part of a convex polygon (N, 3) behind a plane (normal, offset): I. Sutherland, G. Hodgman (1974)."""
-    heights = polygon @ plane[:3] - plane[3]
+    heights = matmul(polygon, plane[:3]) - plane[3]
     kept = []
     for index, height in enumerate(heights):
         before = heights[index - 1]

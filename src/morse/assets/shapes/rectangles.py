@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -36,10 +38,10 @@ def rectangles(points: Floats, loops: Sequence[Sequence[int]]) -> list[Floats] |
         return None
     x, y = edges[lengths.argmax()] / lengths.max()
     axes = np.array([[x, -y], [y, x]])
-    edges = edges @ axes
+    edges = matmul(edges, axes)
     if (np.abs(edges).min(axis=1) > _RIGHT * lengths).any():
         return None
-    starts, ends = starts @ axes, ends @ axes
+    starts, ends = matmul(starts, axes), matmul(ends, axes)
     upright = np.abs(edges[:, 1]) > np.abs(edges[:, 0])
     tolerance = _SAME * float(np.ptp(starts, axis=0).max())
     columns, rows = _lines(starts[:, 0], tolerance), _lines(starts[:, 1], tolerance)
@@ -55,7 +57,10 @@ def rectangles(points: Floats, loops: Sequence[Sequence[int]]) -> list[Floats] |
     lying = [(a, b, c, d) for c, d, a, b in _strips(inside.T)]
     chosen = lying if len(lying) <= len(standing) else standing
     return [
-        np.array([[columns[a], rows[c]], [columns[b], rows[c]], [columns[b], rows[d]], [columns[a], rows[d]]]) @ axes.T
+        matmul(
+            np.array([[columns[a], rows[c]], [columns[b], rows[c]], [columns[b], rows[d]], [columns[a], rows[d]]]),
+            axes.T,
+        )
         for a, b, c, d in chosen
     ]
 

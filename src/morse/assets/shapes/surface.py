@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.mathutils.portable import norm
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
@@ -38,7 +40,7 @@ class Surface:
     @property
     def diagonal(self) -> float:
         """Length of the diagonal of the bounding box."""
-        return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) if len(self.vertices) else 0.0
+        return float(norm(np.ptp(self.vertices, axis=0))) if len(self.vertices) else 0.0
 
     @property
     def corners(self) -> Floats:
@@ -156,7 +158,7 @@ def _weld_borders(points: Floats, faces: Ints) -> Ints:
     if len(border) == 0:
         return merged
     low = points[border].min(axis=0)
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    size = float(norm(np.ptp(points, axis=0)))
     cell = max(size * _WELD, float(np.abs(points).max()) * _SINGLE_PRECISION, 1e-12)
     # Coincident points can be in neighbouring cells; a second grid with an offset of half a cell merges most of them.
     for shift in (0.0, 0.5):

@@ -62,11 +62,13 @@ def turned(value: Any, moves: str, given: str, wanted: str, component: Any) -> A
     """
     import numpy as np
 
+    from morse.mathutils.portable import matmul
+
     origin, rotation = _between(given, wanted, component)
     if moves == ORIENTATION:
         w, x, y, z = value
         return np.array(quaternion_from_rotation(product(rotation, rotation_from_quaternion(w, x, y, z))))
-    result = np.asarray(value, dtype=np.float64) @ np.reshape(rotation, (3, 3)).T
+    result = matmul(np.asarray(value, dtype=np.float64), np.reshape(rotation, (3, 3)).T)
     return result + np.array(origin) if moves == POINT else result
 
 

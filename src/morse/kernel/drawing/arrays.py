@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.mathutils import portable
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -85,7 +87,7 @@ SAMPLES = {1: ((0.0, 0.0),), 5: ((0.0, 0.0), (-0.4, -0.2), (-0.2, 0.4), (0.2, -0
 
 def _encoded() -> NDArray[np.uint8]:
     light = np.arange(4096) / 4095
-    codes = np.where(light <= 0.0031308, light * 12.92, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
+    codes = np.where(light <= 0.0031308, light * 12.92, 1.055 * portable.power(light, 1 / 2.4) - 0.055)
     return (codes * 255 + 0.5).astype(np.uint8)
 
 

@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils.portable import norm
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -143,4 +145,4 @@ def normal(kind: int, point: Floats, size: Floats) -> Floats:
     else:
         half = size[1] if kind == CAPSULE else 0.0
         result = point - np.array([0.0, 0.0, np.clip(point[2], -half, half)])
-    return np.asarray(result / np.linalg.norm(result), dtype=np.float64)
+    return np.asarray(result / norm(result), dtype=np.float64)

@@ -6,6 +6,7 @@ the same order, so that both give bit-identical results; the order of the tested
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +29,7 @@ class ReferenceMesh:
     def __init__(self, mesh: TriangleMesh) -> None:
         self._corners = mesh.corners()
         count = len(self._corners)
-        depth = max(0, int(np.ceil(np.log2(max(count, 1) / _LEAF))))
+        depth = max(0, math.ceil(math.log2(max(count, 1) / _LEAF)))
         order = np.minimum(np.arange(_LEAF << depth), max(count - 1, 0))[None, :]
         middles = self._corners.mean(axis=1) if count else np.zeros((1, 3))
         for _ in range(depth):

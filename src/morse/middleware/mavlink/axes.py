@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.mathutils.rotations import (
     both_eulers,
     product,
@@ -73,7 +74,7 @@ class Axes:
         axes = np.reshape(self._body if of_body else self._world, (3, 3))
         both = np.zeros((6, 6))
         both[:3, :3] = both[3:, 3:] = axes
-        turned = both @ np.asarray(matrix, dtype=np.float64) @ both.T
+        turned = matmul(matmul(both, np.asarray(matrix, dtype=np.float64)), both.T)
         return [float(number) for number in turned[np.triu_indices(6)]]
 
     def heading(self, yaw: float) -> float:

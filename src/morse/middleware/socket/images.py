@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.middleware.socket.encoding import to_json
 
 if TYPE_CHECKING:
@@ -140,4 +141,4 @@ def points_as_bytes(points: Any) -> bytes:
 def grey(image: Any) -> bytes:
     """The luminance of each pixel of an RGBA image, 8 bits."""
     rgba = np.frombuffer(as_bytes(image), dtype=np.uint8).reshape(-1, 4)
-    return bytes((rgba[:, :3] @ np.array(_LUMA)).astype(np.uint8).tobytes())
+    return bytes((matmul(rgba[:, :3], np.array(_LUMA))).astype(np.uint8).tobytes())

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from morse.kernel.rays.arrays import Hits
+from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -239,8 +240,8 @@ class RayBundle:
         turn = np.eye(3) if self.upright else np.reshape(rotation, (3, 3)).T
         result = np.empty((len(self), 7), dtype=np.float32)
         origins = np.zeros((len(self), 3)) if self.origins is None else self.origins
-        result[:, 0:3] = origins @ turn + position
+        result[:, 0:3] = matmul(origins, turn) + position
         reach = self.ranges if np.isfinite(self.reach) else np.where(self.hit >= 0, self.distances, 0.0)
-        result[:, 3:6] = (origins + self.directions * reach[:, None]) @ turn + position
+        result[:, 3:6] = matmul(origins + self.directions * reach[:, None], turn) + position
         result[:, 6] = self.hit >= 0
         return result

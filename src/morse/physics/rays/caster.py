@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.rays import Fan, Poses, SolidArrays, primitives, ray_caster
+from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -107,6 +108,6 @@ class Caster:
         if mesh is not None:
             local = mesh.normals[face]
         else:
-            here = rotation.T @ (point - self._rays.positions[solid])
+            here = matmul(rotation.T, point - self._rays.positions[solid])
             local = primitives.normal(int(self._solids.kinds[solid]), here, self._solids.sizes[solid])
-        return np.asarray(rotation @ local, dtype=np.float64)
+        return np.asarray(matmul(rotation, local), dtype=np.float64)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.mathutils.portable import matmul
 from morse.physics import rigid
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def hulls_of(shapes: Sequence[CollisionShape]) -> dict[CollisionShape, tuple[NDA
         first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
         # the compiler has moved the mesh to its centre of mass and principal axes
         rotation = np.reshape(rigid.rotation_of_quaternion(model.mesh_quat[mesh]), (3, 3))
-        vertices = model.mesh_vert[first : first + count].astype(np.float64) @ rotation.T + model.mesh_pos[mesh]
+        vertices = matmul(model.mesh_vert[first : first + count].astype(np.float64), rotation.T) + model.mesh_pos[mesh]
         first, count = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
         found[shape] = (vertices, model.mesh_face[first : first + count].astype(np.int32))
     return found

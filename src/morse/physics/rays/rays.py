@@ -9,6 +9,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 
 from morse.mathutils import Vector
+from morse.mathutils.portable import matmul
 from morse.physics.rays.bundle import RayBundle, farther
 from morse.physics.rays.plan import Plan
 from morse.physics.rays.solids import Solids
@@ -151,7 +152,7 @@ class Rays:
             return None
         apart = way * distances[0, 0]
         normal = self._caster.normal(solid, place - self._caster.anchor + apart, int(faces[0, 0]))
-        if normal @ way > 0.0:
+        if matmul(normal, way) > 0.0:
             normal = -normal
         return self.object_of(solid), Vector((place + apart).tolist()), Vector(normal.tolist())
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.rays import primitives
+from morse.mathutils.portable import matmul
 from morse.physics import rigid
 from morse.physics.inertia import half_sizes
 from morse.physics.layout import Motion
@@ -147,7 +148,7 @@ def _of_mesh(node: Node, mesh: Mesh, known: dict[tuple[object, ...], Triangles])
     key = (id(mesh), stretch.tobytes(), tuple(remissions))
     if key not in known:
         index = np.clip(mesh.material_index, 0, len(remissions) - 1)
-        vertices = np.asarray(mesh.vertices, dtype=np.float64) @ stretch.T
+        vertices = matmul(np.asarray(mesh.vertices, dtype=np.float64), stretch.T)
         known[key] = Triangles(vertices, np.asarray(mesh.triangles, dtype=np.int32), np.array(remissions)[index])
     return known[key]
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.exceptions import MorseMiddlewareError
+from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -59,7 +60,7 @@ def _millimetres(pixels: Any, _encoding: str) -> tuple[Any, str]:
 
 def _coloured(pixels: Any, own: str, wanted: str) -> Any:
     if wanted == "mono8":
-        return np.rint(pixels[..., :3] @ np.array(_LUMA)).astype(np.uint8)
+        return np.rint(matmul(pixels[..., :3], np.array(_LUMA))).astype(np.uint8)
     order = _ORDERS[wanted]
     if len(order) > pixels.shape[-1]:
         opaque = np.full((*pixels.shape[:-1], 1), 255, np.uint8)
