@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import pytest
@@ -9,11 +10,14 @@ from recorded import SCRIPT, drive
 
 import morse
 from morse.core.exceptions import MorseError
+from morse.kernel import processor
+from morse.middleware.ros2.cdr import encode
 from morse.recording.errors import RecordingError
 from morse.recording.mcap import records
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
+from morse.verification.comparison import largest_difference
 from morse.verification.resimulation import resimulate
 
 if TYPE_CHECKING:
@@ -113,6 +117,41 @@ def test_the_first_departure_is_named(script: Path, tmp_path: Path, old: str, ne
     assert outcome.departure is not None
     assert outcome.departure.what == what
     assert outcome.departure.tick == 1
+
+
+@pytest.mark.parametrize(
+    ("kind", "by", "is_equal"),
+    [("another kind", 1e-9, True), ("another kind", 1e-3, False), ("", 1e-9, False)],
+)
+def test_rounding_is_accepted_of_another_kind_of_processor(
+    script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, by: float, is_equal: bool
+) -> None:
+    with monkeypatch.context() as patch:
+        if kind:
+            patch.setattr(processor, "kind", lambda: kind)
+        with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+            drive(sim, 30)
+    moved = tmp_path / "moved.py"
+    moved.write_text(SCRIPT.replace("robot = ATRV()", f"robot = ATRV()\nrobot.translate(x={by})"))
+    with Recording(tmp_path / "run.mcap") as recording:
+        outcome = resimulate(recording, str(moved))
+    assert outcome.elsewhere == (f"processor {kind}, here {processor.kind()}" if kind else "")
+    assert (outcome.departure is None) is is_equal
+    if is_equal:
+        assert outcome.rounding is not None
+        assert outcome.messages > 30
+        assert by / 2 < float(outcome.rounding.how.split(", ")[1]) < 100 * by
+
+
+def test_a_word_that_differs_is_no_rounding() -> None:
+    def message(text: str, level: float) -> bytes:
+        return encode("sensor_msgs/msg/BatteryState", {"serial_number": text, "voltage": level})
+
+    kind, was = "sensor_msgs/msg/BatteryState", message("one", 1.0)
+    assert largest_difference(kind, was, message("one", 1.5)) == ("voltage", 0.5)
+    assert largest_difference(kind, was, message("two", 1.0)) == ("serial_number", math.inf)
+    assert largest_difference(kind, was, message("one", math.nan)) == ("voltage", math.inf)
+    assert largest_difference(kind, was, was) == ("", 0.0)
 
 
 def test_a_message_that_was_changed_is_found_with_its_tick_and_field(script: Path, tmp_path: Path) -> None:

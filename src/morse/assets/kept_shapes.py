@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from morse.assets.cache import Cache
+from morse.mathutils import portable
 from morse.scene import Bounds, CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
@@ -92,6 +93,6 @@ def _program() -> bytes:
     """A digest of the code that computes shapes: the results of another version are not used."""
     folder = Path(__file__).parent
     digest = hashlib.blake2b(f"{np.__version__}".encode())
-    for file in sorted([*folder.glob("shapes/*.py"), folder / "collision.py", Path(__file__)]):
+    for file in sorted([*folder.glob("shapes/*.py"), folder / "collision.py", Path(portable.__file__), Path(__file__)]):
         digest.update(file.read_bytes())
     return digest.digest()

@@ -92,11 +92,17 @@ def _resimulate(path: str, scene: str, record: str | None, trust: bool, _port: i
         raise CommandError(f"The scene cannot be simulated again: {describe(error)}") from None
     if outcome.departure is not None:
         tick, what, how = outcome.departure
-        complain(f"Different: the run differs from the recording from tick {tick} on, in {what}: {how}.")
+        place = f" It was made elsewhere: {outcome.elsewhere}." if outcome.elsewhere else ""
+        complain(f"Different: the run differs from the recording from tick {tick} on, in {what}: {how}.{place}")
         return 1
     if outcome.failure:
         complain(f"The run stopped after {outcome.ticks} ticks: {outcome.failure}")
         return 1
+    if outcome.rounding is not None:
+        tick, what, how = outcome.rounding
+        say(f"Equal but for rounding: {outcome.messages} messages of {outcome.ticks} ticks.")
+        say(f"Largest difference: {how}, in {what} at tick {tick}. Made elsewhere: {outcome.elsewhere}.")
+        return 0
     if outcome.complete and not outcome.messages:
         say(f"Equal to the bit: the state at the end of {outcome.ticks} ticks.")
         return 0

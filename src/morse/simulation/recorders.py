@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from morse.core.hints import nearest
 from morse.core.project_imports import ProjectImports
 from morse.core.state import StateError
+from morse.kernel import processor
 from morse.middleware.ros2.definitions import definition
 from morse.recording.errors import RecordingError
 from morse.recording.inputs import TOPIC as INPUTS
@@ -109,13 +110,18 @@ def write_inputs(
     writer.finish()
 
 
+def machine_facts() -> dict[str, str]:
+    """Return what decides the last bit of numbers, by name: kind of processor, and versions of packages."""
+    versions = {name: _version(name) for name in ("mujoco-core", "numpy")}
+    return {"processor": processor.kind(), "python": platform.python_version(), **versions}
+
+
 def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
     options, scene = simulation.options, simulation.scene
     facts = {
         "morse": __version__,
-        "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
-        **{name: _version(name) for name in ("mujoco-core", "numpy")},
+        **machine_facts(),
         "seed": str(simulation.seed()),
         "frequency": repr(simulation.clock.frequency),
         "environment": scene.environment,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections import deque
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from morse.recording.mcap.records import Message
     from morse.recording.recording import Recording
 
+#: the largest difference, relative to numbers above 1, that counts as rounding: contacts enlarge a last bit
+_ROUNDING = 1e-6
 #: topics that are not determined by scene, seed and inputs
 _FREE = ("/rosout", INPUTS, MADE)
 
@@ -58,7 +61,18 @@ class Comparison(Backend):
 
     name, opens = "comparison", "nothing"
 
-    def __init__(self, recording: Recording, ticks: Callable[[], int]) -> None:
+    def __init__(self, recording: Recording, ticks: Callable[[], int], *, rounded: bool = False) -> None:
+        """Begin the comparison.
+
+        Args:
+            recording: the recording of the other run.
+            ticks: returns the number of ticks since the last reset.
+            rounded: whether numbers may differ by rounding, see `rounding`.
+        """
+        self._rounded = rounded
+        #: the largest accepted difference by rounding; None if there is none
+        self.rounding: Departure | None = None
+        self._largest = 0.0
         self._channels = recording.channels
         self._complete = "state" in recording.end
         free = recording.topic_numbers(*_FREE)
@@ -104,8 +118,21 @@ class Comparison(Backend):
         was = expected.popleft().data
         if not expected:
             del self._awaited[topic]
-        if was != data:
+        if was != data and not (self._rounded and self._is_rounding(topic, type_name, was, data)):
             self._depart(topic, difference(type_name, was, data))
+
+    def _is_rounding(self, topic: str, type_name: str, was: bytes, now: bytes) -> bool:
+        """Whether two messages differ by rounding only; the largest difference is stored."""
+        try:
+            name, size = largest_difference(type_name, was, now)
+        except (CdrError, ValueError, TypeError):
+            return False
+        if size > _ROUNDING:
+            return False
+        if size > self._largest:
+            self._largest = size
+            self.rounding = Departure(self._ticks(), topic, f"{name}, {size:.1e}")
+        return True
 
     def _read_tick(self) -> None:
         """Read the messages of the next tick that has any."""
@@ -136,6 +163,27 @@ class Comparison(Backend):
 
     def close(self) -> None:
         """Do nothing, because the file is closed by its owner."""
+
+
+def largest_difference(type_name: str, was: bytes, now: bytes) -> tuple[str, float]:
+    """Return the number in which two messages differ most, and the difference relative to numbers above 1.
+
+    The difference is infinite if anything but a number differs.
+    """
+    name, largest = "", 0.0
+    pairs = zip_longest(_leaves(decode(type_name, was)), _leaves(decode(type_name, now)))
+    for before, after in pairs:
+        if before is None or after is None or before[0] != after[0]:
+            return (before or after)[0], math.inf
+        one, other = before[1], after[1]
+        if repr(one) == repr(other):
+            continue
+        if not (isinstance(one, float) and isinstance(other, float) and math.isfinite(one) and math.isfinite(other)):
+            return before[0], math.inf
+        size = abs(one - other) / max(1.0, abs(one))
+        if size > largest:
+            name, largest = before[0], size
+    return name, largest
 
 
 def difference(type_name: str, was: bytes, now: bytes) -> str:

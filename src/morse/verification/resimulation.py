@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.context import acting
 from morse.core.observer import Observer
+from morse.core.quoting import short
 from morse.launch.load import described, start
 from morse.launch.recorded_run import complete, options_of
 from morse.physics import UnstableError
 from morse.recording.streams import RecordedStreams
+from morse.simulation.recorders import machine_facts
 from morse.verification.comparison import Comparison, Departure
 
 if TYPE_CHECKING:
@@ -29,6 +31,8 @@ class Outcome(NamedTuple):
         messages: number of compared messages.
         complete: whether the recording contains its end, with the hash of the final state.
         failure: the reason why the physics diverged; empty if it did not.
+        rounding: the largest difference by rounding, on another kind of processor; None if there is none.
+        elsewhere: what differs between the places of both runs; empty if nothing that matters does.
     """
 
     departure: Departure | None
@@ -36,6 +40,8 @@ class Outcome(NamedTuple):
     messages: int
     complete: bool
     failure: str = ""
+    rounding: Departure | None = None
+    elsewhere: str = ""
 
 
 class _EachTick(Observer):
@@ -86,7 +92,8 @@ def resimulate(
         if inputs.start is not None:
             simulation.restore(inputs.start)
         copy = None if record is None else simulation.record(record)
-        comparison = Comparison(recording, lambda: simulation.clock.tick)
+        elsewhere = _elsewhere(recording)
+        comparison = Comparison(recording, lambda: simulation.clock.tick, rounded=bool(elsewhere))
         sensors: Sequence[str] | None = recording.sensors()
         ticks = _Counter(simulation)
         with acting(simulation.context):
@@ -96,12 +103,16 @@ def resimulate(
         try:
             simulation.replay(inputs)
         except UnstableError as error:
-            return Outcome(comparison.departure, ticks.count, comparison.count, False, str(error))
+            failure = str(error)
+            return Outcome(comparison.departure, ticks.count, comparison.count, False, failure, elsewhere=elsewhere)
         if copy is not None:
             copy.stop()
         comparison.finish()
-        departure = comparison.departure or _departed_state(recording, simulation)
-        return Outcome(departure, ticks.count, comparison.count, "state" in recording.end)
+        departure, rounding = comparison.departure, comparison.rounding
+        if departure is None and rounding is None:
+            departure = _departed_state(recording, simulation)
+        is_complete = "state" in recording.end
+        return Outcome(departure, ticks.count, comparison.count, is_complete, "", rounding, elsewhere)
 
 
 class _Counter(Observer):
@@ -111,6 +122,17 @@ class _Counter(Observer):
     def after_tick(self) -> None:
         self.count += self._clock.tick != self._last
         self._last = self._clock.tick
+
+
+def _elsewhere(recording: Recording) -> str:
+    """What decides rounding and differs between the machine of a recording and this one."""
+    here = machine_facts()
+    differences = [
+        f"{name} {short(recording.facts[name])}, here {value}"
+        for name, value in here.items()
+        if recording.facts.get(name, value) != value
+    ]
+    return "; ".join(differences)
 
 
 def _departed_state(recording: Recording, simulation: Simulation) -> Departure | None:
