@@ -105,8 +105,8 @@ def test_physics_by_the_names_of_the_game_engine() -> None:
 @pytest.mark.parametrize(("name", "bad"), [
     ("mass", 0), ("mass", -1), ("mass", math.nan), ("mass", "heavy"), ("mass", None), ("radius", math.inf),
     ("damping", 1.5), ("damping", -0.1), ("physics_type", "RIGID"), ("physics_type", 3), ("physics_type", "AUTO"),
-    ("use_actor", "yes"), ("use_ghost", 2), ("collision_bounds_type", "PYRAMID"), ("lock_location_x", None),
-    ("use_collision_bounds", "box"),
+    ("use_actor", None), ("use_ghost", []), ("collision_bounds_type", "PYRAMID"), ("lock_location_x", None),
+    ("use_collision_bounds", ["box"]),
 ])  # fmt: skip
 def test_bad_physics(name: str, bad: Any) -> None:
     game = Cube()._bpy_object.game
@@ -171,7 +171,7 @@ def test_properties_of_objects() -> None:
 
 def test_selection() -> None:
     a, b = Cube("a"), Cube("b")
-    assert bpymorse.get_context_object() is None
+    assert bpymorse.get_context_object() == b._bpy_object, "as in Blender, a new object is active"
     a.select()
     assert bpymorse.get_context_object() == a._bpy_object
     bpymorse.select_only(b._bpy_object)

@@ -46,7 +46,7 @@ MISTAKES = [
     ("rover = FakeRobott()\n" + END, 2, ["'FakeRobott' is not defined", "Did you mean 'FakeRobot'?"]),
     ("rover = fakerobot()\n" + END, 2, ["'fakerobot' is not defined", "Did you mean 'FakeRobot'?"]),
     ("rover = FakeRobot()\nrover.transalte(1)\n" + END, 3, ["'transalte'", "did you mean 'translate'"]),
-    ("rover = FakeRobot()\nrover.translate('1')\n" + END, 3, ["FakeRobot.translate(x) takes a number, got '1'"]),
+    ("rover = FakeRobot()\nrover.translate('one')\n" + END, 3, ["FakeRobot.translate(x) takes a number, got 'one'"]),
     (
         "rover = FakeRobot()\nrover.translate(1, 2, 3, 4)\n" + END,
         3,

@@ -137,7 +137,7 @@ def test_unknown_objects() -> None:
     with pytest.raises(TypeError, match="prefix"):
         PassiveObject("props/crates", 3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="keep_pose"):
-        PassiveObject("props/crates", "small_crate", keep_pose="no")  # type: ignore[arg-type]
+        PassiveObject("props/crates", "small_crate", keep_pose=None)  # type: ignore[arg-type]
 
 
 def test_graspable_objects() -> None:

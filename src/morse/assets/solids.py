@@ -17,7 +17,7 @@ _Point = tuple[float, float, float]
 _Face = tuple[int, ...]
 
 
-def _mesh(name: str, points: Sequence[_Point], faces: Sequence[_Face], *, smooth: bool = False) -> Mesh:
+def polyhedron(name: str, points: Sequence[_Point], faces: Sequence[_Face], *, smooth: bool = False) -> Mesh:
     """A mesh of convex faces; smooth ones have the directions from the origin as normals."""
     import numpy as np
 
@@ -40,13 +40,13 @@ def cube() -> Mesh:
     """A cube of 2 x 2 x 2 m."""
     points = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    return _mesh("Cube", points, faces)
+    return polyhedron("Cube", points, faces)
 
 
 @cache
 def plane() -> Mesh:
     """A square of 2 x 2 m, facing Z."""
-    return _mesh("Plane", [(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)], [(0, 1, 2, 3)])
+    return polyhedron("Plane", [(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)], [(0, 1, 2, 3)])
 
 
 @cache
@@ -55,7 +55,7 @@ def cylinder() -> Mesh:
     n = _SEGMENTS
     points = _ring(1.0, -1.0) + _ring(1.0, 1.0)
     sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
-    return _mesh("Cylinder", points, [*sides, tuple(range(n, 2 * n)), tuple(range(n - 1, -1, -1))])
+    return polyhedron("Cylinder", points, [*sides, tuple(range(n, 2 * n)), tuple(range(n - 1, -1, -1))])
 
 
 @cache
@@ -63,7 +63,7 @@ def cone() -> Mesh:
     """A cone of radius 1 m at the bottom, 2 m high, along Z."""
     n = _SEGMENTS
     points = [*_ring(1.0, -1.0), (0.0, 0.0, 1.0)]
-    return _mesh("Cone", points, [*((i, (i + 1) % n, n) for i in range(n)), tuple(range(n - 1, -1, -1))])
+    return polyhedron("Cone", points, [*((i, (i + 1) % n, n) for i in range(n)), tuple(range(n - 1, -1, -1))])
 
 
 @cache
@@ -81,7 +81,7 @@ def sphere() -> Mesh:
         faces += [(top + i, bottom + i, bottom + (i + 1) % n, top + (i + 1) % n) for i in range(n)]
     last = 1 + (rings - 2) * n
     faces += [(len(points) - 1, last + (i + 1) % n, last + i) for i in range(n)]
-    return _mesh("Sphere", points, faces, smooth=True)
+    return polyhedron("Sphere", points, faces, smooth=True)
 
 
 @cache
@@ -102,7 +102,7 @@ def ico_sphere(subdivisions: int = 2) -> Mesh:
             ab, bc, ca = (_middle(points, middles, *edge) for edge in ((a, b), (b, c), (c, a)))
             finer += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
         faces = finer
-    return _mesh("IcoSphere", points, faces, smooth=True)
+    return polyhedron("IcoSphere", points, faces, smooth=True)
 
 
 def _unit(point: _Point) -> _Point:
@@ -146,4 +146,4 @@ def torus() -> Mesh:
         for i in range(n)
         for j in range(m)
     ]
-    return _mesh("Torus", points, faces)
+    return polyhedron("Torus", points, faces)

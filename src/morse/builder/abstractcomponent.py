@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import logging
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 from morse.builder import workspace
 from morse.builder.blender.game import checked_property, timer
@@ -16,6 +16,7 @@ from morse.builder.data import Configuration
 from morse.builder.errors import checks
 from morse.builder.errors.attributes import unknown_attribute
 from morse.builder.errors.properties import check_declared
+from morse.builder.legacy.methods import old_method
 from morse.builder.names import frames, naming
 from morse.builder.names.classes import load_class
 from morse.builder.names.part import Part, Strength
@@ -67,7 +68,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
 
     if not TYPE_CHECKING:  # hidden from type checkers, so that they report misspelt names
 
-        def __getattr__(self, name: str) -> NoReturn:
+        def __getattr__(self, name: str) -> Any:
             if not self.is_complete:
                 # also called for properties whose object does not exist
                 raise AttributeError(
@@ -78,7 +79,9 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
                 )
             if name.startswith("_"):
                 raise AttributeError(f"{type(self).__name__} has no attribute '{name}'", name=name, obj=self)
-            unknown_attribute(self, name)
+            if (method := old_method(self, name)) is None:
+                unknown_attribute(self, name)
+            return method
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} '{self.name}'>" if self.is_complete else f"<{type(self).__name__}>"

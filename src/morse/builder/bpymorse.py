@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder import workspace
 from morse.builder.blender.game import checked_property
+from morse.builder.blender.materials import ObjectMaterial, material_slots
 from morse.builder.blender.named import NamedList
-from morse.builder.blender.objects import ObjectMaterial, SceneObject, material_slots
+from morse.builder.blender.objects import SceneObject
 from morse.builder.errors import checks
 from morse.builder.names import frames
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
@@ -114,12 +115,16 @@ def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
 def set_speed(fps: int = 0, logic_step_max: int = 0, physics_step_max: int = 0) -> None:
     """Set the frequency of the simulation: old name of ``env.simulator_frequency``, also valid before it exists."""
     logger.warning("%s: bpymorse.set_speed is an old name, write env.simulator_frequency", frames.source_line())
+    set_frequency(fps or 60, logic_step_max or 20, physics_step_max or 20)
+
+
+def set_frequency(frequency: float, logic_step_max: int = 20, physics_step_max: int = 20) -> None:
+    """Set the frequency of the simulation, Hz, whether the environment exists already or not."""
     scene = workspace.current()
-    speed = (fps or 60, logic_step_max or 20, physics_step_max or 20)
     if scene.environment is None:
-        scene.speed = speed
+        scene.speed = (frequency, logic_step_max, physics_step_max)
     else:
-        _environment("set_speed").simulator_frequency(*speed)
+        _environment("set_speed").simulator_frequency(frequency, logic_step_max, physics_step_max)
 
 
 def fullscreen(fullscreen: bool = True) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.builder import workspace
+from morse.builder import bpymorse, workspace
 from morse.builder.assembly import shapes
 from morse.builder.blender.objects import SceneObject
 from morse.builder.components.component import Component, new_object
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from morse.core.builder_defaults import Visual
     from morse.scene import Mesh
 
-__all__ = ["ActuatorCreator", "ComponentCreator", "SensorCreator"]
+__all__ = ["ActuatorCreator", "ComponentCreator", "SensorCreator", "bpymorse"]
 
 _SHAPES = {"cube": shapes.cube, "sphere": shapes.sphere, "cylinder": shapes.cylinder}
 

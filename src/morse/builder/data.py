@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from morse.assets.search import MORSE_COMPONENTS, resource_dirs
 from morse.builder import workspace
 from morse.builder.components.interfaces import Interfaces
+from morse.builder.names.modifiers import modifier_classes
 from morse.middleware import registry
 
 if TYPE_CHECKING:
@@ -39,6 +40,13 @@ MORSE_SERVICE_DICT = MappingProxyType(
 MORSE_DATASTREAM_DICT = MappingProxyType(
     {name: {"OUT": m.default_publisher, "IN": m.default_reader} for name, m in registry.installed().items()}
 )
+
+
+def __getattr__(name: str) -> object:
+    """``MORSE_MODIFIER_DICT``: modifiers by name and component; the files of modifiers are read for this only."""
+    if name == "MORSE_MODIFIER_DICT":
+        return MappingProxyType(modifier_classes())
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'", name=name)
 
 
 class Configuration:

@@ -9,3 +9,6 @@ _derived = derived_classes("morse.robots", __name__)
 globals().update(_derived)
 
 __all__ = ["BarePR2", "BasePR2", "LocalizedPR2", "NavPR2", *_derived]
+
+# MORSE 1.4 had modules below this one (`morse.builder.legacy.modules`)
+__path__: list[str] = []

@@ -17,6 +17,9 @@ from morse.builder import workspace
 from morse.builder.assembly.finalise import build_scene
 from morse.builder.errors import ScriptError
 from morse.builder.errors.explain import explain
+from morse.builder.legacy import bpy, removed
+from morse.builder.legacy.arguments import argv
+from morse.builder.legacy.modules import OldModules
 from morse.builder.libraries import LibrariesFirst
 from morse.core.project_imports import ProjectImports
 
@@ -53,9 +56,14 @@ def load_scene(options: RunOptions, *, anew: bool = False) -> Scene:
     script = Path(options.script).absolute()
     directories = list(dict.fromkeys([*options.source_paths, str(script.parent)]))
     libraries = LibrariesFirst(script.stem, directories)
-    project = ProjectImports(directories, [str(script), *options.arguments], [libraries], from_source=anew)
-    if _lacks_mathutils():
+    words = argv(script, options.arguments, directories)
+    project = ProjectImports(
+        directories, words, [libraries, OldModules()], from_source=anew, as_imported=removed.as_imported
+    )
+    if _lacks("mathutils"):
         project.offer("mathutils", mathutils)
+    if _lacks(bpy.NAME):
+        project.offer(bpy.NAME, bpy.stand_in())
 
     def describe() -> None:
         if script.suffix.lower() in SUFFIXES:
@@ -112,9 +120,9 @@ def describing(resource_paths: list[str]) -> Iterator[None]:
         yield
 
 
-def _lacks_mathutils() -> bool:
-    """Whether ``mathutils`` is missing, which scripts of 1.4 import because Blender contained it."""
-    spec = importlib.util.find_spec("mathutils")
+def _lacks(name: str) -> bool:
+    """Whether a module is missing that scripts of 1.4 import because Blender contained it."""
+    spec = importlib.util.find_spec(name)
     # a folder of that name on the path is not a module
     return spec is None or spec.origin is None
 

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from morse.builder.assembly.triangle_limit import TriangleLimit
+from morse.scene import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
     from morse.builder.assembly.description import EnvironmentDescription
     from morse.builder.names.part import Part
-    from morse.scene import ModelUse, Node
+    from morse.scene import Material, ModelUse, Node
 
 _SUFFIX = re.compile(r"\.\d{3,}$")
 
@@ -27,7 +28,11 @@ class Workspace:
         components: robots, sensors, other objects, ... in the order of creation.
         models: the model files from which nodes were loaded.
         environment: the environment, once the script has created it.
-        selected: the last selected node.
+        selected: the active node: the last one that was created or selected.
+        selection: the nodes that old scripts have selected.
+        settings: the settings of the scene, which the environment takes over.
+        materials: materials that old scripts have created.
+        notices: what the log has said about old code, with the line.
         speed: frequency that ``bpymorse.set_speed`` has set before the environment exists.
         script: the script itself, kept so that its functions still find their names.
     """
@@ -38,6 +43,10 @@ class Workspace:
         self.models: list[ModelUse] = []
         self.environment: EnvironmentDescription | None = None
         self.selected: Node | None = None
+        self.selection: list[Node] = []
+        self.settings = Settings()
+        self.materials: list[Material] = []
+        self.notices: set[tuple[str, str]] = set()
         self.speed: tuple[float, int, int] | None = None
         self.script: ModuleType | None = None
         self._nodes: dict[str, Node] = {}
@@ -55,6 +64,7 @@ class Workspace:
             self._nodes[node.name] = node
             self._triangles.add(node, self._nodes.values())
         self.roots.append(root)
+        self.selected = root
 
     def add_model(self, roots: Iterable[Node], use: ModelUse) -> None:
         """Add nodes of a model file to the scene."""
@@ -94,6 +104,9 @@ class Workspace:
         self.detach(node)
         self.roots.remove(node)
         del self._nodes[node.name]
+        self.selection = [other for other in self.selection if other is not node]
+        if self.selected is node:
+            self.selected = None
 
     def find(self, name: str) -> Node | None:
         """The node of that name, or None."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import shlex
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morse.builder.names.project_files import project_files
 from morse.cli.messages import CommandError, warn
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+    from pathlib import Path
 
 #: names through which programs access their command line
 _READERS = frozenset(
@@ -76,24 +77,14 @@ def _sorted(arguments: Sequence[str], takes_value: dict[str, bool]) -> tuple[lis
 
 def _reads_arguments(script: Path, directories: list[str]) -> bool:
     """Whether a script, or a module that it imports from its project, may read the command line."""
-    seen: set[Path] = set()
-    waiting = [script]
-    while waiting:
-        file = waiting.pop()
-        if file in seen:
-            continue
-        seen.add(file)
+    if script.suffix != ".blend":
         try:
-            tree = ast.parse(file.read_bytes())
+            ast.parse(script.read_bytes())
         except (OSError, SyntaxError, ValueError):
-            if file == script and file.suffix != ".blend":
-                return True  # the error is reported when the script is executed
-            continue
-        for node in ast.walk(tree):
-            if _READERS.intersection(_names(node)):
-                return True
-            waiting += [found for name in _modules(node) for found in _files(name, directories)]
-    return False
+            return True  # the error is reported when the script is executed
+    return any(
+        _READERS.intersection(_names(node)) for tree in project_files(script, directories) for node in ast.walk(tree)
+    )
 
 
 def _names(node: ast.AST) -> Iterable[str]:
@@ -105,19 +96,3 @@ def _names(node: ast.AST) -> Iterable[str]:
         case ast.ImportFrom(module=module, names=names):
             return [*(alias.name for alias in names), (module or "").partition(".")[0]]
     return ()
-
-
-def _modules(node: ast.AST) -> list[str]:
-    if isinstance(node, ast.Import):
-        return [alias.name for alias in node.names]
-    if isinstance(node, ast.ImportFrom):
-        # only the last words of a relative import are known: all directories are searched for them
-        return [node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)]
-    return []
-
-
-def _files(module: str, directories: list[str]) -> list[Path]:
-    path = Path(*module.split(".")) if module else Path()
-    candidates = [Path(directory) / path for directory in directories]
-    files = [file for stem in candidates for file in (stem.with_suffix(".py"), stem / "__init__.py")]
-    return [file for file in files if module and file.is_file()]

@@ -19,7 +19,7 @@ from importlib.machinery import PathFinder
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from importlib.machinery import ModuleSpec
     from types import ModuleType, TracebackType
 
@@ -38,6 +38,7 @@ class ProjectImports:
         argv: ``sys.argv`` for the script.
         finders: meta path finders that take precedence inside the block.
         from_source: whether to compile every module, even if Python has a cached compiled file.
+        as_imported: returns a module of the process as the code of the project sees it.
     """
 
     def __init__(
@@ -47,7 +48,9 @@ class ProjectImports:
         finders: Sequence[Any] = (),
         *,
         from_source: bool = False,
+        as_imported: Callable[[ModuleType], ModuleType] = lambda module: module,
     ) -> None:
+        self._as_imported = as_imported
         self._directories = list(directories)
         self._argv = list(argv)
         self._modules: dict[str, ModuleType] = {}
@@ -204,14 +207,14 @@ class ProjectImports:
     ) -> Any:
         """Implementation of the import statement for the code of the project."""
         if level == 0 and name.partition(".")[0] not in self._names and name in sys.modules:
-            return builtins.__import__(name, globals, locals, fromlist, level)
+            return self._as_imported(builtins.__import__(name, globals, locals, fromlist, level))
         if not self._entered:
             there = self._imported(name, globals, fromlist, level)
             if there is not None:
                 return there
         # needed even while another thread has entered, because that thread may leave during this import
         with self:
-            return builtins.__import__(name, globals, locals, fromlist, level)
+            return self._as_imported(builtins.__import__(name, globals, locals, fromlist, level))
 
     def _imported(self, name: str, globals: Any, fromlist: Any, level: int) -> ModuleType | None:
         """Fast path for modules that are already imported, because an import statement may run in every tick."""

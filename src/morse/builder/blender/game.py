@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from morse.builder.blender.named import NamedList
 from morse.builder.errors import checks
 from morse.builder.errors.attributes import unknown_attribute
-from morse.builder.names import frames
+from morse.builder.legacy.ignored import Ignored
+from morse.builder.legacy.notices import notice
 from morse.scene import Bounds, PhysicsType
 
 if TYPE_CHECKING:
@@ -19,21 +19,31 @@ if TYPE_CHECKING:
 _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
 
 
-logger = logging.getLogger(__name__)
-
 #: settings of Blender's game engine that the physics of MORSE does not use
 _WITHOUT_EFFECT = (
+    "actuators",
     "collision_group",
     "collision_margin",
     "collision_mask",
+    "controllers",
     "elasticity",
     "fall_speed",
     "form_factor",
     "friction_coefficients",
     "jump_speed",
     "obstacle_radius",
+    "sensors",
+    "show_actuators",
+    "show_controllers",
+    "show_debug_state",
+    "show_sensors",
+    "show_state_panel",
+    "soft_body",
+    "states_initial",
+    "states_visible",
     "step_height",
     "use_activity_culling",
+    "use_all_states",
     "use_anisotropic_friction",
     "use_material_physics_fh",
     "use_obstacle_create",
@@ -173,11 +183,13 @@ class GameSettings:
     if not TYPE_CHECKING:  # lets type checkers find misspelt names
 
         def __getattr__(self, name: str) -> Any:
-            unknown_attribute(self, name)
+            if name not in _WITHOUT_EFFECT:
+                unknown_attribute(self, name)
+            return Ignored(f"game.{name}")
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in _WITHOUT_EFFECT:
-            logger.warning("%s: game.%s has no effect", frames.source_line(), name)
+            notice(f"game.{name} has no effect")
             return
         try:
             object.__setattr__(self, name, value)

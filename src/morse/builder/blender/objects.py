@@ -6,21 +6,36 @@ read and written.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 from morse.builder import workspace
-from morse.builder.blender.game import GameSettings
+from morse.builder.blender.datablocks import DATA, MeshData, kind_of
+from morse.builder.blender.game import GameSettings, checked_property
+from morse.builder.blender.materials import MaterialSlot, ObjectMaterial, SharedMaterial, material_slots
 from morse.builder.blender.named import NamedList
 from morse.builder.blender.pose import LiveEuler, LiveVector
 from morse.builder.errors import checks
 from morse.builder.errors.angles import hint_at_radians
 from morse.builder.errors.attributes import unknown_attribute
+from morse.builder.legacy.ignored import Ignored
+from morse.builder.legacy.notices import notice
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.scene import Material, Node
+    from morse.builder.blender.datablocks import CameraData, LampData
+    from morse.mathutils import Matrix, Vector
+    from morse.scene import Node
+
+
+#: settings of objects in Blender that neither physics nor pictures of MORSE use
+_WITHOUT_EFFECT = (
+    "animation_data", "color", "constraints", "delta_location", "draw_bounds_type", "draw_type", "dupli_type",
+    "empty_draw_size", "empty_draw_type", "field", "hide_select", "layers", "lock_location", "lock_rotation",
+    "lock_scale", "lod_levels", "modifiers", "parent_bone", "parent_type", "pass_index", "rotation_mode", "show_axis",
+    "show_bounds", "show_name", "show_texture_space", "show_transparent", "show_wire", "show_x_ray", "track_axis",
+    "up_axis", "vertex_groups",
+)  # fmt: skip
 
 
 class SceneObject:
@@ -45,8 +60,19 @@ class SceneObject:
 
     if not TYPE_CHECKING:  # lets type checkers find misspelt names
 
-        def __getattr__(self, name: str) -> NoReturn:
-            unknown_attribute(self, name)
+        def __getattr__(self, name: str) -> Any:
+            if name not in _WITHOUT_EFFECT:
+                unknown_attribute(self, name)
+            return Ignored(f"object.{name}")
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            if name in _WITHOUT_EFFECT:
+                notice(f"object.{name} has no effect")
+                return
+            try:
+                object.__setattr__(self, name, value)
+            except AttributeError:
+                unknown_attribute(self, name)
 
     @property
     def name(self) -> str:
@@ -111,84 +137,85 @@ class SceneObject:
         return NamedList([MaterialSlot(self.node, index) for index in range(len(material_slots(self.node)))], "slot")
 
     @property
+    def type(self) -> str:
+        """MESH, EMPTY, LAMP, CAMERA or ARMATURE."""
+        return kind_of(self.node)
+
+    @property
+    def data(self) -> MeshData | CameraData | LampData | None:
+        """The mesh, lamp or camera; None for an object without one."""
+        block = DATA.get(self.type)
+        return None if block is None else block(self.node)
+
+    @property
+    def active_material(self) -> ObjectMaterial | None:
+        """The material of its first surface."""
+        slots = self.material_slots
+        return slots[0].material if slots else None
+
+    @active_material.setter
+    def active_material(self, material: ObjectMaterial | SharedMaterial) -> None:
+        MeshData(self.node).materials[:1] = [material]
+
+    @property
+    def matrix_world(self) -> Matrix:
+        """Pose and scale in the world, 4x4; a copy."""
+        return self.node.world_matrix()
+
+    @property
+    def matrix_local(self) -> Matrix:
+        """Pose and scale in the frame of the parent, 4x4; a copy."""
+        return self.node.basis_matrix()
+
+    @property
+    def dimensions(self) -> Vector:
+        """Size of its mesh along each axis of the object, m."""
+        return MeshData(self.node).size()
+
+    @dimensions.setter
+    def dimensions(self, value: Iterable[float]) -> None:
+        wanted = checks.triple(value, "dimensions")
+        for axis, (length, now) in enumerate(zip(wanted, self.dimensions, strict=True)):
+            if now > 0.0:
+                self.node.scale[axis] *= length / now
+
+    @property
+    def hide(self) -> bool:
+        """Whether it is invisible."""
+        return not self.node.visible
+
+    @hide.setter
+    def hide(self, value: bool) -> None:
+        self.node.visible = not checks.boolean(value, "hide")
+
+    hide_render = hide
+    hide_viewport = hide
+
+    @property
+    def select(self) -> bool:
+        """Whether it is selected."""
+        return self.node in workspace.current().selection
+
+    @select.setter
+    def select(self, value: bool) -> None:
+        selection = workspace.current().selection
+        if checks.boolean(value, "select") != (self.node in selection):
+            (selection.append if value else selection.remove)(self.node)
+
+    def __getitem__(self, name: str) -> Any:
+        return self.node.properties[name]
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self.node.properties[name] = checked_property(name, value)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.node.properties
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The value of a property, or ``default``."""
+        return self.node.properties.get(name, default)
+
+    @property
     def game(self) -> GameSettings:
         """Physics and properties."""
         return GameSettings(self.node)
-
-
-def material_slots(node: Node) -> list[Material | None]:
-    """Return the materials of a node: its own, else those of its mesh."""
-    defaults = list(node.mesh.materials) if node.mesh is not None else []
-    slots = [*node.materials, *defaults[len(node.materials) :]]
-    return [own if own is not None else defaults[i] if i < len(defaults) else None for i, own in enumerate(slots)]
-
-
-class MaterialSlot:
-    """One surface of a mesh."""
-
-    __slots__ = ("_index", "_node")
-
-    def __init__(self, node: Node, index: int) -> None:
-        self._node = node
-        self._index = index
-
-    @property
-    def name(self) -> str:
-        """The name of the material, or an empty string."""
-        material = material_slots(self._node)[self._index]
-        return "" if material is None else material.name
-
-    @property
-    def material(self) -> ObjectMaterial | None:
-        """The material, or None if the slot is empty."""
-        material = material_slots(self._node)[self._index]
-        return None if material is None else ObjectMaterial(self._node, self._index)
-
-
-class ObjectMaterial:
-    """The material of one slot; a change affects this object only."""
-
-    __slots__ = ("_index", "_node")
-
-    def __init__(self, node: Node, index: int) -> None:
-        self._node = node
-        self._index = index
-
-    def _read(self) -> Material:
-        material = material_slots(self._node)[self._index]
-        assert material is not None
-        return material
-
-    def _write(self, **changes: Any) -> None:
-        slots = material_slots(self._node)
-        slots[self._index] = replace(self._read(), **changes)
-        self._node.materials[:] = slots
-
-    if not TYPE_CHECKING:  # lets type checkers find misspelt names
-
-        def __getattr__(self, name: str) -> NoReturn:
-            unknown_attribute(self, name)
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return self._read().name
-
-    @property
-    def diffuse_color(self) -> tuple[float, float, float]:
-        """Linear RGB, 0..1."""
-        return self._read().color[:3]
-
-    @diffuse_color.setter
-    def diffuse_color(self, value: Iterable[float]) -> None:
-        self._write(color=(*checks.color(list(value)[:3], "diffuse_color"), self.alpha))
-
-    @property
-    def alpha(self) -> float:
-        """Opacity: 0 is invisible, 1 is opaque."""
-        return self._read().color[3]
-
-    @alpha.setter
-    def alpha(self, value: float) -> None:
-        opacity = checks.number(value, "alpha", minimum=0.0)
-        self._write(color=(*self.diffuse_color, min(opacity, 1.0)))

@@ -54,7 +54,7 @@ class Models:
             MorseBuilderNoComponentError: no object in the model has such a name.
         """
         library = self._library(component)
-        names = None if objects is None else tuple(objects)
+        names = None if objects is None else tuple(checks.names(objects, "append_meshes(objects)"))
         roots = _into_scene(library, Choice(self._role, names=names, prefix=prefix))
         if not roots:
             wanted = prefix if prefix is not None else ", ".join(names or ())

@@ -9,6 +9,7 @@ from morse.builder.components.compound import CompoundSensor
 from morse.builder.components.lasers import LaserSensorWithArc
 from morse.builder.components.robot import GroundRobot
 from morse.builder.creator import ActuatorCreator, SensorCreator
+from morse.builder.errors import checks
 from morse.middleware import registry
 
 if TYPE_CHECKING:
@@ -108,17 +109,25 @@ class BarePR2(GroundRobot):
 class BasePR2(BarePR2):
     """A PR2 that drives.
 
+    Args:
+        name: its name, if it differs from the name of the variable that refers to it.
+        with_keyboard: whether the arrow keys drive it.
+        show_laser: whether the view shows the rays of its laser scanner.
+
     Attributes:
         motion: a `MotionXYW`.
         odometry: an `Odometry`.
         keyboard: a `Keyboard`.
     """
 
-    def __init__(self, name: str | None = None) -> None:
+    def __init__(self, name: str | None = None, with_keyboard: bool = True, show_laser: bool = False) -> None:
         super().__init__(name)
+        what = f"{type(self).__name__}({{}})"
+        self._show_laser = checks.boolean(show_laser, what.format("show_laser"))
         self._equip("motion", _MotionXYW())
         self._equip("odometry", _Odometry())
-        self._equip("keyboard", _Keyboard())
+        if checks.boolean(with_keyboard, what.format("with_keyboard")):
+            self._equip("keyboard", _Keyboard())
 
 
 class LocalizedPR2(BasePR2):
@@ -128,8 +137,8 @@ class LocalizedPR2(BasePR2):
         pose: a `Pose`.
     """
 
-    def __init__(self, name: str | None = None) -> None:
-        super().__init__(name)
+    def __init__(self, name: str | None = None, with_keyboard: bool = True, show_laser: bool = False) -> None:
+        super().__init__(name, with_keyboard, show_laser)
         self._equip("pose", _Pose())
 
 
@@ -140,8 +149,9 @@ class NavPR2(BasePR2):
         base_scan: a `Hokuyo` in its base.
     """
 
-    def __init__(self, name: str | None = None) -> None:
-        super().__init__(name)
+    def __init__(self, name: str | None = None, with_keyboard: bool = True, show_laser: bool = False) -> None:
+        super().__init__(name, with_keyboard, show_laser)
         scanner = _Hokuyo()
         scanner.translate(*_LASER)
+        scanner.properties(Visible_arc=self._show_laser)
         self._equip("base_scan", scanner)

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from morse.builder.blender.objects import material_slots
+from morse.builder.blender.materials import material_slots
 from morse.builder.components.component import Component
 from morse.builder.errors import checks
 from morse.core.exceptions import MorseBuilderError

@@ -19,7 +19,7 @@ from morse.builder.errors.attributes import unknown_attribute
 from morse.builder.names import frames, naming
 from morse.builder.names.part import Strength
 from morse.core.exceptions import MorseBuilderError
-from morse.scene import Choice, Mist, Settings
+from morse.scene import Choice, Mist
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -59,7 +59,8 @@ class Environment(ViewMethods, TimeMethods):
             raise MorseBuilderError(f"a scene has only one Environment; it was created at {scene.environment.where}")
         self.where = frames.source_line(self)
         self.filename = checks.text(filename, "Environment(filename)")
-        self.settings = Settings(fastmode=checks.boolean(fastmode, "Environment(fastmode)"))
+        self.settings = scene.settings
+        self.settings.fastmode = checks.boolean(fastmode, "Environment(fastmode)")
         self.environment_properties = {}
         self._auto_tune = checks.boolean(auto_tune_time, "Environment(auto_tune_time)")
         self._display_camera = None

@@ -10,6 +10,7 @@ from morse.builder.assembly.description import EnvironmentDescription
 from morse.builder.components.interfaces import Interfaces
 from morse.builder.errors import checks
 from morse.builder.errors.options import manager_options
+from morse.builder.legacy.notices import notice
 from morse.builder.names import frames
 from morse.core import log
 from morse.core.clock import SLOWEST
@@ -68,7 +69,12 @@ class TimeMethods(EnvironmentDescription):
         self.settings.time_scale = scale
 
     def simulator_frequency(
-        self, base_frequency: float = 60.0, logic_step_max: int = 20, physics_step_max: int = 20
+        self,
+        base_frequency: float = 60.0,
+        logic_step_max: int = 20,
+        physics_step_max: int = 20,
+        *,
+        fps: float | None = None,
     ) -> None:
         """Set the number of ticks per simulated second, independent of the frequencies of the components.
 
@@ -76,7 +82,11 @@ class TimeMethods(EnvironmentDescription):
             base_frequency: Hz, 0.1 to 10,000.
             logic_step_max: accepted for old scripts; all ticks have the same length.
             physics_step_max: accepted for old scripts.
+            fps: old name of ``base_frequency``.
         """
+        if fps is not None:
+            notice("env.simulator_frequency(fps) is an old name, write base_frequency")
+            base_frequency = fps
         what = "env.simulator_frequency(base_frequency)"
         # at a lower frequency a tick would take minutes, because the physics steps stay short
         self.settings.frequency = checks.number(base_frequency, what, minimum=0.1, maximum=HIGHEST_FREQUENCY)
@@ -173,17 +183,17 @@ class TimeMethods(EnvironmentDescription):
                 all robots of its script, and sends their poses to the server.
         """
         what = "env.configure_multinode({})"
+        # 1.4 documents the port as a text
         port = int(server_port) if isinstance(server_port, str) and server_port.isdecimal() else server_port
         number = checks.integer(port, what.format("server_port"), minimum=1)
         if number > 65535:
             raise ValueError(f"{what.format('server_port')} takes a number from 1 to 65535, got {number}")
         shares: dict[str, list[str]] = {}
         for node, robots in dict(distribution or {}).items():
-            if isinstance(robots, str) or not all(isinstance(robot, str) for robot in robots):
-                raise TypeError(
-                    f"{what.format('distribution')} takes lists of names of robots, got {checks.shown(robots)}"
-                )
-            shares[checks.text(node, what.format("distribution"))] = list(robots)
+            robots = checks.names(robots, what.format("distribution"))
+            # a script may number its nodes
+            node = str(node) if isinstance(node, int) else node
+            shares[checks.text(node, what.format("distribution"))] = robots
         self._distribution = shares
         self._multinode = {
             "protocol": checks.choice(protocol, _PROTOCOLS, what.format("protocol")),

@@ -6,6 +6,7 @@ import math
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
+from morse.builder.legacy import values
 from morse.core.hints import closest as closest
 from morse.core.hints import nearest
 
@@ -36,7 +37,7 @@ def number(
     """A finite number as a float.
 
     Args:
-        value: the argument of the script.
+        value: the argument of the script; a text that contains a number is converted, with a warning.
         what: name of the argument in messages, e.g. ``set_gravity(gravity)``.
         minimum: smallest value allowed.
         above: exclusive lower bound.
@@ -47,6 +48,8 @@ def number(
         TypeError: the value is not a number.
         ValueError: the value is NaN, infinite or out of range.
     """
+    if type(value) is not float:
+        value = values.number(value, what)
     if isinstance(value, bool) or not isinstance(value, Real):
         raise TypeError(f"{what} takes a number, got {shown(value)}")
     result = float(value)
@@ -104,11 +107,12 @@ def color(value: Any, what: str) -> tuple[float, float, float]:
 
 
 def boolean(value: Any, what: str) -> bool:
-    """Return a boolean (1 and 0 are accepted).
+    """Return a boolean (1 and 0 are accepted; other numbers and texts with a warning).
 
     Raises:
         TypeError: the value is not a boolean.
     """
+    value = values.boolean(value, what)
     if isinstance(value, bool) or (isinstance(value, int) and value in (0, 1)):
         return bool(value)
     raise TypeError(f"{what} takes True or False, got {shown(value)}")
@@ -126,6 +130,19 @@ def text(value: Any, what: str) -> str:
     if not value:
         raise ValueError(f"{what} takes a non-empty string")
     return value
+
+
+def names(value: Any, what: str) -> list[str]:
+    """Several names; one name stands for a list of it, with a warning.
+
+    Raises:
+        TypeError: the value is not a list of strings.
+    """
+    given = values.names(value, what)
+    words = list(given) if hasattr(given, "__iter__") else [given]
+    if not all(isinstance(word, str) for word in words):
+        raise TypeError(f"{what} takes a list of names, got {shown(value)}")
+    return words
 
 
 def choice(value: Any, options: Iterable[str], what: str) -> str:

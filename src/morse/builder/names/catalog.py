@@ -108,5 +108,6 @@ def _modifiers_of(package: str) -> Iterator[Entry]:
             if "_names" in definition.attributes:
                 classpath = f"{module}.{definition.name}"
                 yield Entry(definition.name, classpath, definition.doc or "", definition.attributes)
-    except SyntaxError as error:
-        logger.warning("the modifiers of %s are left out: %s", package, error)
+    except Exception as error:
+        # an error in a third-party package must not prevent the scene from being built
+        logger.warning("the modifiers of %s are left out: %r", package, error)

@@ -36,3 +36,12 @@ def find_modifier(name: str, component: type | None) -> str:
     if name in everywhere:
         raise MorseBuilderError(f"the modifier '{name}' is not for {what}{hint}")
     raise MorseBuilderError(f"there is no modifier '{name}' for {what}{hint}")
+
+
+def modifier_classes() -> dict[str, dict[str, str]]:
+    """The class paths of all modifiers, by name and by the name of the component class."""
+    found: dict[str, dict[str, str]] = {}
+    for entry in catalog.modifiers():
+        for name in entry.attributes["_names"]:
+            found.setdefault(name, {}).update(dict.fromkeys(entry.attributes.get("_components", ()), entry.classpath))
+    return found

@@ -1,0 +1,36 @@
+"""The command line of a scene script, as it was under Blender."""
+
+from __future__ import annotations
+
+import ast
+from typing import TYPE_CHECKING
+
+from morse.builder.names.project_files import project_files
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
+
+#: under Blender, the arguments of a script follow this word
+MARK = "--"
+
+
+def argv(script: Path, arguments: Sequence[str], directories: Iterable[str]) -> list[str]:
+    """``sys.argv`` for a script: its path and its arguments.
+
+    A script of MORSE 1.4 finds its own arguments by ``sys.argv[sys.argv.index('--') + 1:]``. If the script, or a module
+    of its project, has the word ``'--'``, it precedes the arguments. Otherwise it is left out: ``argparse`` reads it as
+    the end of the options.
+
+    Args:
+        script: the file of the scene.
+        arguments: the words after the scene on the command line.
+        directories: directories of the packages of its project.
+    """
+    if not any(_has_mark(tree) for tree in project_files(script, directories)):
+        return [str(script), *arguments]
+    return [str(script), MARK, *(arguments[1:] if list(arguments[:1]) == [MARK] else arguments)]
+
+
+def _has_mark(tree: ast.AST) -> bool:
+    return any(isinstance(node, ast.Constant) and node.value == MARK for node in ast.walk(tree))

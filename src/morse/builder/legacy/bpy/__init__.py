@@ -1,0 +1,48 @@
+"""``import bpy`` in a scene script: the scene that the script describes, under the names of Blender 2.6 and 2.7.
+
+It has what scene scripts of MORSE 1.4 use: objects, materials, lamps, cameras, world, game settings, and the operators
+that create and move objects. Everything else of Blender can be used without an error and without an effect; the log
+names it with the line of the script.
+"""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+from typing import Any
+
+from morse.builder.legacy.ignored import Facade, Ignored
+
+NAME = "bpy"
+_PARTS = {"context": "Context", "data": "Data", "operators": "Operators"}
+
+
+class App(Facade):
+    """``bpy.app``."""
+
+    _path = "bpy.app"
+    version = (2, 79, 0)
+    version_string = "2.79 (MORSE)"
+    background = True
+    binary_path = ""
+
+
+class StandIn(ModuleType):
+    """The module ``bpy``, or one of its submodules."""
+
+    def __getattr__(self, name: str) -> Any:
+        part = {"ops": "operators"}.get(name, name)
+        if self.__name__ == NAME and part in _PARTS:
+            # loaded only for scripts that use it
+            self.__dict__[name] = getattr(importlib.import_module(f"{__name__}.{part}"), _PARTS[part])()
+            return self.__dict__[name]
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return Ignored(f"{self.__name__}.{name}")
+
+
+def stand_in() -> StandIn:
+    """The module, for one script."""
+    module = StandIn(NAME, __doc__)
+    module.__dict__.update(app=App(), __path__=[])
+    return module

@@ -1,0 +1,184 @@
+"""``bpy.data``: objects, meshes, materials, lamps, cameras, worlds and scenes of the scene that is being described."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from morse.builder import bpymorse, workspace
+from morse.builder.blender.datablocks import CameraData, LampData, MeshData, kind_of
+from morse.builder.blender.materials import SharedMaterial, all_materials
+from morse.builder.blender.named import NamedList
+from morse.builder.blender.objects import SceneObject
+from morse.builder.errors import checks
+from morse.builder.legacy.bpy.scene import Scene, World
+from morse.builder.legacy.bpy.viewpoint import NAME, Lens, Viewpoint
+from morse.builder.legacy.ignored import Facade
+from morse.scene import Camera, Light, Material, Node, NodeKind
+
+_Data = MeshData | LampData | CameraData | None
+
+
+class Objects(NamedList[Any]):
+    """All objects of the scene, and the camera of the view."""
+
+    def __init__(self) -> None:
+        objects: list[Any] = list(bpymorse.get_objects())
+        if all(item.name != NAME for item in objects):
+            objects.append(Viewpoint())
+        super().__init__(objects, "object")
+
+    @property
+    def active(self) -> SceneObject | None:
+        """The object that operators change."""
+        return bpymorse.get_context_object()
+
+    @active.setter
+    def active(self, obj: SceneObject | None) -> None:
+        workspace.current().selected = None if obj is None else obj.node
+
+    def new(self, name: str, object_data: _Data = None) -> SceneObject:
+        """Create an object; it is part of the scene at once.
+
+        Args:
+            name: its name.
+            object_data: a mesh, lamp or camera of ``bpy.data``, or None for an empty object.
+        """
+        node = Node(checks.text(name, "bpy.data.objects.new(name)"))
+        if object_data is not None:
+            source = object_data._node
+            node.kind, node.mesh, node.light, node.camera = source.kind, source.mesh, source.light, source.camera
+            node.materials = list(source.materials)
+            node.body.type = source.body.type
+            # the data belong to the object from now on
+            object_data._node = node
+        workspace.current().add(node)
+        return SceneObject(node)
+
+    def link(self, obj: SceneObject) -> None:
+        """Accepted for old scripts: objects are part of the scene from the beginning."""
+
+    def unlink(self, obj: SceneObject) -> None:
+        """Remove an object from the scene."""
+        bpymorse.delete(obj)
+
+    def remove(self, obj: Any, *_: Any, **__: Any) -> None:
+        """Remove an object from the scene."""
+        bpymorse.delete(obj)
+
+
+class _Blocks(NamedList[Any]):
+    """The data of all objects of one type."""
+
+    def __init__(self, kind: str, data: Any) -> None:
+        objects = [SceneObject(node) for node in workspace.current().nodes() if kind_of(node) == kind]
+        super().__init__([_Named(obj, data(obj.node)) for obj in objects], kind.lower())
+
+
+class _Named:
+    """Data of an object, with the name of the object."""
+
+    def __init__(self, obj: SceneObject, data: Any) -> None:
+        object.__setattr__(self, "name", obj.name)
+        object.__setattr__(self, "_data", data)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._data, name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        setattr(self._data, name, value)
+
+
+class _Meshes(_Blocks):
+    def __init__(self) -> None:
+        super().__init__("MESH", MeshData)
+
+    def new(self, name: str) -> MeshData:
+        """An empty mesh, for ``from_pydata`` and ``bpy.data.objects.new``."""
+        node = Node(checks.text(name, "bpy.data.meshes.new(name)"), kind=NodeKind.MESH)
+        settle(node)
+        return MeshData(node)
+
+
+class _Lamps(_Blocks):
+    def __init__(self) -> None:
+        super().__init__("LAMP", LampData)
+
+    def new(self, name: str, type: str = "POINT") -> LampData:
+        """A lamp, for ``bpy.data.objects.new``."""
+        return LampData(Node(checks.text(name, "bpy.data.lamps.new(name)"), kind=NodeKind.LIGHT, light=Light(type)))
+
+
+class _Cameras(_Blocks):
+    def __init__(self) -> None:
+        super().__init__("CAMERA", CameraData)
+        self.insert(0, Lens())
+
+    def new(self, name: str) -> CameraData:
+        """A camera, for ``bpy.data.objects.new``."""
+        return CameraData(Node(checks.text(name, "bpy.data.cameras.new(name)"), kind=NodeKind.CAMERA, camera=Camera()))
+
+
+class _Materials(NamedList[Any]):
+    def __init__(self) -> None:
+        super().__init__([SharedMaterial(material) for material in all_materials()], "material")
+
+    def new(self, name: str) -> SharedMaterial:
+        """A material, for ``object.active_material`` or ``object.data.materials.append``."""
+        material = Material(checks.text(name, "bpy.data.materials.new(name)"))
+        workspace.current().materials.append(material)
+        return SharedMaterial(material)
+
+
+class Data(Facade):
+    """``bpy.data``."""
+
+    _path = "bpy.data"
+
+    @property
+    def objects(self) -> Objects:
+        """All objects."""
+        return Objects()
+
+    @property
+    def meshes(self) -> _Meshes:
+        """All meshes, by the names of their objects."""
+        return _Meshes()
+
+    @property
+    def lamps(self) -> _Lamps:
+        """All lamps, by the names of their objects."""
+        return _Lamps()
+
+    lights = lamps
+
+    @property
+    def cameras(self) -> _Cameras:
+        """The camera of the view first, then those of the scene by the names of their objects."""
+        return _Cameras()
+
+    @property
+    def materials(self) -> _Materials:
+        """All materials."""
+        return _Materials()
+
+    @property
+    def worlds(self) -> NamedList[Any]:
+        """The one world."""
+        return NamedList([World()], "world")
+
+    @property
+    def scenes(self) -> NamedList[Any]:
+        """The one scene."""
+        return NamedList([Scene()], "scene")
+
+    @property
+    def filepath(self) -> str:
+        """Empty: the scene is not a file of Blender."""
+        return ""
+
+
+def settle(node: Node) -> None:
+    """Give a mesh the physics of a new object in Blender's game engine: others collide with it."""
+    from morse.scene import PhysicsType
+
+    node.body.type = PhysicsType.STATIC

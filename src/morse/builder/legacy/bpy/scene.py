@@ -1,0 +1,283 @@
+"""``bpy.context.scene``: world, game settings and camera under the names of Blender."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from morse.builder import bpymorse, workspace
+from morse.builder.errors import checks
+from morse.builder.legacy.bpy.viewpoint import Viewpoint
+from morse.builder.legacy.ignored import Facade
+from morse.builder.legacy.notices import notice
+from morse.scene import Mist
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.builder.legacy.bpy.data import Objects
+    from morse.scene import Settings
+
+
+def _settings() -> Settings:
+    return workspace.current().settings
+
+
+class Scene(Facade):
+    """The scene that is being described."""
+
+    _path = "bpy.context.scene"
+    name = "Scene"
+    frame_start = 1
+    frame_end = 250
+
+    @property
+    def objects(self) -> Objects:
+        """All objects."""
+        from morse.builder.legacy.bpy.data import Objects
+
+        return Objects()
+
+    @property
+    def world(self) -> World:
+        """Sky and mist."""
+        return World()
+
+    @world.setter
+    def world(self, value: object) -> None:
+        if not isinstance(value, World):
+            notice("bpy.context.scene.world has no effect: there is one world")
+
+    @property
+    def camera(self) -> Viewpoint:
+        """The camera of the view."""
+        return Viewpoint()
+
+    @camera.setter
+    def camera(self, value: object) -> None:
+        if not isinstance(value, Viewpoint):
+            notice("bpy.context.scene.camera has no effect: write env.set_camera_location and env.set_camera_rotation")
+
+    @property
+    def game_settings(self) -> GameSettings:
+        """Gravity, frequency and overlays."""
+        return GameSettings()
+
+    @property
+    def render(self) -> Render:
+        """Settings for pictures."""
+        return Render()
+
+    @property
+    def cursor_location(self) -> tuple[float, float, float]:
+        """The origin: where operators create objects without a location."""
+        return (0.0, 0.0, 0.0)
+
+    @cursor_location.setter
+    def cursor_location(self, value: object) -> None:
+        notice("bpy.context.scene.cursor_location has no effect: give the location to the operator")
+
+    def update(self) -> None:
+        """Accepted for old scripts: poses are always up to date."""
+
+    frame_current = frame_start
+
+    def frame_set(self, frame: int, *_: Any) -> None:
+        """Accepted for old scripts: there are no animations."""
+
+
+class World(Facade):
+    """Sky, ambient light and mist."""
+
+    _path = "bpy.context.scene.world"
+    name = "World"
+
+    @property
+    def horizon_color(self) -> tuple[float, float, float]:
+        """Colour of the sky, 0..1."""
+        return _settings().view.horizon_color or (0.05, 0.22, 0.4)
+
+    @horizon_color.setter
+    def horizon_color(self, value: Iterable[float]) -> None:
+        _settings().view.horizon_color = checks.color(value, "world.horizon_color")
+
+    @property
+    def ambient_color(self) -> tuple[float, float, float]:
+        """Colour of the ambient light, 0..1."""
+        return _settings().view.ambient_color or (0.0, 0.0, 0.0)
+
+    @ambient_color.setter
+    def ambient_color(self, value: Iterable[float]) -> None:
+        _settings().view.ambient_color = checks.color(value, "world.ambient_color")
+
+    @property
+    def mist_settings(self) -> MistSettings:
+        """The mist."""
+        return MistSettings()
+
+
+class MistSettings(Facade):
+    """The mist."""
+
+    _path = "bpy.context.scene.world.mist_settings"
+
+    @staticmethod
+    def _mist() -> Mist:
+        return _settings().view.mist or Mist(enabled=False)
+
+    def _change(self, **values: Any) -> None:
+        _settings().view.mist = replace(self._mist(), **values)
+
+    @property
+    def use_mist(self) -> bool:
+        """Whether it is shown."""
+        return self._mist().enabled
+
+    @use_mist.setter
+    def use_mist(self, value: Any) -> None:
+        self._change(enabled=checks.boolean(value, "mist_settings.use_mist"))
+
+    @property
+    def intensity(self) -> float:
+        """Minimum intensity, 0..1."""
+        return self._mist().intensity
+
+    @intensity.setter
+    def intensity(self, value: Any) -> None:
+        self._change(intensity=checks.number(value, "mist_settings.intensity", minimum=0.0))
+
+    @property
+    def start(self) -> float:
+        """Distance at which it begins, m."""
+        return self._mist().start
+
+    @start.setter
+    def start(self, value: Any) -> None:
+        self._change(start=checks.number(value, "mist_settings.start", minimum=0.0))
+
+    @property
+    def depth(self) -> float:
+        """Distance from the start to full intensity, m."""
+        return self._mist().depth
+
+    @depth.setter
+    def depth(self, value: Any) -> None:
+        self._change(depth=checks.number(value, "mist_settings.depth", minimum=0.0))
+
+    @property
+    def falloff(self) -> str:
+        """QUADRATIC, LINEAR or INVERSE_QUADRATIC."""
+        return self._mist().falloff
+
+    @falloff.setter
+    def falloff(self, value: Any) -> None:
+        kinds = ("QUADRATIC", "LINEAR", "INVERSE_QUADRATIC")
+        self._change(falloff=checks.choice(value, kinds, "mist_settings.falloff"))
+
+
+class GameSettings(Facade):
+    """Settings of the game engine."""
+
+    _path = "bpy.context.scene.game_settings"
+
+    @property
+    def physics_gravity(self) -> float:
+        """Gravity along -Z, m/s^2."""
+        return _settings().gravity
+
+    @physics_gravity.setter
+    def physics_gravity(self, value: Any) -> None:
+        _settings().gravity = checks.number(value, "game_settings.physics_gravity", minimum=0.0)
+
+    @property
+    def fps(self) -> float:
+        """Ticks per simulated second."""
+        return _settings().frequency
+
+    @fps.setter
+    def fps(self, value: Any) -> None:
+        bpymorse.set_frequency(checks.number(value, "game_settings.fps", above=0.0))
+
+    @property
+    def logic_step_max(self) -> int:
+        """Accepted for old scripts; all ticks have the same length."""
+        return 20
+
+    @logic_step_max.setter
+    def logic_step_max(self, value: Any) -> None:
+        checks.integer(value, "game_settings.logic_step_max", minimum=1)
+
+    physics_step_max = logic_step_max
+
+    @property
+    def physics_step_sub(self) -> int:
+        """Minimum number of physics steps per tick."""
+        return _settings().physics_steps
+
+    @physics_step_sub.setter
+    def physics_step_sub(self, value: Any) -> None:
+        _settings().physics_steps = checks.integer(value, "game_settings.physics_step_sub", minimum=1)
+
+    @property
+    def show_debug_properties(self) -> bool:
+        """Whether the view shows properties."""
+        return _settings().view.show_debug_properties
+
+    @show_debug_properties.setter
+    def show_debug_properties(self, value: Any) -> None:
+        _settings().view.show_debug_properties = checks.boolean(value, "game_settings.show_debug_properties")
+
+    @property
+    def show_framerate_profile(self) -> bool:
+        """Whether the view shows its frame rate."""
+        return _settings().view.show_framerate
+
+    @show_framerate_profile.setter
+    def show_framerate_profile(self, value: Any) -> None:
+        _settings().view.show_framerate = checks.boolean(value, "game_settings.show_framerate_profile")
+
+    @property
+    def show_physics_visualization(self) -> bool:
+        """Whether the view shows collision shapes."""
+        return _settings().view.show_physics
+
+    @show_physics_visualization.setter
+    def show_physics_visualization(self, value: Any) -> None:
+        _settings().view.show_physics = checks.boolean(value, "game_settings.show_physics_visualization")
+
+    @property
+    def use_auto_start(self) -> bool:
+        """Whether the simulation starts immediately."""
+        return _settings().auto_start
+
+    @use_auto_start.setter
+    def use_auto_start(self, value: Any) -> None:
+        _settings().auto_start = checks.boolean(value, "game_settings.use_auto_start")
+
+
+class Render(Facade):
+    """Settings for pictures; those of cameras are properties of the sensors."""
+
+    _path = "bpy.context.scene.render"
+    engine = "BLENDER_GAME"
+    resolution_x = 1920
+    resolution_y = 1080
+    resolution_percentage = 50
+
+    @property
+    def fps(self) -> float:
+        """Ticks per simulated second."""
+        return _settings().frequency
+
+    @fps.setter
+    def fps(self, value: Any) -> None:
+        GameSettings().fps = value
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name == "fps":
+            super().__setattr__(name, value)
+        elif name == "engine":
+            checks.text(value, "render.engine")
+        else:
+            mend = ": a camera has properties(cam_width=..., cam_height=...)" if name.startswith("resolution") else ""
+            notice(f"{self._path}.{name} has no effect{mend}")

@@ -1,0 +1,47 @@
+"""Arguments in the forms of MORSE 1.4: texts for numbers, one name for a list, scalars and arrays of numpy."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.builder.legacy.notices import notice
+
+
+def scalar(value: Any) -> Any:
+    """The Python scalar of a scalar of numpy, or of an array of one element; anything else unchanged."""
+    if getattr(value, "size", None) == 1 and callable(getattr(value, "item", None)):
+        return value.item()
+    return value
+
+
+def number(value: Any, what: str) -> Any:
+    """The number that a text contains; anything else unchanged."""
+    value = scalar(value)
+    if not isinstance(value, str):
+        return value
+    try:
+        result = float(value)
+    except ValueError:
+        return value
+    if not math.isfinite(result):
+        return value
+    notice(f"{what} takes a number, got the text {value!r}; write {result:g}")
+    return result
+
+
+def boolean(value: Any, what: str) -> Any:
+    """The truth value of a number or a text: any text that is not empty is true; anything else unchanged."""
+    value = scalar(value)
+    if not isinstance(value, (str, int, float)) or value in (True, False):
+        return bool(value) if isinstance(value, float) else value
+    notice(f"{what} takes True or False, got {value!r}, which counts as {bool(value)}; write {bool(value)}")
+    return bool(value)
+
+
+def names(value: Any, what: str) -> Any:
+    """A list of the one name that a text is; anything else unchanged."""
+    if not isinstance(value, str):
+        return value
+    notice(f"{what} takes a list of names, got {value!r}; write [{value!r}]")
+    return [value]

@@ -1,0 +1,48 @@
+"""The files of a project that a scene script imports, read without executing them."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+
+def project_files(script: Path, directories: Iterable[str]) -> Iterator[ast.Module]:
+    """The syntax trees of a script and of the modules that it imports from the directories, directly or not.
+
+    Files that cannot be parsed are left out.
+    """
+    places = list(directories)
+    seen: set[Path] = set()
+    waiting = [script]
+    while waiting:
+        file = waiting.pop()
+        if file in seen:
+            continue
+        seen.add(file)
+        try:
+            tree = ast.parse(file.read_bytes())
+        except (OSError, SyntaxError, ValueError):
+            continue
+        yield tree
+        for node in ast.walk(tree):
+            waiting += [path for name in _modules(node) for path in _files(name, places)]
+
+
+def _modules(node: ast.AST) -> list[str]:
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    if isinstance(node, ast.ImportFrom):
+        # only the last words of a relative import are known: all directories are searched for them
+        return [node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return []
+
+
+def _files(module: str, directories: list[str]) -> list[Path]:
+    path = Path(*module.split(".")) if module else Path()
+    candidates = [Path(directory) / path for directory in directories]
+    files = [file for stem in candidates for file in (stem.with_suffix(".py"), stem / "__init__.py")]
+    return [file for file in files if module and file.is_file()]
