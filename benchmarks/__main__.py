@@ -14,6 +14,7 @@ from benchmarks.plot import draw, speed_lines
 from benchmarks.suites.circles import PEERS, circles, growth, readers
 from benchmarks.suites.components import components
 from benchmarks.suites.crowd import crowd, view
+from benchmarks.suites.floods import floods
 from benchmarks.suites.launch import launch
 from benchmarks.suites.lockstep import lockstep
 from benchmarks.suites.page import page
@@ -40,6 +41,7 @@ SUITES: dict[str, Callable[[Plan], Iterator[Result]]] = {
     "page": page,
     "crowd": crowd,
     "growth": growth,
+    "floods": floods,
 }
 
 

@@ -44,7 +44,8 @@ def yarp(served: list[Any]) -> Any:
     from morse.middleware.yarp.request_manager import YarpRequestManager
 
     manager = YarpRequestManager(context())
-    manager._arrived.extend(("simulation", [str(n), "simulation", "spawn", "[]"]) for n in range(50))
+    for number in range(50):
+        manager._arrived.append(("simulation", [str(number), "simulation", "spawn", "[]"]), 40)
     return manager
 
 
@@ -113,6 +114,12 @@ class Client:
     def __init__(self) -> None:
         self.calls = 0
 
+    def keep(self, *_: Any) -> None:
+        """There is memory."""
+
+    def release(self, *_: Any) -> None:
+        """There is memory."""
+
     def answer(self, *_: Any) -> None:
         """Ignore the outcome."""
 
@@ -137,8 +144,8 @@ def test_clients_of_a_websocket_are_served_in_turn(
         manager.paths = {**manager.paths, "/simulation/spawn": ("simulation", "spawn")}
         greedy, modest = Client(), Client()
         for number in range(100):
-            manager.call(greedy, number, "/simulation/spawn", ["greedy"])  # type: ignore[arg-type]
-        manager.call(modest, 0, "/simulation/spawn", ["modest"])  # type: ignore[arg-type]
+            manager.call(greedy, number, "/simulation/spawn", b'["greedy"]')  # type: ignore[arg-type]
+        manager.call(modest, 0, "/simulation/spawn", b'["modest"]')  # type: ignore[arg-type]
         now = [200.0]
         monkeypatch.setattr("morse.core.time_share.perf_counter", lambda: now[0] + LONG * len(served))
         for _ in range(8):

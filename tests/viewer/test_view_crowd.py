@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from view_pages import Client, fetch, port_of, until
 
-from event_loops import run_apart
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
 from morse.core.services import concurrent_service
-from morse.core.web_crowd import Pace
 from morse.scene import Scene
 from morse.viewer import hub as hubs
 from morse.viewer.inputs.service_calls import ServiceCalls
@@ -144,28 +142,3 @@ def test_a_path_that_is_none_is_refused(served) -> None:
     with socket.create_connection(("127.0.0.1", port_of(url)), timeout=60.0) as stranger:
         stranger.sendall(b"GET //[ HTTP/1.1\r\nHost: localhost\r\n\r\n")
         assert stranger.recv(100).startswith(b"HTTP/1.1 400")
-
-
-@pytest.mark.parametrize("clients", [1, 4])
-def test_messages_get_half_of_the_time(clients: int, monkeypatch) -> None:
-    """However many clients send; a client with few messages never rests."""
-    import asyncio
-
-    rests: list[float] = []
-
-    async def sleep(seconds: float) -> None:
-        rests.append(seconds)
-        await real(0)
-
-    real = asyncio.sleep
-    monkeypatch.setattr(asyncio, "sleep", sleep)
-
-    async def run() -> list[float]:
-        pace = Pace()
-        assert await pace.rest(0.0001) == 0.0001
-        assert rests == []
-        return await asyncio.gather(*(pace.rest(0.01) for _ in range(clients)))
-
-    assert run_apart(run()) == [0.0] * clients
-    # while one rests for the time of its messages, each of the others adds its own
-    assert rests == [pytest.approx(0.01 * number) for number in range(1, clients + 1)]

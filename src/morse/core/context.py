@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from weakref import WeakSet
 
+from morse.core.arrivals import Arrivals
 from morse.core.complaints import Complaints
 from morse.core.journal import Journal
 
@@ -73,6 +74,7 @@ class Context:
         paused: whether no time passes except for the ticks that a client requests.
         paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
+        arrivals: the share of the time for what clients send.
         complaints: warnings of components that clients may cause any number of times, by commands or by resets.
     """
 
@@ -94,6 +96,7 @@ class Context:
     failed: set[str] = field(default_factory=set)
     controls: Controls = _NOTHING_HELD
     journal: Journal = field(init=False)
+    arrivals: Arrivals = field(init=False)
     stopping: Any = _not_stopping
     paused: Any = _not_stopping
     paced: Any = _not_stopping
@@ -102,6 +105,7 @@ class Context:
 
     def __post_init__(self) -> None:
         self.journal = Journal(self.clock)
+        self.arrivals = Arrivals() if self.network is None else self.network.arrivals
         _alive.add(self)
 
     def wait(self, seconds: float) -> None:

@@ -16,7 +16,7 @@ from morse.core.validation.options import checked_options, with_defaults
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Mapping, Sized
 
     from morse.core.context import Context
     from morse.core.object import Object
@@ -55,7 +55,7 @@ class AbstractDatastream(ABC):
         return self.component_instance.local_data
 
     @property
-    def waiting(self) -> Collection[Any] | None:
+    def waiting(self) -> Sized | None:
         """Return a collection that is empty while `default` has nothing to do; None if this is not known.
 
         The collection is the same object at each call. Components that act together do not call `default` while the

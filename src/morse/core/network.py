@@ -9,6 +9,8 @@ import threading
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from morse.core.arrivals import Arrivals
+
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable, Coroutine
@@ -79,9 +81,13 @@ class Network:
     A simulation that waits for its clients borrows the loop: `wait` runs the loop in the waiting thread. The request of
     a client, the tick and the answer are then processed in one thread, because two thread switches would take longer
     than the tick. The loop stays borrowed until `give_back` or `tend`.
+
+    Attributes:
+        arrivals: the share of the time for what clients send.
     """
 
     def __init__(self) -> None:
+        self.arrivals = Arrivals()
         self._selector = _WatchfulSelector()
         self._loop = _Loop(self._selector)
         self._thread = threading.Thread(target=self._serve, name="morse-network", daemon=True)

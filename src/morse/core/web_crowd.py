@@ -1,9 +1,7 @@
-"""The connections of a web server, and the time that their messages take."""
+"""The connections of a web server."""
 
 from __future__ import annotations
 
-import asyncio
-import time
 from typing import TYPE_CHECKING
 
 from websockets.asyncio.server import ServerConnection
@@ -12,16 +10,12 @@ from websockets.frames import Frame, Opcode
 from morse.core.doors.streams import Visitor
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from websockets.protocol import Event
 
     from morse.core.doors.streams import StreamGuest
 
 _DATA = (Opcode.TEXT, Opcode.BINARY)
 
-#: share of the time of the network thread for the messages of clients; processor seconds after which a client rests
-_SHARE, _TURN = 0.5, 0.005
 MOST_WAITING = 4
 """Maximum number of received messages of a client that wait to be processed; then its connection is not read."""
 
@@ -53,35 +47,3 @@ NO_PLACE = (
     f"Retry-After: 5\r\nContent-Length: {len(_REFUSAL)}\r\n\r\n{_REFUSAL}"
 ).encode()
 """What a client gets for whose connection there is no place."""
-
-
-class Pace:
-    """Divides the time of the network thread: the messages of all clients of a server get half of it.
-
-    The thread also sends the data of the sensors, and Python runs it in turns with the ticks.
-
-    Args:
-        now: processor time of the thread, s.
-    """
-
-    def __init__(self, now: Callable[[], float] = time.thread_time) -> None:
-        self.now = now
-        self._resting = 0
-
-    async def rest(self, spent: float) -> float:
-        """Let a client rest that has spent some time.
-
-        Args:
-            spent: processor time of its messages since it last rested, s.
-
-        Returns:
-            The time that it has spent since it last rested.
-        """
-        if spent < _TURN:
-            return spent
-        self._resting += 1
-        try:
-            await asyncio.sleep(spent * (1.0 / _SHARE - 1.0) * self._resting)
-        finally:
-            self._resting -= 1
-        return 0.0

@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections import deque
 from dataclasses import dataclass
+from functools import partial
 from http import HTTPStatus
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
@@ -13,9 +14,11 @@ from urllib.parse import urlsplit
 from websockets.asyncio.server import broadcast, serve
 from websockets.exceptions import ConnectionClosed
 
+from morse.core.budget import ENTRY, PARSED, OverBudget
 from morse.core.complaints import Complaints
 from morse.core.doors.streams import StreamDoor
-from morse.core.web_crowd import MOST_WAITING, NO_PLACE, Connection, Pace
+from morse.core.web_connection import PacedConnection, sender_of
+from morse.core.web_crowd import MOST_WAITING, NO_PLACE
 from morse.viewer import page_messages as pm
 from morse.viewer.page import Page
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
     from websockets.asyncio.server import Server, ServerConnection
     from websockets.http11 import Request, Response
 
+    from morse.core.arrivals import Arrivals
     from morse.core.web_access import Access
     from morse.viewer.view_messages import ServerMessage, Subject
 
@@ -76,7 +80,7 @@ class Hub:
         site: the files for HTTP requests.
     """
 
-    def __init__(self, access: Access, title: str) -> None:
+    def __init__(self, access: Access, title: str, arrivals: Arrivals) -> None:
         self.access = access
         self.seat = Seat()
         self.events: deque[pm.ViewEvent] = deque()
@@ -95,7 +99,7 @@ class Hub:
         self._wishes_waiting = False
         self._complaints = Complaints(logger)
         self._door = StreamDoor("live view", most=_MOST_CONNECTIONS, complaints=self._complaints, refusal=NO_PLACE)
-        self._pace = Pace()
+        self._arrivals = arrivals
         self._quiet = logging.Logger("morse.viewer.connections", logging.CRITICAL + 1)  # no log of invalid requests
 
     @property
@@ -117,7 +121,7 @@ class Hub:
                     host,
                     port,
                     process_request=self._answer,
-                    create_connection=Connection,
+                    create_connection=partial(PacedConnection, self._arrivals),  # type: ignore[arg-type] # a factory is sufficient
                     door=self._door,
                     compression=None,
                     max_size=MAX_MESSAGE,
@@ -183,25 +187,25 @@ class Hub:
 
     async def _serve(self, connection: ServerConnection) -> None:
         page: Page | None = None
-        sender: asyncio.Task[None] | None = None
+        sending: asyncio.Task[None] | None = None
+        sender = sender_of(connection)
         try:
             page = await self._welcome(connection)
             if page is None:
                 return
-            sender = asyncio.create_task(page.send_forever())
-            spent = 0.0
+            sending = asyncio.create_task(page.send_forever())
             async for frame in connection:
-                begin = self._pace.now()
-                self._receive(page, decode_page_message(frame))
-                spent = await self._pace.rest(spent + self._pace.now() - begin)
+                with sender.measured():
+                    self._receive(page, decode_page_message(frame), len(frame))
+                await sender.rest()
         except NotUnderstood as error:
             reason = f"Not understood: {error}".encode(errors="replace")[:120].decode(errors="ignore")  # RFC 6455: 123
             await connection.close(Close.NOT_UNDERSTOOD, reason)
         except ConnectionClosed:
             pass  # a closed tab sends no close frame
         finally:
-            if sender is not None:
-                sender.cancel()
+            if sending is not None:
+                sending.cancel()
             if page is not None:
                 self._leave(page)
 
@@ -238,7 +242,7 @@ class Hub:
 
     # messages ------------------------------------------------------------------------------------
 
-    def _receive(self, page: Page, message: pm.PageMessage) -> None:
+    def _receive(self, page: Page, message: pm.PageMessage, size: int) -> None:
         drives = self.seat.driver == page.number
         match message:
             case pm.Alive():
@@ -271,11 +275,22 @@ class Hub:
             case pm.ViewEvent() if self._requests.is_full(page.number, message):
                 self._refuse(page, message, f"{MOST_REQUESTS} requests of this page are active: wait until they end")
             case pm.ViewEvent():
-                if isinstance(message, pm.Drag | pm.DragEnd):
-                    self._dragging = page.number if isinstance(message, pm.Drag) else None
-                self.events.append(self._requests.number(page.number, message))
+                self._request(page, message, PARSED * size + ENTRY)
             case _:
                 raise NotUnderstood(f"{type(message).__name__} is only allowed as the first message")
+
+    def _request(self, page: Page, message: pm.ViewEvent, size: int) -> None:
+        """Pass a request on to the simulation, which may answer much later."""
+        if isinstance(message, pm.Drag | pm.DragEnd):
+            self._dragging = page.number if isinstance(message, pm.Drag) else None
+        if getattr(message, "request", None) is not None and not isinstance(message, pm.CancelService):
+            try:
+                page.memory.charge(size, "a request")
+            except OverBudget as error:
+                self._complaints.warn("memory", f"live view: page {page.number}: {error}")
+                self._refuse(page, message, str(error))
+                return
+        self.events.append(self._requests.number(page.number, message, size))
 
     def _drop_drag(self, page: Page) -> None:
         if self._dragging == page.number:
@@ -284,9 +299,10 @@ class Hub:
 
     def answer(self, answer: Answer) -> None:
         """Send an answer to the page that sent the request."""
-        number, own = self._requests.take(answer)
+        number, own, size = self._requests.take(answer)
         page = self._pages.get(number)
         if page is not None:
+            page.memory.give(size)
             self._tell(page, own)
 
     def _refuse(self, page: Page, message: pm.PageMessage, why: str) -> None:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from websockets.exceptions import ConnectionClosed
 
+from morse.core.budget import Budget
+
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
 
@@ -29,12 +31,14 @@ class Page:
     Attributes:
         number: its id for other pages.
         watch: what it shows.
+        memory: for its requests without an answer, and for unsent messages that no newer ones replace.
     """
 
     def __init__(self, number: int, connection: ServerConnection) -> None:
         self.number = number
         self.connection = connection
         self.watch: Watch | None = None
+        self.memory = Budget()
         self._waiting: dict[Subject | int, str | bytes] = {}
         self._unique = 0
         self._poses: bytes | None = None
@@ -48,6 +52,7 @@ class Page:
         if subject is None:
             self._unique += 1
             key = self._unique
+            self.memory.force(len(frame))
         else:
             key = subject
             self._waiting.pop(key, None)
@@ -79,7 +84,7 @@ class Page:
     @property
     def hopeless(self) -> bool:
         """Whether it is so far behind that it cannot catch up."""
-        return len(self._waiting) > MOST_WAITING
+        return len(self._waiting) > MOST_WAITING or self.memory.left < 0
 
     async def send_forever(self) -> None:
         """Send queued messages until the connection is closed."""
@@ -89,7 +94,11 @@ class Page:
                 self._wake.clear()
                 # messages first: poses may belong to a world that one of them announces
                 while self._waiting:
-                    await self.connection.send(self._waiting.pop(next(iter(self._waiting))))
+                    key = next(iter(self._waiting))
+                    frame = self._waiting.pop(key)
+                    if isinstance(key, int):
+                        self.memory.give(len(frame))
+                    await self.connection.send(frame)
                 if self._poses is not None and self._sent - self._taken < WINDOW:
                     poses, self._poses = self._poses, None
                     self._sent += 1

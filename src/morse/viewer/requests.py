@@ -29,19 +29,26 @@ class Requests:
     """Gives requests unique numbers, and restores the original numbers in answers."""
 
     def __init__(self) -> None:
-        self._asked: dict[int, tuple[int, int]] = {}
+        #: page, number of the page, size
+        self._asked: dict[int, tuple[int, int, int]] = {}
         self._last = 0
 
-    def number(self, page: int, event: ViewEvent) -> ViewEvent:
-        """The event for the simulation."""
+    def number(self, page: int, event: ViewEvent, size: int = 0) -> ViewEvent:
+        """The event for the simulation.
+
+        Args:
+            page: number of the page.
+            event: as the page has sent it.
+            size: bytes that `take` returns.
+        """
         own = getattr(event, "request", None)
         if own is None:
             return event
         if isinstance(event, CancelService):
-            number = next((number for number, asked in self._asked.items() if asked == (page, own)), 0)
+            number = next((number for number, asked in self._asked.items() if asked[:2] == (page, own)), 0)
         else:
             self._last = number = self._last + 1
-            self._asked[number] = (page, own)
+            self._asked[number] = (page, own, size)
         return msgspec.structs.replace(event, request=number)
 
     def is_full(self, page: int, event: ViewEvent) -> bool:
@@ -50,10 +57,10 @@ class Requests:
             return False
         return sum(asked[0] == page for asked in self._asked.values()) >= MOST_REQUESTS
 
-    def take(self, answer: Answer) -> tuple[int, Answer]:
-        """The page that sent the request (0: disconnected, or already answered), and the answer for the page."""
-        page, own = self._asked.pop(answer.request, (0, 0))
-        return page, msgspec.structs.replace(answer, request=own)
+    def take(self, answer: Answer) -> tuple[int, Answer, int]:
+        """The page that sent the request (0: disconnected, or already answered), the answer for it, and the size."""
+        page, own, size = self._asked.pop(answer.request, (0, 0, 0))
+        return page, msgspec.structs.replace(answer, request=own), size
 
     def forget(self, page: int) -> list[int]:
         """Forget the requests of a page that has disconnected; returns those without an answer."""

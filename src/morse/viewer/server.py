@@ -68,7 +68,7 @@ class ViewServer:
         self._network = network
         self._host = host
         self._port = self._served_on = port
-        self._hub = Hub(Access(host, token, origins=origins), title)
+        self._hub = Hub(Access(host, token, origins=origins), title, network.arrivals)
         self._depot = Depot()
         self._revision = 0
         self._key: str | None = None

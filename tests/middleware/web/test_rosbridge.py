@@ -17,6 +17,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 import morse
+from morse.core.budget import CLIENT_BYTES
 from morse.core.exceptions import MorseError
 from morse.middleware.rosbridge.hub import RosbridgeHub
 from morse.middleware.web.client import WebClient
@@ -357,9 +358,9 @@ def test_who_does_not_read_misses_messages_and_stops_nobody(start: Callable[...,
     sim.step(60)  # each scan has 0.18 MB: without hits, all ranges are null
     other.until(op="publish", topic="/clock")
     # the last ten scans wait
-    eventually(lambda: 1 << 20 < slow._size < 2 << 20)
+    eventually(lambda: 1 << 20 < CLIENT_BYTES - slow.memory.left < 2 << 20)
     sim.step(60)
-    eventually(lambda: 1 << 20 < slow._size < 2 << 20)
+    eventually(lambda: 1 << 20 < CLIENT_BYTES - slow.memory.left < 2 << 20)
     other.until(op="publish", topic="/clock")
     other.socket.close()
 

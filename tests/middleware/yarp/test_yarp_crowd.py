@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from event_loops import run_apart
+from morse.core.arrivals import Arrivals
 from morse.middleware.socket.listener import listen, port_of
 from morse.middleware.yarp.port import Port
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 def test_connections_that_do_not_speak_have_a_limit(caplog: pytest.LogCaptureFixture) -> None:
     async def crowd() -> bytes:
-        port = Port("/robot/pose/out", SimpleNamespace(), None)  # type: ignore[arg-type] # it asks for no names
+        port = Port("/robot/pose/out", SimpleNamespace(), None, Arrivals())  # type: ignore[arg-type] # it asks for no names
         listener = listen("127.0.0.1", (0,))
         number = port_of(listener)
         await port.open(listener)

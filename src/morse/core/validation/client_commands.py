@@ -13,6 +13,8 @@ from morse.core.validation.errors import CommandError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.arrivals import Sender
+
 #: number of letters of a message in the log
 _SHOWN = 80
 
@@ -33,15 +35,31 @@ class ClientCommands:
         self._component, self._logger, self._what = component, logger, what
         self._commands = Commands(component)
         self.complaints = Complaints(logger)
+        self._sender: Sender = component.context.arrivals.sender()
+
+    @property
+    def rest(self) -> bool:
+        """Whether messages have to wait, because earlier ones took more than their share of the time."""
+        return self._sender.rests
 
     def take(self, read: Callable[[Any], Any], message: Any) -> bool:
         """Write the fields of a message into the data of the component; whether that was possible.
+
+        If the simulation is not paced by the wall clock, its clients wait for it, and messages never wait.
 
         Args:
             read: returns the fields of the message, or None if it has none. It may be code of a user: an exception only
                 refuses the message.
             message: as it has arrived.
         """
+        if not self._component.context.paced():
+            return self._take(read, message)
+        with self._sender.measured():
+            taken = self._take(read, message)
+        self._sender.rest_if_due()
+        return taken
+
+    def _take(self, read: Callable[[Any], Any], message: Any) -> bool:
         try:
             fields = read(message)
         except Exception as error:

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 _ENCODINGS = ("cdr", "json")
 _ERROR = 2
-#: channels of a client, and its subscriptions
-_MOST = 1024
 _LARGEST = 2**32 - 1
+#: bytes that are counted for the name of a topic
+_LONGEST_TOPIC = 256
 
 
 class FoxgloveClient(HubClient):
@@ -80,7 +80,9 @@ class FoxgloveClient(HubClient):
 
     def topic_removed(self, topic: WebTopic) -> None:
         """See `HubClient.topic_removed`."""
-        self._subscriptions = {number: one for number, one in self._subscriptions.items() if one is not topic}
+        for number in [number for number, one in self._subscriptions.items() if one is topic]:
+            del self._subscriptions[number]
+            self.release(0)
         self._say(op="unadvertise", channelIds=[topic.number])
 
     def show(self, topic: WebTopic, frame: Any) -> None:
@@ -103,8 +105,7 @@ class FoxgloveClient(HubClient):
                 raise ValueError(f"there is no channel {channel}")
             if number in self._subscriptions or self in topic.readers:
                 raise ValueError(f"{topic.topic} is subscribed already, or the subscription {number} is in use")
-            if len(self._subscriptions) >= _MOST:
-                raise ValueError(f"more than {_MOST} subscriptions")
+            self.keep(0, "a subscription")
             self._subscriptions[number] = topic
             topic.readers[self] = number
             for stamp, data in tuple(topic.kept):
@@ -115,6 +116,7 @@ class FoxgloveClient(HubClient):
             topic = self._subscriptions.pop(number, None)
             if topic is None:
                 raise ValueError(f"there is no subscription {number}")
+            self.release(0)
             topic.readers.pop(self, None)
 
     # -- messages of the client --------------------------------------------------------------
@@ -129,13 +131,14 @@ class FoxgloveClient(HubClient):
                 raise ValueError(f"the encoding {shown(one.get('encoding'))} is none of {', '.join(_ENCODINGS)}")
             if isinstance(kind, str) and kind and _of_ros_2(kind) != heard[topic].type:
                 raise ValueError(f"the topic {topic} has the type {heard[topic].type}, not {short(kind)}")
-            if len(self._channels) >= _MOST:
-                raise ValueError(f"more than {_MOST} channels")
+            if number not in self._channels:
+                self.keep(_LONGEST_TOPIC, "a channel")
             self._channels[number] = topic
 
     def _unadvertise(self, message: dict[str, Any]) -> None:
         for number in _numbers(message, "channelIds"):
-            self._channels.pop(number, None)
+            if self._channels.pop(number, None) is not None:
+                self.release(_LONGEST_TOPIC)
 
     def _publish(self, published: frames.Published) -> None:
         topic = self._channels.get(published.channel)
@@ -176,12 +179,7 @@ class FoxgloveClient(HubClient):
         elif call.encoding != "json":
             self.answer(number, f"arguments have to be JSON, not {short(call.encoding)}", b"")
         else:
-            try:
-                arguments = msgspec.json.decode(call.data) if call.data.strip() else None
-            except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
-                self.answer(number, f"the arguments are not JSON: {error}", b"")
-            else:
-                self.hub.requests.call(self, number, path, arguments)
+            self.hub.requests.call(self, number, path, call.data)
 
     def answer(self, call: Any, error: str | None, value: bytes) -> None:
         """See `HubClient.answer`."""

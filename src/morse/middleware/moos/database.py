@@ -9,6 +9,7 @@ import struct
 import time
 from typing import TYPE_CHECKING, Any
 
+from morse.core.budget import CLIENT_BYTES
 from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.moos.mapping import INSTALL
@@ -19,9 +20,9 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 #: largest packet that is read, bytes, and number of messages that wait to be sent or read
-_LARGEST, _MOST_MESSAGES = 16 << 20, 20_000
+_LARGEST, _MOST_MESSAGES = 4 << 20, 20_000
 #: bytes of the packets that wait to be read
-_MOST_BYTES = 32 << 20
+_MOST_BYTES = CLIENT_BYTES - _LARGEST
 #: bytes of the header of a packet
 _HEADER = 9
 #: bytes of packets that are read in a wall-clock second: reading takes the time of the ticks

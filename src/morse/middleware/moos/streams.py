@@ -128,7 +128,7 @@ class MoosReader(MoosStream):
 
     def default(self, ci: Object | None = None) -> bool:
         """Take the fields that have arrived; True if there were any."""
-        if not self._arrived:
+        if not self._arrived or self._commands.rest:
             return False
         fields = list(self._arrived.items())
         self._arrived.clear()

@@ -14,6 +14,8 @@ from morse.middleware.mqtt.mapping import INSTALL, PORT, TLS_PORT
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from morse.core.arrivals import Arrivals
+
 logger = logging.getLogger(__name__)
 
 #: limits of the send queue: messages and bytes
@@ -29,6 +31,7 @@ class Broker:
 
     Args:
         options: see `morse.middleware.mqtt.mapping.MANAGER_OPTIONS`.
+        arrivals: the share of the time for what the broker sends.
 
     Attributes:
         connected: whether the broker is connected.
@@ -37,7 +40,8 @@ class Broker:
         MorseMiddlewareError: paho-mqtt is not installed, or an option is invalid.
     """
 
-    def __init__(self, options: Mapping[str, Any]) -> None:
+    def __init__(self, options: Mapping[str, Any], arrivals: Arrivals) -> None:
+        self._arrivals = arrivals
         try:
             from paho.mqtt import client, enums
         except ImportError:
@@ -156,6 +160,7 @@ class Broker:
         known = self._takers.get(message.topic)
         if known is not None:
             known[1](message.payload)
+        self._arrivals.received()
 
 
 def _made(base: Any, refused: Any) -> Any:

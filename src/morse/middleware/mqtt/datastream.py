@@ -42,7 +42,7 @@ class MqttDatastreamManager(DatastreamManager):
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
-        self.broker = Broker(self.options)
+        self.broker = Broker(self.options, context.arrivals)
         logger.info("mqtt: the broker is expected at %s", self.broker.place)
         self._owners: dict[str, str] = {}
 

@@ -105,7 +105,7 @@ class MqttReader(MqttStream):
 
     def default(self, ci: Object | None = None) -> bool:
         """Process received messages; True if there were any."""
-        if not self._inbox:
+        if not self._inbox or self._commands.rest:
             return False
         messages, dropped = self._inbox.take()
         if dropped:

@@ -51,16 +51,25 @@ class Node(Observer):
         self._place = f"{options['server_address']}:{options['server_port']}"
         self._connection = ServerConnection(options["server_address"], int(options["server_port"]))
         self._complaints = Complaints(logger)
+        self._sender = context.arrivals.sender()
         self._was_up = False
         self._applied: dict[str, bytes] = {}
         logger.info("node '%s': the multi-node server is expected at %s", name, self._place)
 
     def before_tick(self) -> None:
         """Exchange poses with the server."""
+        if self._sender.rests:
+            return
         answer = self._connection.exchange(self._state)
         self._report()
         if answer is None:
             return
+        with self._sender.measured():
+            self._take(answer)
+        if self._context.paced():
+            self._sender.rest_if_due()
+
+    def _take(self, answer: bytes) -> None:
         try:
             poses = read_answer(answer)
         except ValueError as error:
@@ -87,12 +96,11 @@ class Node(Observer):
                 self._move(name, read_pose(name, text))
             except Exception as error:
                 self._complaints.warn("pose", f"the multi-node server sends a wrong pose: {error}")
-        for name in poses.keys() - others.keys():
-            # a node may send robots that only its own scene contains
-            if name not in self._context.robots:
-                hint = nearest(name, list(others))
-                self._complaints.warn("unknown", f"another node has a robot {name!r:.60}, this scene has not{hint}")
-                break
+        # a node may send robots that only its own scene contains
+        unknown = next((name for name in poses if name not in others and name not in self._context.robots), None)
+        if unknown is not None:
+            hint = nearest(unknown, list(others))
+            self._complaints.warn("unknown", f"another node has a robot {unknown!r:.60}, this scene has not{hint}")
 
     def _report(self) -> None:
         is_up = self._connection.is_up

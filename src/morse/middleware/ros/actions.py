@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 _ACTIVE, _PREEMPTED, _SUCCEEDED, _ABORTED, _RECALLED = 1, 2, 3, 4, 8
 #: simulated seconds between two status messages, and for which the status of a finished goal is published
 _STATUS_PERIOD, _KEPT = 0.2, 5.0
-_WAITING = 64
+#: maximum number of goals that wait for a tick, and of finished goals whose status is published
+_WAITING, _MOST_ENDED = 64, 64
 
 
 class _Goal:
@@ -140,7 +141,8 @@ class ActionServer:
 
     def _tell(self) -> None:
         self._next = self._now + _STATUS_PERIOD
-        self._goals = [goal for goal in self._goals if self._now - goal.ended_at < _KEPT or goal.status == _ACTIVE]
+        ended = [goal for goal in self._goals if goal.status != _ACTIVE and self._now - goal.ended_at < _KEPT]
+        self._goals = [*ended[-_MOST_ENDED:], *(goal for goal in self._goals if goal.status == _ACTIVE)]
         made = message("actionlib_msgs/GoalStatusArray", {"header": {"stamp": time(self._stamp)}})
         for goal in self._goals:
             one = message("actionlib_msgs/GoalStatus", {})

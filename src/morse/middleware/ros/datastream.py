@@ -105,4 +105,4 @@ class ROSDatastreamManager(Ros1Kinds, Ros2DatastreamManager):
     def _make_backend(self) -> Backend:
         # descriptions of robots are parameters in ROS 1
         self.options = {**self.options, "description": False}
-        return RospyBackend(self.context.scene.settings.node_name)
+        return RospyBackend(self.context.scene.settings.node_name, self.context.arrivals)

@@ -20,6 +20,8 @@ from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subs
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping
 
+    from morse.core.arrivals import Arrivals
+
 logger = logging.getLogger(__name__)
 
 #: maximum number of messages of a topic that wait for the next tick
@@ -105,9 +107,15 @@ class _Latched(_Publisher):
 
 
 class _Subscription(Subscription):
-    def __init__(self, rospy: Any, topic: str, kind: Any) -> None:
+    def __init__(self, rospy: Any, topic: str, kind: Any, arrivals: Arrivals) -> None:
         self._arrived: deque[Any] = deque(maxlen=_WAITING)
-        self._subscriber = rospy.Subscriber(topic, kind, self._arrived.append, queue_size=_WAITING)
+        self._arrivals = arrivals
+        self._subscriber = rospy.Subscriber(topic, kind, self._arrive, queue_size=_WAITING)
+
+    def _arrive(self, message: Any) -> None:
+        """Queue a message; in the thread of rospy that receives from its publisher."""
+        self._arrived.append(message)
+        self._arrivals.received()
 
     def take(self) -> list[Any]:
         return [self._arrived.popleft() for _ in range(len(self._arrived))]
@@ -121,12 +129,14 @@ class RospyBackend(Backend):
 
     Args:
         name: of this simulation node.
+        arrivals: the share of the time for what other nodes send.
     """
 
     name = "rospy"
     takes_threads = True
 
-    def __init__(self, name: str | None = None) -> None:
+    def __init__(self, name: str | None, arrivals: Arrivals) -> None:
+        self._arrivals = arrivals
         self._rospy = join(name)
         self.opens = f"node {self._rospy.get_name()}, master {os.environ.get('ROS_MASTER_URI')}"
 
@@ -156,7 +166,7 @@ class RospyBackend(Backend):
 
     def subscription_of(self, topic: str, kind: Any) -> Subscription:
         """Receives messages of a class of rospy."""
-        return _Subscription(self._rospy, topic, kind)
+        return _Subscription(self._rospy, topic, kind, self._arrivals)
 
     def close(self) -> None:
         """See `Backend.close`; a process remains a rospy node until it ends."""

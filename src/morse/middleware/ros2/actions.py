@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from morse.core.budget import ENTRY, Budget
 from morse.core.status import PREEMPTED, SUCCESS
 from morse.middleware.ros2.backends.backend import Qos
 
@@ -62,6 +63,7 @@ class ActionServer:
         self._kind, self._begin, self._abort = kind, begin, abort
         self._info, self._one, self._array = GoalInfo, GoalStatus, GoalStatusArray
         self._goals: dict[bytes, _Goal] = {}
+        self._memory = Budget()
         self._source, self._message = feedback, kind.Impl.FeedbackMessage
         impl = kind.Impl
         self._send = backend.typed_service(f"{path}/_action/send_goal", impl.SendGoalService)
@@ -87,7 +89,10 @@ class ActionServer:
             if goal is None:
                 self._answer(caller, _UNKNOWN, None)
             elif goal.status == _EXECUTING:
-                goal.waiting.append(caller)
+                if self._memory.take(ENTRY):
+                    goal.waiting.append(caller)
+                else:
+                    self._answer(caller, _UNKNOWN, None)
             else:
                 self._answer(caller, goal.status, goal.result)
         running = [goal for goal in self._goals.values() if goal.status == _EXECUTING]
@@ -144,6 +149,7 @@ class ActionServer:
         goal.result = value if isinstance(value, self._kind.Result) else None
         for caller in goal.waiting:
             self._answer(caller, goal.status, goal.result)
+        self._memory.give(ENTRY * len(goal.waiting))
         goal.waiting.clear()
         self._tell()
 

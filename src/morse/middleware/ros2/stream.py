@@ -19,6 +19,7 @@ from morse.middleware.ros2.mapping import STREAM_OPTIONS
 from morse.middleware.ros2.names import relative_name, robot_of
 from morse.middleware.ros2.parts import covariance, header, quaternion, three, xyz, xyzw
 from morse.middleware.ros2.poses import OPTICAL_INVERSE, motion_of_robot, pose_of, product, quaternion_of
+from morse.middleware.ros2.sizes import check_size
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -81,6 +82,7 @@ class Ros2Stream(KindStream):
         super().initialize()
         self.robot = robot_of(self.component_instance)
         self._frame_ids: dict[str, str] = {}
+        self._sender = self.manager.context.arrivals.sender()
         # streams check in different ticks
         self._silence = crc32(self.component_name.encode()) % _PATIENCE
         self._prepared = self.manager.backend.is_cdr
@@ -250,13 +252,7 @@ class Ros2Stream(KindStream):
     def default(self, ci: Object | None = None) -> bool:
         """Publish, or process received messages; True if there were any."""
         if self.direction == "IN":
-            silent = True
-            for hearing in self._hearing:
-                for data in hearing.subscription.take():
-                    self._read(hearing, data)
-                    silent = False
-            if silent:
-                self._look_for_others()
+            self._hear()
             return super().default(ci)
         for bound, lines in self.sending:
             wanted = [line for line in lines if line.publisher.wanted()]
@@ -340,6 +336,23 @@ class Ros2Stream(KindStream):
 
     # -- commands ----------------------------------------------------------------------------
 
+    def _hear(self) -> None:
+        """Read what has arrived, unless it took more than its share of the time in the last ticks."""
+        if self._sender.rests:
+            return
+        silent = True
+        for hearing in self._hearing:
+            messages = hearing.subscription.take()
+            if messages:
+                silent = False
+                with self._sender.measured():
+                    for data in messages:
+                        self._read(hearing, data)
+        if silent:
+            self._look_for_others()
+        elif self.manager.context.paced():
+            self._sender.rest_if_due()
+
     def _look_for_others(self) -> None:
         """If no messages arrive, warn about senders of messages of another type, which are not received."""
         self._silence += 1
@@ -356,6 +369,7 @@ class Ros2Stream(KindStream):
 
     def _read(self, hearing: _Hearing, data: bytes) -> None:
         try:
+            check_size(hearing.inlet.type, data)
             message = self.manager.backend.decode(hearing.inlet.type, data)
             slots = hearing.inlet.take(message)
         except (CdrError, *_UNFIT) as error:

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from morse.middleware.web.topics import WebTopic
 
 _LEVELS = ("none", "error", "warning", "info")
-#: maximum number of topics that a client may subscribe to or advertise
-_MOST_TOPICS = 1024
+#: maximum number of subscriptions to one topic, which are compared with each other
+_MOST_OF_TOPIC = 1024
 _LONGEST_NAME = 256
 
 
@@ -47,7 +47,6 @@ class RosbridgeClient(HubClient):
         #: subscriptions of each topic, by id
         self._wishes: dict[str, dict[Any, _Wish]] = {}
         self._last: dict[str, float] = {}
-        self._advertised: set[str] = set()
 
     # -- topics ------------------------------------------------------------------------------
 
@@ -81,23 +80,23 @@ class RosbridgeClient(HubClient):
         topic = self._offered(name)
         if topic is not None and operation.type and _of_ros_2(operation.type) != topic.type:
             raise ValueError(f"the topic {short(name)} has the type {topic.type}, not {short(operation.type)}")
-        if name not in self._wishes and len(self._wishes) >= _MOST_TOPICS:
-            raise ValueError(f"more than {_MOST_TOPICS} topics")
         rate, depth = operation.throttle_rate, operation.queue_length
         wish = _Wish(max(0.0, rate) / 1000.0, int(min(max(0.0, depth), 1000.0)))
-        known = self._wishes.setdefault(name, {})
-        if len(known) >= _MOST_TOPICS:
-            raise ValueError(f"more than {_MOST_TOPICS} subscriptions to {short(name)}")
-        known[operation.id] = wish
+        known = self._wishes.get(name, {})
+        if operation.id not in known:
+            if len(known) >= _MOST_OF_TOPIC:
+                raise ValueError(f"more than {_MOST_OF_TOPIC} subscriptions to {short(name)}")
+            self.keep(_size(name, operation.id), "a subscription")
+        self._wishes.setdefault(name, known)[operation.id] = wish
         if topic is not None:
             self._attach(topic)
 
     def _unsubscribe(self, operation: Operation) -> None:
         name = self._topic_of(operation)
         wishes = self._wishes.get(name, {})
-        if operation.id is None:
-            wishes.clear()
-        wishes.pop(operation.id, None)
+        for number in list(wishes) if operation.id is None else [operation.id]:
+            if wishes.pop(number, None) is not None:
+                self.release(_size(name, number))
         topic = self._offered(name)
         if wishes:
             if topic is not None:
@@ -122,11 +121,9 @@ class RosbridgeClient(HubClient):
         heard = self.hub.topics.heard.get(name) if self.hub.topics is not None else None
         if heard is not None and operation.type and _of_ros_2(operation.type) != heard.type:
             raise ValueError(f"the topic {short(name)} has the type {heard.type}, not {short(operation.type)}")
-        if len(self._advertised) < _MOST_TOPICS:
-            self._advertised.add(name)
 
     def _unadvertise(self, operation: Operation) -> None:
-        self._advertised.discard(self._topic_of(operation))
+        self._topic_of(operation)
 
     def _publish(self, operation: Operation) -> None:
         name = self._topic_of(operation)
@@ -151,7 +148,7 @@ class RosbridgeClient(HubClient):
         service = service if service.startswith("/") else "/" + service
         call = (operation.id, service)
         if service.startswith("/rosapi/"):
-            values = rosapi.answer(self.hub, service, operation.args)
+            values = rosapi.answer(self.hub, service, msgspec.json.decode(operation.args or b"null"))
             if values is None:
                 self.answer(call, f"there is no service {short(service)}{nearest(service, rosapi.SERVICES)}", b"")
             else:
@@ -159,7 +156,7 @@ class RosbridgeClient(HubClient):
         elif self.hub.requests is None:
             self.answer(call, f"there is no service {short(service)}: the scene offers none on rosbridge", b"")
         else:
-            self.hub.requests.call(self, call, service, operation.args)
+            self.hub.requests.call(self, call, service, bytes(operation.args))
 
     def answer(self, call: Any, error: str | None, value: bytes) -> None:
         """See `HubClient.answer`."""
@@ -217,6 +214,11 @@ class RosbridgeClient(HubClient):
             if number is not None:
                 message["id"] = number
             self.tell(msgspec.json.encode(message).decode())
+
+
+def _size(name: str, number: Any) -> int:
+    """The size of a subscription to a topic."""
+    return len(name) + len(str(number))
 
 
 def _of_ros_2(name: str) -> str:

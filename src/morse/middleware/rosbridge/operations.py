@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import msgspec
 
 Raw = msgspec.Raw
@@ -25,7 +23,7 @@ class Operation(msgspec.Struct):
     throttle_rate: float = 0.0
     queue_length: float = 0.0
     service: str | None = None
-    args: Any = None
+    args: Raw = Raw()
     level: str | None = None
 
 

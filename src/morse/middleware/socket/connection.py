@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 from morse.middleware.socket.sending import send_now
 
 if TYPE_CHECKING:
+    import asyncio
+
     from morse.core.network import Network
 
 #: bytes that are read at once: large pieces only where many bytes arrive, because their memory has to be mapped
@@ -58,6 +60,10 @@ class Connection:
         self._rest = bytearray()
         self._chunk = _CHUNK
         self._reading = self._writing = False
+        #: whether bytes are wanted; they are not read while the peer rests
+        self._wanted = False
+        self._sender = network.arrivals.sender()
+        self._resting: asyncio.TimerHandle | None = None
         self._slow = self._closing = self._ended = False
         self.high_water = _HIGH_WATER
         sock.setblocking(False)
@@ -81,15 +87,23 @@ class Connection:
 
     def pause_reading(self) -> None:
         """Stop reading for a while: the peer has to wait when the buffers of the system are full."""
-        if self._reading:
-            self._reading = False
-            self._network.ignore(self._socket)
+        self._wanted = False
+        self._watch_readable()
 
     def resume_reading(self) -> None:
         """Continue reading."""
-        if not self._reading and not self.is_closing():
-            self._reading = True
+        self._wanted = True
+        self._watch_readable()
+
+    def _watch_readable(self) -> None:
+        reading = self._wanted and self._resting is None and not self.is_closing()
+        if reading == self._reading:
+            return
+        self._reading = reading
+        if reading:
             self._network.on_readable(self._socket, self.read, comes_first=self._comes_first)
+        else:
+            self._network.ignore(self._socket)
 
     def read(self) -> None:
         """Read the received bytes."""
@@ -102,13 +116,30 @@ class Connection:
         except OSError as error:
             self._end(error)
             return
-        self._chunk = _LARGE_CHUNK if len(data) == self._chunk else _CHUNK
-        if data:
+        is_flood = len(data) == self._chunk
+        self._chunk = _LARGE_CHUNK if is_flood else _CHUNK
+        if is_flood:
+            with self._sender.measured():
+                self._listener.data_received(data)
+            # a simulation that waits for its clients does not wait for their rest
+            if self._sender.must_rest and not self._network.is_borrowed:
+                self._begin_rest()
+        elif data:
             self._listener.data_received(data)
         else:
             self.pause_reading()
             if not self._listener.eof_received():
                 self.close()
+
+    def _begin_rest(self) -> None:
+        self._resting = self._network.loop.call_later(self._sender.begin_rest(), self._end_rest)
+        self._watch_readable()
+
+    def _end_rest(self) -> None:
+        if self._resting is not None:
+            self._resting.cancel()
+            self._resting = None
+            self._watch_readable()
 
     # -- writing -----------------------------------------------------------------------------
 
@@ -182,6 +213,7 @@ class Connection:
             return
         self._ended = True
         self.pause_reading()
+        self._end_rest()
         self._watch_writable(False)
         self._rest.clear()
         # called later: the set of clients must not change during a broadcast

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import threading
 import weakref
 from typing import TYPE_CHECKING, Any, Protocol
+
+from morse.core.budget import Budget
 
 if TYPE_CHECKING:
     from morse.core.network import Network
@@ -19,27 +20,6 @@ MAX_UNSENT = 128 << 20
 """Maximum number of unsent bytes for all clients."""
 #: a connection counts as slow above this number of unsent bytes, or above its share of `MAX_UNSENT`
 _HIGH_WATER = 1 << 18
-
-
-class Budget:
-    """A number of bytes that several clients share."""
-
-    def __init__(self, size: int) -> None:
-        self.left = size
-        self._lock = threading.Lock()
-
-    def take(self, count: int) -> bool:
-        """Reserve bytes; False if fewer are left."""
-        with self._lock:
-            if count > self.left:
-                return False
-            self.left -= count
-            return True
-
-    def give(self, count: int) -> None:
-        """Release bytes that `take` has reserved."""
-        with self._lock:
-            self.left += count
 
 
 class Server(Protocol):

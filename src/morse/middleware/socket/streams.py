@@ -140,7 +140,7 @@ class SocketReader(SocketStream):
 
     def default(self, ci: Object | None = None) -> bool:
         """Apply received messages; True if there were any."""
-        if not self.server.inbox:
+        if not self.server.inbox or self._commands.rest:
             return False
         lines, dropped = self.server.inbox.take()
         if dropped:

@@ -8,25 +8,23 @@ from typing import TYPE_CHECKING
 
 from websockets.exceptions import ConnectionClosed
 
+from morse.core.budget import ENTRY, Budget
+
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
 
-    from morse.core.web_crowd import Pace
-
-MOST_BYTES = 16 << 20
-"""Maximum size of the send queue of a client, bytes; newer data replace older data."""
-
-_MOST_TOLD = 4096
+    from morse.core.arrivals import Sender
 
 
 class WebClient:
     """A connection; all functions run in the network thread.
 
-    If a client reads too slowly, its data are dropped, the oldest of a topic first. Responses are never dropped: a
-    client that does not read them is disconnected.
+    If a client reads too slowly, its data are dropped, the oldest first. Responses are never dropped: a client that
+    does not read them is disconnected.
 
     Attributes:
         connection: the WebSocket.
+        memory: for its queued messages, and for everything that it leaves behind; data give way to the rest.
         peer: address and port of the client.
     """
 
@@ -36,7 +34,8 @@ class WebClient:
         self.peer = f"{address[0]}:{address[1]}" if address else "?"
         self._waiting: dict[int, tuple[object, str | bytes]] = {}
         self._of_key: dict[object, deque[int]] = {}
-        self._serial = self._size = self._told = 0
+        self.memory = Budget()
+        self._serial = 0
         self._wake = asyncio.Event()
 
     @property
@@ -58,11 +57,29 @@ class WebClient:
 
     def tell(self, frame: str | bytes) -> None:
         """Queue a response."""
-        self._told += 1
-        if self._told > _MOST_TOLD or self._size > 4 * MOST_BYTES:
-            self.connection.transport.abort()
-            return
+        is_alone = not self._waiting
         self._add(None, frame)
+        self._make_room()
+        if self.memory.left < 0 and not is_alone:
+            self.connection.transport.abort()
+
+    def keep(self, count: int, what: str) -> None:
+        """Reserve memory for something that the client leaves behind; `memory.give` releases it.
+
+        Args:
+            count: of bytes, in addition to an entry of a table.
+            what: for the message, such as ``a subscription``.
+
+        Raises:
+            OverBudget: the client has used its memory.
+        """
+        while self.memory.left < count + ENTRY and self._drop_oldest():
+            pass
+        self.memory.charge(count + ENTRY, what)
+
+    def release(self, count: int) -> None:
+        """Release what `keep` has reserved."""
+        self.memory.give(count + ENTRY)
 
     def offer(self, key: object, frame: str | bytes, depth: int) -> bool:
         """Queue data if the client is fast enough.
@@ -81,18 +98,23 @@ class WebClient:
             self._drop(numbers.popleft())
         self._add(key, frame)
         numbers.append(self._serial)
-        while self._size > MOST_BYTES and self._drop_oldest():
-            is_fast = False
-        return is_fast
+        return self._make_room() and is_fast
+
+    def _make_room(self) -> bool:
+        """Drop data until the queue fits the memory; return whether that was unnecessary."""
+        is_small = True
+        while self.memory.left < 0 and self._drop_oldest():
+            is_small = False
+        return is_small
 
     def _add(self, key: object, frame: str | bytes) -> None:
         self._serial += 1
         self._waiting[self._serial] = (key, frame)
-        self._size += len(frame)
+        self.memory.force(len(frame) + ENTRY)
         self._wake.set()
 
     def _drop(self, number: int) -> None:
-        self._size -= len(self._waiting.pop(number)[1])
+        self.memory.give(len(self._waiting.pop(number)[1]) + ENTRY)
 
     def _drop_oldest(self) -> bool:
         oldest = next((number for number, (key, _) in self._waiting.items() if key is not None), None)
@@ -111,10 +133,8 @@ class WebClient:
                 while self._waiting:
                     number = next(iter(self._waiting))
                     key, frame = self._waiting.pop(number)
-                    self._size -= len(frame)
-                    if key is None:
-                        self._told -= 1
-                    else:
+                    self.memory.give(len(frame) + ENTRY)
+                    if key is not None:
                         self._of_key[key].popleft()
                     await self.connection.send(frame)
         except ConnectionClosed:
@@ -122,10 +142,9 @@ class WebClient:
 
     # -- receiving ---------------------------------------------------------------------------
 
-    async def receive_forever(self, pace: Pace) -> None:
+    async def receive_forever(self, sender: Sender) -> None:
         """Receive messages until the connection is closed; a client that sends too much is throttled."""
-        spent = 0.0
         async for frame in self.connection:
-            begin = pace.now()
-            self.received(frame)
-            spent = await pace.rest(spent + pace.now() - begin)
+            with sender.measured():
+                self.received(frame)
+            await sender.rest()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import msgspec
 
 from morse.core import status
+from morse.core.budget import OverBudget
 from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseError, MorseMethodNotFoundError, MorseRPCNbArgsError
 from morse.core.hints import nearest
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.middleware.web.hub import Hub, HubClient
 
-    #: client, value that the client passed with the call, error, result as JSON
+    #: client, value that the client passed with the call with the size of the call, error, result as JSON
     _Answer = tuple[HubClient, Any, str | None, bytes]
 
 logger = logging.getLogger(__name__)
@@ -53,7 +54,7 @@ class WebRequestManager(RequestManager):
         self.title = self._hub.name
         #: component and service by name; replaced, never modified, because the network thread reads it
         self.paths: dict[str, tuple[str, str]] = {}
-        self._inbox: Turns[HubClient, tuple[Any, str, Any]] = Turns()
+        self._inbox: Turns[HubClient, tuple[Any, str, bytes]] = Turns()
         self._share = TimeShare()
         self._gone: deque[HubClient] = deque()
         self._cancelled: deque[tuple[HubClient, Any]] = deque()
@@ -92,20 +93,27 @@ class WebRequestManager(RequestManager):
         for client in list(self._hub.server.clients):
             client.services_changed()
 
-    def call(self, client: HubClient, call: Any, path: str, arguments: Any) -> None:
+    def call(self, client: HubClient, call: Any, path: str, arguments: bytes) -> None:
         """Call a service for a client; `HubClient.answer` will be called.
 
         Args:
             client: the caller.
             call: a value that is returned to the client with the response.
             path: name of the service.
-            arguments: a list, or an object with names.
+            arguments: JSON: a list, or an object with names; empty for none. They are decoded when the service is
+                called: values that wait would take many times the memory.
         """
         if client.calls >= MOST_CALLS:
             client.answer(call, f"{MOST_CALLS} calls of this client are active: wait until they end", b"")
             return
+        size = len(arguments) + len(path) + len(str(call))
+        try:
+            client.keep(size, "a call")
+        except OverBudget as error:
+            client.answer(call, str(error), b"")
+            return
         client.calls += 1
-        self._inbox.extend([(client, (call, path, arguments))])
+        self._inbox.extend([(client, ((call, size), path, arguments))])
         self._context.wake()
 
     def cancel(self, client: HubClient, call: Any) -> None:
@@ -119,8 +127,9 @@ class WebRequestManager(RequestManager):
 
     @staticmethod
     def _deliver(answers: list[_Answer]) -> None:
-        for client, call, error, value in answers:
+        for client, (call, size), error, value in answers:
             client.calls -= 1
+            client.release(size)
             client.answer(call, error, value)
 
     # -- in the simulation thread ------------------------------------------------------------
@@ -142,7 +151,7 @@ class WebRequestManager(RequestManager):
         while self._cancelled:
             client, wanted = self._cancelled.popleft()
             for number, (caller, call) in list(self._calls.items()):
-                if caller is client and call == wanted:
+                if caller is client and call[0] == wanted:
                     self.abort_request(number)
         while self._gone:
             client = self._gone.popleft()
@@ -151,12 +160,12 @@ class WebRequestManager(RequestManager):
                 if caller is client:
                     self.abandon(number)
 
-    def _handle(self, client: HubClient, call: Any, path: str, arguments: Any) -> None:
+    def _handle(self, client: HubClient, call: Any, path: str, arguments: bytes) -> None:
         component, service = self.paths.get(path, ("", ""))
         try:
             if not service:
                 raise MorseMethodNotFoundError(f"there is no service {short(path)}{nearest(path, self.paths)}")
-            values = self._listed(component, service, arguments)
+            values = self._listed(component, service, _decoded(arguments))
             done, outcome = self.on_incoming_request(component, service, values)
         except MorseError as error:
             self._outbox.append((client, call, str(error), b""))
@@ -210,6 +219,18 @@ class WebRequestManager(RequestManager):
         if self._outbox:
             answers, self._outbox = self._outbox, []
             self._context.network.post(self._deliver, answers)
+
+
+def _decoded(arguments: bytes) -> Any:
+    """The arguments of a call.
+
+    Raises:
+        MorseRPCNbArgsError: they are not JSON.
+    """
+    try:
+        return msgspec.json.decode(arguments) if arguments.strip() else None
+    except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
+        raise MorseRPCNbArgsError(f"the arguments are not JSON: {error}") from None
 
 
 def path_of(component: str, service: str) -> str:

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import logging
 import socket
+from functools import partial
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from urllib.parse import quote
@@ -17,7 +18,8 @@ from morse.core.complaints import Complaints
 from morse.core.doors.streams import StreamDoor
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.web_access import Access
-from morse.core.web_crowd import MOST_WAITING, NO_PLACE, Connection, Pace, guest_of
+from morse.core.web_connection import PacedConnection, sender_of
+from morse.core.web_crowd import MOST_WAITING, NO_PLACE, guest_of
 from morse.middleware.web.client import WebClient
 
 if TYPE_CHECKING:
@@ -83,7 +85,6 @@ class WebServer(Generic[_C]):
         self.complaints = Complaints(logger)
         most = self._most + _UNFINISHED
         self._door = StreamDoor(name, most=most, complaints=self.complaints, refusal=NO_PLACE)
-        self._pace = Pace()
         self._server: Server | None = None
         self._quiet = logging.Logger(
             "morse.middleware.web.connections", logging.CRITICAL + 1
@@ -127,7 +128,7 @@ class WebServer(Generic[_C]):
                     process_request=self._check,
                     subprotocols=self._subprotocols or None,  # type: ignore[arg-type] # words are subprotocols
                     compression=None,
-                    create_connection=Connection,
+                    create_connection=partial(PacedConnection, self._context.network.arrivals),  # type: ignore[arg-type] # a factory is sufficient
                     door=self._door,
                     max_size=MAX_MESSAGE,
                     max_queue=MOST_WAITING,
@@ -194,7 +195,7 @@ class WebServer(Generic[_C]):
         sender = asyncio.create_task(client.send_forever())
         try:
             client.begin()
-            await client.receive_forever(self._pace)
+            await client.receive_forever(sender_of(connection))
         except ConnectionClosed:
             pass  # a client may disconnect at any time
         except Exception as error:  # an error of one client must not affect the others

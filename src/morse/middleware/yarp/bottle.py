@@ -138,6 +138,10 @@ class _Reader:
         # each value takes at least one byte
         if depth > _DEEPEST or not 0 <= count <= self.left:
             raise BottleError("it is nested too deeply" if depth > _DEEPEST else f"a list has {count} values")
+        if common in _NUMBERS:
+            size, form = _NUMBERS[common].size, _NUMBERS[common].format
+            numbers: list[Any] = np.frombuffer(self._take(count * size), dtype=form).tolist()
+            return numbers
         return [self._value(common or self.number(INT32), depth + 1) for _ in range(count)]
 
     def _value(self, tag: int, depth: int) -> Any:

@@ -21,14 +21,21 @@ if TYPE_CHECKING:
     import socket
     from collections.abc import Callable
 
+    from morse.core.arrivals import Arrivals, Sender
     from morse.middleware.yarp.names import NameServer
 
 logger = logging.getLogger(__name__)
 
 _T = TypeVar("_T")
+_Command = TypeVar("_Command", str, bytes)
 
-#: largest received message, number of connections to a port, and wall-clock seconds for the begin of one
-_LARGEST, _MOST_CONNECTIONS, _TIMEOUT = 1 << 20, 64, 5.0
+#: bytes of the largest bottle and of the largest command that are received: what a bottle contains is decoded value by
+#: value, which takes up to 100 times longer than to receive it
+_LARGEST, _LARGEST_COMMAND = 1 << 17, 1 << 12
+#: processor seconds for the index of a message, or for finding the end of a line
+_EACH = 5e-5
+#: number of connections to a port, and wall-clock seconds for the begin of one
+_MOST_CONNECTIONS, _TIMEOUT = 64, 5.0
 _CARRIERS = (wire.TCP, wire.FAST_TCP)
 #: a target such as ``/reader``, ``fast_tcp://reader`` or ``tcp:/reader``
 _TARGET = re.compile(r"(?:([a-z_0-9]+):/)?(/[^\s:]+)$")
@@ -51,6 +58,7 @@ class _Input(NamedTuple):
     carrier: str
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
+    sender: Sender
 
 
 class _Visitor(Visitor, asyncio.StreamReaderProtocol):
@@ -63,14 +71,19 @@ class Port:
     Args:
         name: such as ``/morse/robot/pose/out``.
         names: where the addresses of other ports are asked for.
-        take: called with the values of each bottle that arrives; None for a port that only sends.
+        take: called with the values of each bottle that arrives, and the number of its bytes; None for a port that only
+            sends.
+        arrivals: the share of the time for what clients send.
 
     Attributes:
         outputs: the connections to other ports, by name.
     """
 
-    def __init__(self, name: str, names: NameServer, take: Callable[[list[Any]], object] | None) -> None:
+    def __init__(
+        self, name: str, names: NameServer, take: Callable[[list[Any], int], object] | None, arrivals: Arrivals
+    ) -> None:
         self.name, self._names, self._take = name, names, take
+        self._arrivals = arrivals
         self.outputs: dict[str, Output] = {}
         self._inputs: set[_Input] = set()
         self._number = 0
@@ -122,56 +135,78 @@ class Port:
     async def _greet(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> _Input:
         carrier = wire.carrier_of(await reader.readexactly(8))
         if carrier in (wire.TEXT, wire.TEXT_ACK):
-            source = (await reader.readline()).decode("utf-8", "replace").strip()
+            source = (await reader.readline()).decode("utf-8", "replace").strip()[: wire.LONGEST_NAME]
             if "HTTP/" in source:  # CONNECT is a word of HTTP, too
                 raise wire.WireError("the client speaks HTTP")
             writer.write(f"Welcome {source}\r\n".encode())
         else:
             source = await wire.read_name(reader)
             writer.write(wire.number(self._number))
-        return _Input(source, carrier, reader, writer)
+        return _Input(source, carrier, reader, writer, self._arrivals.sender())
 
     async def _messages(self, one: _Input) -> None:
         while True:
             command, data = await wire.read_message(one.reader, _LARGEST)
-            if command in ("d", "D"):
-                self._data(one, decode, data)
+            one.sender.spend(_EACH)
+            with one.sender.measured():
+                if command in ("d", "D"):
+                    self._data(one, decode, data)
+                words = decode(self._checked(data)) if command == "a" else []
             if command == "a":
-                one.writer.write(encode(await self._administer(decode(data))))
+                one.writer.write(encode(await self._administer(words)))
             elif command == "d":
                 one.writer.write(encode([]))  # who sends "d" waits for a reply
             elif command == "q":
                 return
             elif command != "D":
-                await self._short(command)
+                await self._short(self._checked(command))
             if one.carrier == wire.TCP:
                 one.writer.write(wire.acknowledgement())
             await one.writer.drain()
+            await one.sender.rest()
 
     async def _lines(self, one: _Input) -> None:
-        while line := (await one.reader.readline()).decode("utf-8", "replace").strip():
+        while line := (await self._line(one)).strip():
             answer = None
             if line in ("d", "D", "do"):
-                text = (await one.reader.readline()).decode("utf-8", "replace")
-                self._data(one, from_text, text)
+                text = await self._line(one)
+                with one.sender.measured():
+                    self._data(one, from_text, text)
             elif line == "a":
-                answer = to_text(await self._administer(from_text((await one.reader.readline()).decode())))
+                text = await self._line(one, "strict")
+                with one.sender.measured():
+                    words = from_text(self._checked(text))
+                answer = to_text(await self._administer(words))
             elif line == "q":
                 one.writer.write(b"Bye bye\r\n")
                 return
             else:
-                answer = await self._short(line)
+                answer = await self._short(self._checked(line))
             if answer is not None:
                 one.writer.write(f"{answer}\r\n".encode())
             if one.carrier == wire.TEXT_ACK:
                 one.writer.write(b"<ACK>\r\n")
             await one.writer.drain()
+            await one.sender.rest()
+
+    @staticmethod
+    async def _line(one: _Input, errors: str = "replace") -> str:
+        line = await one.reader.readline()
+        one.sender.spend(_EACH)
+        with one.sender.measured():
+            return line.decode("utf-8", errors)
+
+    @staticmethod
+    def _checked(command: _Command) -> _Command:
+        if len(command) > _LARGEST_COMMAND:
+            raise wire.WireError(f"a command has {len(command)} bytes, expected at most {_LARGEST_COMMAND}")
+        return command
 
     def _data(self, one: _Input, read: Callable[[_T], list[Any]], data: _T) -> None:
         if self._take is None:
             return
         try:
-            self._take(read(data))
+            self._take(read(data), len(data))  # type: ignore[arg-type] # text or bytes
         except BottleError as error:
             self._complaints.warn("read", f"yarp: a message of {shown(one.source)} to {self.name} is refused: {error}")
 

@@ -75,13 +75,13 @@ class Ports:
         """The name of a port from its path below the prefix."""
         return f"/{self._prefix}/{path}"
 
-    def open(self, name: str, owner: str, take: Callable[[list[Any]], object] | None = None) -> Port:
+    def open(self, name: str, owner: str, take: Callable[[list[Any], int], object] | None = None) -> Port:
         """Open a port.
 
         Args:
             name: absolute, ``/morse/robot/pose/out``.
             owner: name of the component, for messages.
-            take: called in the network loop with the values of each bottle that arrives.
+            take: called in the network loop with the values of each bottle that arrives, and the number of its bytes.
 
         Raises:
             MorseMiddlewareError: the name is not one of YARP, or another component has the port.
@@ -95,7 +95,7 @@ class Ports:
         listener = listen(self._context.host, (0,))
         number = listener.getsockname()[1]
         host = "..." if self._context.host in _EVERYWHERE else self._context.host
-        port = Port(name, self.names, take)
+        port = Port(name, self.names, take, self._context.network.arrivals)
         self._context.network.call(port.open(listener))
         self._owners[name] = owner
         self._context.network.post(self._add, name, port, Address(host, number))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from morse.core.answered_requests import AnsweredRequests
@@ -13,6 +12,7 @@ from morse.core.time_share import TimeShare
 from morse.middleware.text.values import written
 from morse.middleware.yarp.bottle import encode
 from morse.middleware.yarp.ports import Ports, ports_of
+from morse.middleware.yarp.waiting import WaitingBottles
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,7 +41,7 @@ class YarpRequestManager(AnsweredRequests):
         self._ports: Ports | None = None
         self._requests: dict[str, Port] = {}
         self._replies: dict[str, Port] = {}
-        self._arrived: deque[tuple[str, list[Any]]] = deque(maxlen=_MOST_WAITING)
+        self._arrived: WaitingBottles[tuple[str, list[Any]]] = WaitingBottles(_MOST_WAITING)
         self._share = TimeShare()
 
     def initialization(self) -> bool:
@@ -69,9 +69,9 @@ class YarpRequestManager(AnsweredRequests):
             self._requests[component_name] = self._ports.open(f"{path}/request", owner, self._taker(component_name))
         return True
 
-    def _taker(self, component: str) -> Callable[[list[Any]], object]:
-        def take(values: list[Any]) -> None:
-            self._arrived.append((component, values))
+    def _taker(self, component: str) -> Callable[[list[Any], int], object]:
+        def take(values: list[Any], count: int) -> None:
+            self._arrived.append((component, values), count)
             self._context.wake()
 
         return take

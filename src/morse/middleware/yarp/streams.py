@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
@@ -12,9 +11,10 @@ from morse.core.kinds import bind
 from morse.core.validation import ClientCommands
 from morse.middleware.yarp.bottle import as_dict
 from morse.middleware.yarp.mapping import STREAM_OPTIONS
+from morse.middleware.yarp.waiting import WaitingBottles
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Sized
 
     from morse.core.object import Object
 
@@ -41,7 +41,7 @@ class YarpStream(AbstractDatastream):
         name = self.kwargs["port"] or self.manager.ports.name(path)
         self.port = self.manager.ports.open(name, self.component_name, self._taker())
 
-    def _taker(self) -> Callable[[list[Any]], object] | None:
+    def _taker(self) -> Callable[[list[Any], int], object] | None:
         return None
 
     def finalize(self) -> None:
@@ -93,23 +93,23 @@ class YarpReader(YarpStream):
 
     def initialize(self) -> None:
         """Listen."""
-        self._arrived: deque[list[Any]] = deque(maxlen=_MOST_WAITING)
+        self._arrived: WaitingBottles[list[Any]] = WaitingBottles(_MOST_WAITING)
         self._commands = ClientCommands(self.component_instance, logger, "bottle")
         self._fields = [name for name in self.data if name != "timestamp"]
         super().initialize()
 
-    def _taker(self) -> Callable[[list[Any]], object]:
+    def _taker(self) -> Callable[[list[Any], int], object]:
         return self._arrived.append
 
     @property
-    def waiting(self) -> Collection[Any]:
+    def waiting(self) -> Sized:
         """Bottles that have arrived."""
         return self._arrived
 
     def default(self, ci: Object | None = None) -> bool:
         """Process received bottles; True if there were any."""
         taken = False
-        while self._arrived:
+        while self._arrived and not self._commands.rest:
             taken = self._commands.take(self.message, self._arrived.popleft()) or taken
         return taken
 

@@ -16,7 +16,7 @@ TCP, FAST_TCP, TEXT, TEXT_ACK = "tcp", "fast_tcp", "text", "text_ack"
 _CARRIER_BASE, _TCP_CODE, _WANTS_ACK = 7777, 3, 128
 _OTHERS = {0: "udp", 1: "mcast", 2: "shmem"}
 _INDEX = 10
-_LONGEST_NAME = 1000
+LONGEST_NAME = 1000
 _INT = struct.Struct("<i")
 
 
@@ -77,7 +77,7 @@ def carrier_of(data: bytes) -> str:
 async def read_name(reader: asyncio.StreamReader) -> str:
     """The name of the sender of a connection."""
     (size,) = _INT.unpack(await reader.readexactly(4))
-    if not 1 <= size <= _LONGEST_NAME:
+    if not 1 <= size <= LONGEST_NAME:
         raise WireError(f"the name of the sender has {size} letters")
     return (await reader.readexactly(size)).rstrip(b"\0").decode("utf-8", "replace")
 
@@ -123,6 +123,6 @@ def acknowledgement() -> bytes:
 async def read_acknowledgement(reader: asyncio.StreamReader) -> None:
     """The answer of the carrier tcp to a message."""
     size = value_of(await reader.readexactly(8))
-    if not 0 <= size <= _LONGEST_NAME:
+    if not 0 <= size <= LONGEST_NAME:
         raise WireError(f"an acknowledgement has {size} bytes")
     await reader.readexactly(size)

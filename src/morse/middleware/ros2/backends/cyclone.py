@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 _NO_TIME = 0.0
 #: maximum number of messages that are read in one tick
 _MOST = 64
-#: maximum number of publishers of a domain that are inspected
-_ENDPOINTS = 1000
+#: number of publishers of a domain that are inspected at once: to read the description of one takes 0.2 ms
+_ENDPOINTS = 16
 _LOOPBACK = """<CycloneDDS><Domain><General>
 <Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces><AllowMulticast>false</AllowMulticast>
 </General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>
@@ -138,7 +138,7 @@ class _Reader(Subscription):
         self._reader = DataReader(backend.participant, topic, qos=_qos(qos))
 
     def other_types(self) -> set[str]:
-        names = self._backend.published(self._topic.name) - {self._topic.typename}
+        names = self._backend.take_types(self._topic.name) - {self._topic.typename}
         return {name.replace("::msg::dds_::", "/msg/").removesuffix("_") for name in names}
 
     def take(self) -> list[bytes]:
@@ -161,6 +161,8 @@ class CycloneBackend(Backend):
         self.opens = f"domain {domain}, UDP {place}"
         self._topics: dict[tuple[str, str], Any] = {}
         self._endpoints: Any = None
+        #: types of discovered publishers by the DDS names of the topics of this participant
+        self._types: dict[str, set[str]] = {}
 
     def _topic(self, topic: str, type_name: str) -> Any:
         key = (topic, type_name)
@@ -168,12 +170,18 @@ class CycloneBackend(Backend):
             self._topics[key] = Topic(self.participant, f"rt{topic}", sample_type(type_name))
         return self._topics[key]
 
-    def published(self, topic: str) -> set[str]:
-        """The types with which a topic, by its DDS name, is published."""
+    def take_types(self, topic: str) -> set[str]:
+        """The types with which a topic, by its DDS name, was published since the last call.
+
+        Each call inspects some publishers of the domain, which may have thousands; each publisher is inspected once.
+        """
         if self._endpoints is None:
             self._endpoints = BuiltinDataReader(self.participant, BuiltinTopicDcpsPublication)
-        found = [one for one in self._endpoints.read(_ENDPOINTS) if one.sample_info.valid_data]
-        return {one.type_name for one in found if one.topic_name == topic}
+        own = {name for name, _ in self._topics}
+        for one in self._endpoints.take(_ENDPOINTS):
+            if one.sample_info.valid_data and one.topic_name.removeprefix("rt") in own:
+                self._types.setdefault(one.topic_name, set()).add(one.type_name)
+        return self._types.pop(topic, set())
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """See `Backend.publisher`."""
