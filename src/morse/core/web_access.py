@@ -8,6 +8,7 @@ machine, and the origin of a request must be this page. Browsers on other machin
 from __future__ import annotations
 
 import ipaddress
+import re
 import secrets
 from http.cookies import CookieError, SimpleCookie
 from typing import TYPE_CHECKING
@@ -19,11 +20,13 @@ if TYPE_CHECKING:
 
 #: characters in names and addresses of hosts
 _OF_HOSTS = frozenset("abcdefghijklmnopqrstuvwxyz0123456789.-_:")
+#: a name, an IPv4 address, or an IPv6 address in brackets; then the port
+_AUTHORITY = re.compile(r"(?:\[(?P<address>[0-9A-Fa-f:.]+)\]|(?P<name>[A-Za-z0-9._-]+))(?::(?P<port>[0-9]{0,5}))?")
 
 
 def is_loopback(host: str) -> bool:
     """True for ``localhost`` and the loopback addresses."""
-    if host.rstrip(".").lower() == "localhost":
+    if host.removesuffix(".").lower() == "localhost":
         return True
     try:
         return ipaddress.ip_address(host).is_loopback
@@ -32,8 +35,14 @@ def is_loopback(host: str) -> bool:
 
 
 def _host_of(authority: str) -> str | None:
+    """The host of a ``Host`` header; None if it is not a name or an address, with or without a port (RFC 9110)."""
+    matched = _AUTHORITY.fullmatch(authority)
+    if matched is None or int(matched["port"] or 0) > 65535:
+        return None
+    if matched["address"] is None:
+        return matched["name"]
     try:
-        return urlsplit("//" + authority).hostname
+        return str(ipaddress.IPv6Address(matched["address"]))
     except ValueError:
         return None
 
