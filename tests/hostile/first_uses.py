@@ -36,10 +36,10 @@ class Watch:
 def _observe(name: str, watch: Watch) -> list[str]:
     from morse.verification.contract.said import Said
     from morse.verification.contract.stand import set_up
-    from morse.verification.contract.subjects import library
+    from morse.verification.contract.subjects import subjects
 
-    subject = next(one for one in library() if one.name == name)
-    with set_up(subject, Said()) as stand:
+    (subject,) = subjects(name)
+    with Said() as said, set_up(subject, said) as stand:
         simulation = stand.simulation
         component = stand.component
         before = set(sys.modules)
