@@ -6,12 +6,14 @@ Run as a program: ``first_uses.py NAME...``; prints a line of JSON per name: the
 from __future__ import annotations
 
 import json
+import linecache
 import os
 import sys
 from typing import Any
 
-_EVENTS = ("import", "open", "compile", "exec")
-_TICKS = 90
+_FILES = ("import", "open")
+_EVENTS = (*_FILES, "compile", "exec")
+_TICKS = 61
 
 
 class Watch:
@@ -20,10 +22,11 @@ class Watch:
     def __init__(self) -> None:
         self.on = False
         self.events: list[str] = []
+        self.events_of = _EVENTS
         sys.addaudithook(self._hear)
 
     def _hear(self, event: str, arguments: tuple[Any, ...]) -> None:
-        if self.on and event in _EVENTS:
+        if self.on and event in self.events_of:
             self.on = False
             what = arguments[0] if event != "exec" else arguments[0].co_filename
             import traceback
@@ -42,15 +45,20 @@ def _observe(name: str, watch: Watch) -> list[str]:
     with Said() as said, set_up(subject, said) as stand:
         simulation = stand.simulation
         component = stand.component
+        linecache.getlines(__file__)  # as of a component
         before = set(sys.modules)
         watch.on = True
         simulation.step(_TICKS)
+        # the program that calls a service evaluates its annotations, without descriptors
+        watch.events_of = _FILES
         simulation.rpc(stand.name, "get_properties")
         simulation.step(1)
         # an error of a component
+        watch.events_of = _EVENTS
         component.default_action = lambda: [].missing  # type: ignore[attr-defined]
         component.active = True
         simulation.step(_TICKS)
+        assert stand.failed
         watch.on = False
         new = sorted(set(sys.modules) - before)
     return watch.events + [f"module {module}" for module in new]

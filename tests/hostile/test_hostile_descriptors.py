@@ -94,9 +94,9 @@ def test_who_finds_no_descriptor_is_told_and_gets_in_when_others_leave(tmp_path:
 def test_ticks_go_on_when_the_process_has_no_descriptors_left(tmp_path: Path) -> None:
     hog = """
 import os
-from morse.core.sensor import Sensor
+from morse.core.actuator import Actuator
 
-class Hog(Sensor):
+class Hog(Actuator):
     "Opens all files that it can."
     _name = "Hog"
     files = []
@@ -113,13 +113,15 @@ class Hog(Sensor):
             self.active = False
 """
     folder = tmp_path / "src" / "hogs"
-    (folder / "sensors").mkdir(parents=True)
-    (folder / "sensors" / "hog.py").write_text(hog, encoding="utf-8")
-    for package in (folder, folder / "sensors"):
+    (folder / "actuators").mkdir(parents=True)
+    (folder / "actuators" / "hog.py").write_text(hog, encoding="utf-8")
+    for package in (folder, folder / "actuators"):
         (package / "__init__.py").touch()
-    derived = "from morse.builder.creator import SensorCreator\n\nclass Hog(SensorCreator):\n"
-    derived += "    _classpath = 'hogs.sensors.hog.Hog'\n"
-    scene = derived + _SCENE.replace("for component in (", "for component in (Hog('hog'), ")
+    derived = "from morse.builder.creator import ActuatorCreator\n\nclass Hog(ActuatorCreator):\n"
+    derived += "    _classpath = 'hogs.actuators.hog.Hog'\n"
+    scene = derived + _SCENE.replace(
+        "for component in (", "for component in (Hog('hog'), VideoCamera('camera'), IMU('imu'), "
+    ).replace("fastmode=True", "fastmode=False")
     with limited_run(scene, tmp_path, 128, *_VIEWED, PYTHONPATH=str(tmp_path / "src")) as run:
         services = run.port(_SERVICES)
         eventually(lambda: call(services).startswith(b"1 SUCCESS"))

@@ -4,14 +4,30 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import linecache
+import sys
 from typing import Any
 
 from morse.core.exceptions import MorseError
 from morse.core.hints import closest
 
+#: modules that users do not write
+_OURS = ("morse.", "builtins", "abc", "typing")
+
 
 class ClassPathError(MorseError):
     """A class path does not refer to a class that can be imported."""
+
+
+def _read_sources(cls: type[Any]) -> None:
+    """Read the source of a class of the user, which messages about its errors quote.
+
+    Within a tick, there may be no file descriptor left to read it.
+    """
+    for base in cls.__mro__:
+        file = getattr(sys.modules.get(base.__module__), "__file__", None)
+        if file and not base.__module__.startswith(_OURS):
+            linecache.getlines(file)
 
 
 def load_class(classpath: str) -> type[Any]:
@@ -34,6 +50,7 @@ def load_class(classpath: str) -> type[Any]:
         raise
     found = getattr(module, class_name, None)
     if inspect.isclass(found):
+        _read_sources(found)
         return found
     classes = [name for name, member in vars(module).items() if inspect.isclass(member)]
     close = closest(class_name, classes)

@@ -61,6 +61,8 @@ class MagneticField:
         self._year = year
         name = (model or model_of(year)).replace("WMM", "WMM_")
         self._model = GeoMag(coefficients_file=f"wmm/{name}.COF")
+        # reads the coefficients now: within a tick, there may be no file descriptor left
+        self._exact((0.0, 0.0, 0.0))
         self._cell = lru_cache(maxsize=64)(self._worked_out)
 
     def at(self, position: Sequence[float]) -> Triple:

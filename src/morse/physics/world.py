@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import mujoco
 
+from morse.kernel.loading import library
 from morse.physics import kinematics, motors, saved
 from morse.physics.attachments import Attachments
 from morse.physics.bodies import Bodies
@@ -70,6 +71,8 @@ class World(ObjectWorld):
         self.repaint_sinks: list[Callable[[GameObject], object]] = []
         self._objects: dict[Node, GameObject] = {}
         self._names: dict[str, GameObject] = {}
+        # rays may be cast for the first time within a tick, when there may be no file descriptor left
+        library()
         super().__init__(compile_scene(scene), 1.0 / scene.settings.frequency)
         self._build()
         self.reset()

@@ -3,6 +3,7 @@
 Scenes without cameras do not import this package.
 """
 
+from morse.rendering import flow, pixel_noise, things, warp  # noqa: F401 (cameras use them from the first image on)
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.lens import Lens
 from morse.rendering.motion import Motion

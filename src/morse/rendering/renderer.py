@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy.random  # noqa: F401 (numpy imports it at its first use)
+from PIL import Image as Pillow
+
 from morse.rendering.beside import Beside
 from morse.rendering.contents import MeshStore
 from morse.rendering.orders import order_of
@@ -34,6 +37,8 @@ class Renderer:
         self._stage: Stage | None = None
         self._simplified = False
         self._beside = Beside()
+        # within a tick, there may be no file descriptor left for imports
+        Pillow.preinit()
 
     @property
     def contents(self) -> Contents:

@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
+from PIL import Image as Picture
 
 from morse.kernel.drawing.arrays import TEXTURE
 from morse.mathutils.light import linear_light
@@ -126,8 +127,6 @@ def _joined(
 
 def _pixels(image: Image) -> NDArray[np.uint8]:
     """(H, W, 4) RGBA, bottom row first, sizes powers of two; a chequered pattern for unreadable images."""
-    from PIL import Image as Picture
-
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Picture.DecompressionBombWarning)

@@ -16,11 +16,13 @@ _OURS = Path(__file__).resolve().parents[1]
 
 def user_frames(trace: TracebackType | None) -> list[traceback.FrameSummary]:
     """Return the frames of a traceback that do not belong to the simulator."""
-    return [
-        frame
-        for frame in traceback.extract_tb(trace)
-        if not Path(frame.filename).resolve().is_relative_to(_OURS) and not frame.filename.startswith("<frozen")
-    ]
+    # chosen first, so that only files of users are read
+    frames = [one for one in traceback.walk_tb(trace) if _is_users(one[0].f_code.co_filename)]
+    return list(traceback.StackSummary.extract(iter(frames)))
+
+
+def _is_users(filename: str) -> bool:
+    return not Path(filename).resolve().is_relative_to(_OURS) and not filename.startswith("<frozen")
 
 
 def describe(error: BaseException) -> str:

@@ -132,20 +132,20 @@ class FlightRecorder(Observer):
         """
         if self._files >= _MOST_FILES or not self._segments:
             return None
-        from morse.simulation.recorders import (
-            write_inputs,
-        )  # on demand, because it imports the messages of ROS
-
         self._files += 1
         first = self._segments[0]
         entries = [entry for segment in self._segments for entry in segment.entries]
         ticks = last - (first.start.tick if first.start is not None else 0)
         try:
+            # on demand, because it imports the messages of ROS
+            from morse.simulation.recorders import write_inputs
+
             handle, path = tempfile.mkstemp(prefix=_PREFIX, suffix=_SUFFIX)
             with open(handle, "wb", buffering=0) as file:
                 write_inputs(file, self._simulation, first.start, first.seed, entries, last, failure)
-        except OSError as error:
-            logger.warning("the last seconds before the failure cannot be saved: %s", error.strerror or error)
+        except (OSError, ImportError) as error:  # without file descriptors, a module is not found
+            reason = getattr(error, "strerror", None) or error
+            logger.warning("the last seconds before the failure cannot be saved: %s", reason)
             return None
         _remove_old(path)
         span = _span(ticks, ticks / self._simulation.clock.frequency)

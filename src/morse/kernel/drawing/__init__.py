@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.kernel.drawing import native_closed, native_simplify
 from morse.kernel.drawing.arrays import Drawing, Light, Pictures, Poses
 from morse.kernel.drawing.kept import Kept
+from morse.kernel.drawing.native import NativeDrawer
 from morse.kernel.drawing.simplification import Simplification
 from morse.kernel.loading import library
 
@@ -13,7 +15,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from morse.kernel.drawing.native import NativeDrawer
     from morse.kernel.drawing.reference import ReferenceDrawer
 
 __all__ = ["Drawing", "Kept", "Light", "Pictures", "Poses", "Simplification", "closed_labels", "drawer", "simplify"]
@@ -26,8 +27,6 @@ def drawer(drawing: Drawing) -> NativeDrawer | ReferenceDrawer:
         from morse.kernel.drawing.reference import ReferenceDrawer
 
         return ReferenceDrawer(drawing)
-    from morse.kernel.drawing.native import NativeDrawer
-
     return NativeDrawer(native, drawing)
 
 
@@ -38,9 +37,7 @@ def closed_labels(points: NDArray[np.float32], index: NDArray[np.int32]) -> NDAr
         from morse.kernel.drawing.reference_closed import closed_labels as of_numpy
 
         return of_numpy(points, index)
-    from morse.kernel.drawing.native_closed import closed_labels as of_kernel
-
-    return of_kernel(native, points, index)
+    return native_closed.closed_labels(native, points, index)
 
 
 def simplify(mesh: Simplification, limit: float) -> int:
@@ -50,6 +47,4 @@ def simplify(mesh: Simplification, limit: float) -> int:
         from morse.kernel.drawing.reference_simplify import simplify as by_python
 
         return by_python(mesh, limit)
-    from morse.kernel.drawing.native_simplify import simplify as by_kernel
-
-    return by_kernel(native, mesh, limit)
+    return native_simplify.simplify(native, mesh, limit)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from morse.kernel.loading import library
 from morse.kernel.rays import primitives
 from morse.kernel.rays.arrays import Fan, Hits, Poses, SolidArrays, TriangleMesh
+from morse.kernel.rays.native import NativeRays
 
 if TYPE_CHECKING:
-    from morse.kernel.rays.native import NativeRays
     from morse.kernel.rays.reference import ReferenceRays
 
 __all__ = ["Fan", "Hits", "Poses", "SolidArrays", "TriangleMesh", "primitives", "ray_caster"]
@@ -22,6 +22,4 @@ def ray_caster(solids: SolidArrays) -> NativeRays | ReferenceRays:
         from morse.kernel.rays.reference import ReferenceRays
 
         return ReferenceRays(solids)
-    from morse.kernel.rays.native import NativeRays
-
     return NativeRays(loaded, solids)

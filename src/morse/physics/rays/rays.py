@@ -11,6 +11,7 @@ import numpy as np
 from morse.mathutils import Vector
 from morse.mathutils.portable import matmul
 from morse.physics.rays.bundle import RayBundle, farther
+from morse.physics.rays.caster import Caster
 from morse.physics.rays.plan import Plan
 from morse.physics.rays.solids import Solids
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
     from morse.physics.gameobject import GameObject
     from morse.physics.object_world import ObjectWorld
-    from morse.physics.rays.caster import Caster
     from morse.scene import Node
 
 #: maximum number of sets of bundles whose arrays are cached
@@ -52,9 +52,6 @@ class Rays:
 
     @cached_property
     def _caster(self) -> Caster:
-        # the kernel is loaded at the first cast, so that worlds without rays do not load it
-        from morse.physics.rays.caster import Caster
-
         return Caster(self._world, self._solids)
 
     @property
