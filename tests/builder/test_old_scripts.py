@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from morse.builder.legacy.removed import REMOVED
-from morse.builder.script import ScriptError
+from morse.builder.names.classes import load_class
+from morse.builder.script import ScriptError, load_scene
+from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from morse.scene import Scene
 
@@ -196,3 +199,96 @@ def test_the_table_of_removed_names() -> None:
         for new in names.values():
             place, _, name = new.rpartition(".")
             assert hasattr(importlib.import_module(place), name), f"{module}: {new}"
+
+
+@pytest.mark.parametrize(
+    ("line", "mend"),
+    [
+        ("print 'robot'", "print(...)"),
+        ("exec 'x = 1'", "exec(...)"),
+        ("try:\n    pass\nexcept ValueError, error:\n    pass", "except Error as error"),
+        ("raise ValueError, 'no'", "raise Error('message')"),
+        ("if 1 <> 2: pass", "!="),
+        ("mode = 0755", "0o17"),
+        ("async = True", "keywords since Python 3.7"),
+        ("if True:\n\tx = 1\n        y = 2", "spaces only"),
+        ("n = xrange(3)", "write range"),
+        ("name = raw_input()", "write input"),
+    ],
+)
+def test_python_2_is_named(load: Load, line: str, mend: str) -> None:
+    with pytest.raises(ScriptError) as caught:
+        load(f"{HEAD}{line}\n{END}")
+    assert mend in caught.value.report()
+
+
+# --- streams and middlewares -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "'morse.middleware.socket_datastream.Socket', 'morse.middleware.socket_datastream.SocketPublisher'",
+        "'socket', 'post_message', 'morse/middleware/socket_mw'",
+        "'socket', 'post_message'",
+        "'morse.middleware.socket_mw.MorseSocketClass'",
+    ],
+)
+def test_streams_as_earlier_versions_name_them(load: Load, arguments: str) -> None:
+    scene = load(f"{HEAD}robot = ATRV()\npose = Pose()\nrobot.append(pose)\npose.add_stream({arguments})\n{END}")
+    (stream,) = next(c for c in scene.components if c.kind == "sensor").streams
+    assert stream.manager == "morse.middleware.socket_datastream.SocketDatastreamManager"
+    load_class(stream.stream)
+
+
+@pytest.mark.parametrize(
+    ("name", "new"),
+    [("pocolibs", "ros2"), ("hla", "socket"), ("pprzlink", "mavlink"), ("sockets", "socket"), ("txt", "text")],
+)
+def test_refused_middlewares_name_another(load: Load, name: str, new: str) -> None:
+    with pytest.raises(ScriptError, match=rf"'{new}'|; {new} can be used instead") as caught:
+        load(f"{HEAD}robot = ATRV()\npose = Pose()\nrobot.append(pose)\npose.add_stream('{name}')\n{END}")
+    assert "scene.py:5" in caught.value.report()
+
+
+# --- places ------------------------------------------------------------------------------------
+
+COMPONENT = """
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data
+class Thing(Sensor):
+    _name = 'Thing'
+    add_data('d', 0.0, 'float', 'distance')
+    def default_action(self):
+        self.local_data['d'] = self.position_3d.x
+"""
+
+
+@pytest.mark.parametrize("place", ["", "data", "data/robots", "../data", "../data/robots"])
+def test_models_beside_and_above_the_script(tmp_path: Path, place: str) -> None:
+    scenes = tmp_path / "lab" / "scenes"
+    folder = scenes / place
+    folder.mkdir(parents=True, exist_ok=True)
+    scenes.mkdir(exist_ok=True)
+    (folder / "ownbot.obj").write_text("o bot\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    script = scenes / "scene.py"
+    script.write_text(f"{HEAD}bot = Robot('ownbot')\n{END}")
+    scene = load_scene(RunOptions(str(script)))
+    assert scene.models[0].path == str((folder / "ownbot.obj").resolve())
+
+
+def test_components_of_a_project_that_was_never_registered(tmp_path: Path) -> None:
+    package = tmp_path / "lab" / "src" / "mypkg" / "sensors"
+    package.mkdir(parents=True)
+    (package / "thing.py").write_text(COMPONENT)
+    (package / "__init__.py").write_text("")
+    (package.parent / "__init__.py").write_text("")
+    script = tmp_path / "lab" / "scenes" / "scene.py"
+    script.parent.mkdir()
+    script.write_text(
+        f"{HEAD}from mypkg.builder.sensors import Thing\n"
+        "class Other(SensorCreator):\n    _classpath = 'mypkg.sensors.thing.Thing'\n"
+        f"robot = ATRV()\na, b = Thing(), Other()\nrobot.append(a)\nrobot.append(b)\n{END}"
+    )
+    scene = load_scene(RunOptions(str(script)))
+    assert {c.classpath for c in scene.components if c.kind == "sensor"} == {"mypkg.sensors.thing.Thing"}

@@ -273,8 +273,11 @@ def test_models_of_the_project_are_found(tmp_path: Path) -> None:
     scene = load_scene(RunOptions(str(script), resource_paths=[str(tmp_path / "data")]))
     parts = {node.plain_name for node in scene.components[0].node.walk()}
     assert {"small_crate_mesh", "large_crate_mesh"} <= parts
+    elsewhere = tmp_path / "other" / "default.py"
+    elsewhere.parent.mkdir()
+    elsewhere.write_text(script.read_text().replace("boxy.blend", "box.blend"))
     with pytest.raises(ScriptError, match="boxy"):
-        load_scene(RunOptions(str(script)))
+        load_scene(RunOptions(str(elsewhere)))
 
 
 def test_a_model_as_script_is_an_empty_world() -> None:

@@ -5,7 +5,6 @@ They do not use Blender: objects are `morse.builder.objects.SceneObject`.
 
 from __future__ import annotations
 
-import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.builder import workspace
@@ -14,7 +13,7 @@ from morse.builder.blender.materials import ObjectMaterial, material_slots
 from morse.builder.blender.named import NamedList
 from morse.builder.blender.objects import SceneObject
 from morse.builder.errors import checks
-from morse.builder.names import frames
+from morse.builder.legacy.notices import notice
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 
 if TYPE_CHECKING:
@@ -33,8 +32,6 @@ __all__ = [
     "set_speed",
     "set_viewport",
 ]
-
-logger = logging.getLogger(__name__)
 
 
 def get_object(name: str) -> SceneObject:
@@ -114,7 +111,7 @@ def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
 
 def set_speed(fps: int = 0, logic_step_max: int = 0, physics_step_max: int = 0) -> None:
     """Set the frequency of the simulation: old name of ``env.simulator_frequency``, also valid before it exists."""
-    logger.warning("%s: bpymorse.set_speed is an old name, write env.simulator_frequency", frames.source_line())
+    notice("bpymorse.set_speed is an old name, write env.simulator_frequency")
     set_frequency(fps or 60, logic_step_max or 20, physics_step_max or 20)
 
 

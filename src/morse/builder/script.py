@@ -7,7 +7,7 @@ import sys
 import threading
 from contextlib import contextmanager
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import TYPE_CHECKING
 
 from morse import mathutils
@@ -21,6 +21,7 @@ from morse.builder.legacy import bpy, removed
 from morse.builder.legacy.arguments import argv
 from morse.builder.legacy.modules import OldModules
 from morse.builder.libraries import LibrariesFirst
+from morse.builder.names.places import resource_folders, source_folders
 from morse.core.project_imports import ProjectImports
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def is_loading() -> bool:
     return _loading
 
 
-def load_scene(options: RunOptions, *, anew: bool = False) -> Scene:
+def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None = None) -> Scene:
     """Run a scene script and return the scene that it describes.
 
     The script and its components have a separate ``sys.path``, ``sys.argv`` and modules: see
@@ -49,12 +50,14 @@ def load_scene(options: RunOptions, *, anew: bool = False) -> Scene:
 
     Args:
         anew: whether to ignore cached compiled files, because the sources may have been saved a moment ago.
+        code: what is executed instead of the file.
 
     Raises:
         ScriptError: the script has an error.
     """
     script = Path(options.script).absolute()
-    directories = list(dict.fromkeys([*options.source_paths, str(script.parent)]))
+    directories = list(dict.fromkeys([*options.source_paths, *source_folders(script)]))
+    resources = list(dict.fromkeys([*options.resource_paths, *resource_folders(script)]))
     libraries = LibrariesFirst(script.stem, directories)
     words = argv(script, options.arguments, directories)
     project = ProjectImports(
@@ -69,10 +72,10 @@ def load_scene(options: RunOptions, *, anew: bool = False) -> Scene:
         if script.suffix.lower() in SUFFIXES:
             _make_environment(script)
         else:
-            _run(script, project)
+            _run(script, project, code)
 
     with project:
-        scene = build(describe, str(script), options.resource_paths, options.interfaces)
+        scene = build(describe, str(script), resources, options.interfaces)
     scene.project = project
     return scene
 
@@ -127,9 +130,9 @@ def _lacks(name: str) -> bool:
     return spec is None or spec.origin is None
 
 
-def _run(script: Path, project: ProjectImports) -> None:
-    source = script.read_bytes()
-    code = compile(source, str(script), "exec", dont_inherit=True)
+def _run(script: Path, project: ProjectImports, code: CodeType | None) -> None:
+    if code is None:
+        code = compile(script.read_bytes(), str(script), "exec", dont_inherit=True)
     module = ModuleType("__main__")
     module.__file__ = str(script)
     project.prepare(module)

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from morse.assets import search
 from morse.cli.check_component import check_components
+from morse.cli.check_scene import check_scene
 from morse.cli.findings import Finding, findings
 from morse.cli.messages import CommandError, nearest, say
 from morse.cli.sites import Sites
@@ -23,8 +24,9 @@ def command(
     what: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[component FILE_OR_NAME...]",
-            help="Check components instead: classes of scene scripts, or files with classes of your own.",
+            metavar="[SCENE | component FILE_OR_NAME...]",
+            help="A scene script or environment: list what needs a change, and whether it runs. Or components: classes "
+            "of scene scripts, or files with classes of your own.",
             show_default=False,
         ),
     ] = None,
@@ -36,16 +38,22 @@ def command(
             help="Robot for the components: a robot of MORSE, or package.module.Class of the project.",
         ),
     ] = None,
+    fix: Annotated[
+        bool, typer.Option("--fix", help="Write a mended copy beside the scene script, which is not changed.")
+    ] = False,
 ) -> int:
-    """Check the requirements of MORSE and optional programs; or check components.
+    """Check the requirements of MORSE and optional programs; or a scene script; or components.
 
-    `morse check component NAME` runs a component in small simulations and reports violated rules of the contract.
+    `morse check SCENE` executes a scene script, lists all lines that need a change, e.g. since MORSE 1.4, and ends with
+    "runs" or "does not run". `morse check component NAME` runs a component in small simulations and reports violated
+    rules of the contract.
     """
-    if what:
-        if what[0] != "component":
-            hint = nearest(what[0], ["component"])
-            raise CommandError(f"`morse check` checks a 'component' or the machine, not '{what[0]}'.{hint}", status=2)
+    if what and what[0] == "component":
         return check_components(what[1:], robot)
+    if what:
+        return _check_scene(what, fix=fix)
+    if fix:
+        raise CommandError("--fix belongs to `morse check SCENE`.", status=2)
     if robot is not None:
         raise CommandError("--robot belongs to `morse check component FILE_OR_NAME...`.", status=2)
     typer.echo(f"MORSE {__version__}")
@@ -63,6 +71,14 @@ def command(
         raise typer.Exit(1)
     say("All requirements of MORSE are met.")
     return 0
+
+
+def _check_scene(words: list[str], *, fix: bool) -> int:
+    try:
+        return check_scene(words, fix=fix)
+    except CommandError as error:
+        hint = nearest(words[0], ["component"])
+        raise CommandError(f"{error}{hint}", status=2) if hint else error from None
 
 
 def _table(results: list[Finding]) -> Table:

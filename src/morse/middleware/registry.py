@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import logging
 import pkgutil
+import re
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
@@ -44,6 +45,8 @@ _OTHER_NAMES = {
     "hla": "socket",
     "pprzlink": "mavlink",
 }
+#: class paths of the managers of MORSE 1.4 and earlier, such as ``morse.middleware.moos_datastream.MOOS``
+_OLD_MANAGER = re.compile(r"morse\.middleware\.(\w+?)_(?:datastream|request_manager|mw)\.\w+")
 _GROUP = "morse.middlewares"
 _PACKAGE = "morse.middleware."
 _KIND_STREAM = "morse.core.kind_stream.KindStream"
@@ -173,7 +176,7 @@ def stream_manager(name: str) -> str:
         MorseMiddlewareError: it is unknown, or has no data streams.
     """
     if "." in name:
-        return name
+        return _of_1_4(name, "stream_manager")
     found = middleware(name).stream_manager
     if found is None:
         raise MorseMiddlewareError(f"the middleware '{name}' has no data streams")
@@ -187,11 +190,24 @@ def request_manager(name: str) -> str:
         MorseMiddlewareError: it is unknown, or has no services.
     """
     if "." in name:
-        return name
+        return _of_1_4(name, "request_manager")
     found = middleware(name).request_manager
     if found is None:
         raise MorseMiddlewareError(f"the middleware '{name}' offers no services")
     return found
+
+
+def _of_1_4(classpath: str, kind: str) -> str:
+    """The class path of a manager; for a class of MORSE 1.4 that is not there, that of its middleware.
+
+    Raises:
+        MorseMiddlewareError: it is a class of a middleware that is not part of this installation.
+    """
+    old = _OLD_MANAGER.fullmatch(classpath)
+    if old is None or old[1] not in [*installed(), *_OTHER_NAMES]:
+        return classpath
+    today: str | None = getattr(middleware(old[1]), kind)
+    return today or classpath
 
 
 def middleware_of_stream_manager(classpath: str) -> Middleware | None:

@@ -70,10 +70,12 @@ class Interfaces:
                 f"{type(self).__name__} has no data to stream; add_service('{datastream}') offers its services"
             )
         way = self._direction(direction)
-        chosen = classpath or (f"{path}.{method}" if path and method else method)
+        # scripts of 1.4 give the module of a method as a file: "morse/middleware/ros/imu"
+        chosen = classpath or (f"{path.replace('/', '.')}.{method}" if path and method else method)
         options = dict(kwargs)
         middleware = registry.middleware_of_stream_manager(manager) if chosen is not None else None
-        if chosen is None or (middleware is not None and not middleware.has_stream(chosen)):
+        # a class of the user has a module
+        if chosen is None or "." not in chosen or (middleware is not None and not middleware.has_stream(chosen)):
             usual = self._default_stream(manager, datastream, way)
             if chosen is not None:
                 logger.warning(

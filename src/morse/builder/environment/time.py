@@ -11,7 +11,6 @@ from morse.builder.components.interfaces import Interfaces
 from morse.builder.errors import checks
 from morse.builder.errors.options import manager_options
 from morse.builder.legacy.notices import notice
-from morse.builder.names import frames
 from morse.core import log
 from morse.core.clock import SLOWEST
 from morse.middleware import registry
@@ -85,7 +84,7 @@ class TimeMethods(EnvironmentDescription):
             fps: old name of ``base_frequency``.
         """
         if fps is not None:
-            notice("env.simulator_frequency(fps) is an old name, write base_frequency")
+            notice("env.simulator_frequency(fps) is an old name, write base_frequency", "fps", "base_frequency")
             base_frequency = fps
         what = "env.simulator_frequency(base_frequency)"
         # at a lower frequency a tick would take minutes, because the physics steps stay short
@@ -145,7 +144,7 @@ class TimeMethods(EnvironmentDescription):
 
     def configure_service(self, datastream: str, component: Interfaces | None = None) -> None:
         """Old name of `add_service`."""
-        logger.warning("%s: env.configure_service is an old name, write env.add_service", frames.source_line())
+        notice("env.configure_service is an old name, write env.add_service", "configure_service", "add_service")
         if component is None:
             self.add_service(datastream)
         elif isinstance(component, Interfaces):

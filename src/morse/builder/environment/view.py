@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,14 +9,12 @@ from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.assembly.description import EnvironmentDescription
 from morse.builder.errors import checks
 from morse.builder.errors.angles import hint_at_radians
-from morse.builder.names import frames
+from morse.builder.legacy.notices import notice
 from morse.scene import Mist
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-
-logger = logging.getLogger(__name__)
 
 _MATERIAL_MODES = ("GLSL", "MULTITEXTURE", "SINGLETEXTURE", "TEXTURE_FACE")
 _VIEWPORTS = ("BOUNDBOX", "WIREFRAME", "SOLID", "TEXTURED", "MATERIAL", "RENDERED")
@@ -166,4 +163,4 @@ class ViewMethods(EnvironmentDescription):
 
 
 def _deprecated(old: str, new: str) -> None:
-    logger.warning("%s: env.%s is an old name, write env.%s", frames.source_line(), old, new)
+    notice(f"env.{old} is an old name, write env.{new}", old, new)

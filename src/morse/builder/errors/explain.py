@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import ScriptError, Step, checks
 from morse.builder.errors.missing import missing_component
+from morse.builder.legacy import language
 from morse.builder.names import frames
 from morse.builder.names.catalog import KINDS
 from morse.core.exceptions import MorseError
@@ -54,7 +55,7 @@ def _describe(error: BaseException, by_us: bool, frame: FrameType | None) -> tup
     """Return the description of the error, and the correction."""
     match error:
         case SyntaxError() if error.lineno is not None:
-            return f"{type(error).__name__}: {error.msg}", ""
+            return f"{type(error).__name__}: {error.msg}", language.mend_of_syntax(error)
         case SystemExit():
             return (
                 f"the script ended with sys.exit({error.code!r})"
@@ -90,6 +91,8 @@ def _name_error(name: str, frame: FrameType | None) -> tuple[str, str]:
     known = set(ours) | set(dir(builtins))
     if frame is not None:
         known |= set(frame.f_locals) | set(frame.f_globals)
+    if mend := language.mend_of_name(name):
+        return f"the name '{name}' is not defined", mend
     near = checks.closest(name, known)
     return f"the name '{name}' is not defined", f"Did you mean '{near}'?" if near else ""
 

@@ -27,9 +27,21 @@ def argv(script: Path, arguments: Sequence[str], directories: Iterable[str]) -> 
         arguments: the words after the scene on the command line.
         directories: directories of the packages of its project.
     """
-    if not any(_has_mark(tree) for tree in project_files(script, directories)):
+    if not _is_written_in(script) and not any(_has_mark(tree) for tree in project_files(script, directories)):
         return [str(script), *arguments]
     return [str(script), MARK, *(arguments[1:] if list(arguments[:1]) == [MARK] else arguments)]
+
+
+def _is_written_in(script: Path) -> bool:
+    """Whether a script that cannot be parsed contains the word."""
+    try:
+        source = script.read_bytes()
+        ast.parse(source)
+    except OSError:
+        return False
+    except (SyntaxError, ValueError):
+        return any(f"{quote}{MARK}{quote}".encode() in source for quote in "'\"")
+    return False
 
 
 def _has_mark(tree: ast.AST) -> bool:

@@ -45,5 +45,5 @@ def old_method(component: Any, name: str) -> Callable[..., Any] | None:
     if name not in OLD_METHODS:
         return None
     written, function = OLD_METHODS[name]
-    notice(f"{name} is an old name, write {written}")
+    notice(f"{name} is an old name, write {written}", name, written)
     return functools.partial(function, component)

@@ -52,6 +52,9 @@ class _Loader:
             return
         if name in MODULES:
             notice(f"Python has removed the module {name}; write {MODULES[name][1]}")
+        elif name.startswith("morse."):
+            new = "morse.builder" if name.startswith("morse.core.") else OLD_MODULES[name]
+            notice(f"{name} is an old name, write {new}", name, new)
         there = importlib.import_module(OLD_MODULES[name])
         public = getattr(there, "__all__", None) or [word for word in vars(there) if not word.startswith("_")]
         module.__dict__.update({word: getattr(there, word) for word in public}, __all__=list(public))

@@ -10,10 +10,16 @@ from morse.builder.names import frames
 logger = logging.getLogger("morse.builder.script")
 
 
-def notice(message: str) -> None:
-    """Log a warning with the line of the script; in a loop, the same message is logged once."""
+def notice(message: str, old: str = "", new: str = "") -> None:
+    """Log a warning with the line of the script; in a loop, the same message is logged once.
+
+    Args:
+        message: what is old, and how it is written today.
+        old: a word of the line that `morse check --fix` may replace.
+        new: its replacement.
+    """
     line = str(frames.source_line() or "?")
     said = workspace.current().notices
     if (line, message) not in said:
         said.add((line, message))
-        logger.warning("%s: %s", line, message)
+        logger.warning("%s: %s", line, message, extra={"edit": (old, new)} if old else None)

@@ -59,7 +59,7 @@ class WithRemoved(ModuleType):
         if written is None:
             raise AttributeError(f"module '{self.__name__}' has no attribute '{name}'", name=name, obj=self)
         old = f"{self.__name__}.{name}"
-        notice(f"Python has removed {old}; write {written}")
+        notice(f"Python has removed {old}; write {written}", old, written)
         module, _, value = _ADAPTED.get(old, written).rpartition(".")
         return getattr(importlib.import_module(module), value)
 

@@ -15,6 +15,11 @@ def scalar(value: Any) -> Any:
     return value
 
 
+def quoted(text: str, new: str) -> tuple[str, str]:
+    """The change of a text in the script, in either kind of quotes, into something else."""
+    return (f"'{text}'|\"{text}\"", new)
+
+
 def number(value: Any, what: str) -> Any:
     """The number that a text contains; anything else unchanged."""
     value = scalar(value)
@@ -26,7 +31,7 @@ def number(value: Any, what: str) -> Any:
         return value
     if not math.isfinite(result):
         return value
-    notice(f"{what} takes a number, got the text {value!r}; write {result:g}")
+    notice(f"{what} takes a number, got the text {value!r}; write {result:g}", *quoted(value, f"{result:g}"))
     return result
 
 
@@ -35,7 +40,9 @@ def boolean(value: Any, what: str) -> Any:
     value = scalar(value)
     if not isinstance(value, (str, int, float)) or value in (True, False):
         return bool(value) if isinstance(value, float) else value
-    notice(f"{what} takes True or False, got {value!r}, which counts as {bool(value)}; write {bool(value)}")
+    truth = str(bool(value))
+    edit = quoted(value, truth) if isinstance(value, str) else (str(value), truth)
+    notice(f"{what} takes True or False, got {value!r}, which counts as {truth}; write {truth}", *edit)
     return bool(value)
 
 
@@ -43,5 +50,5 @@ def names(value: Any, what: str) -> Any:
     """A list of the one name that a text is; anything else unchanged."""
     if not isinstance(value, str):
         return value
-    notice(f"{what} takes a list of names, got {value!r}; write [{value!r}]")
+    notice(f"{what} takes a list of names, got {value!r}; write [{value!r}]", *quoted(value, f"[{value!r}]"))
     return [value]

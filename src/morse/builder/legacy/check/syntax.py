@@ -1,0 +1,45 @@
+"""Syntax errors of a script, all of them: each line is mended or emptied, until the rest is valid."""
+
+from __future__ import annotations
+
+import ast
+
+from morse.builder.legacy import language
+from morse.builder.legacy.check.finding import Finding, sentence
+
+_MOST = 200
+
+
+def parsed(text: str, name: str) -> tuple[str, ast.Module, list[Finding]]:
+    """The text with valid syntax, its tree, and the errors.
+
+    Args:
+        text: the script.
+        name: its name in errors.
+
+    Raises:
+        SyntaxError: the text cannot be made valid line by line.
+    """
+    findings: list[Finding] = []
+    while True:
+        try:
+            return text, ast.parse(text, name), findings
+        except (SyntaxError, ValueError) as caught:
+            error = caught if isinstance(caught, SyntaxError) else SyntaxError(str(caught))
+        lines = text.split("\n")
+        number = error.lineno or 0
+        if not 1 <= number <= len(lines) or len(findings) >= _MOST:
+            raise error
+        mend = language.mend_of_syntax(error)
+        findings.append(Finding(number, sentence(f"{type(error).__name__}: {error.msg}", mend), stops=True))
+        if isinstance(error, TabError):
+            text = text.expandtabs(8)
+            continue
+        line = lines[number - 1]
+        mended = language.mended_line(line)
+        # a line that stays wrong is left out; its block keeps a statement
+        indent = line[: len(line) - len(line.lstrip())]
+        lines[number - 1] = mended if mended != line else f"{indent}pass"
+        if lines[number - 1] == line:
+            raise error
+        text = "\n".join(lines)

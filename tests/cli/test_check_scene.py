@@ -1,0 +1,181 @@
+"""``morse check SCENE``: everything that needs a change at once, and a mended copy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from tests.cli.conftest import Terminal
+
+HEAD = "from morse.builder import *\n"
+END = "env = Environment('empty')\n"
+
+
+def lines_of(out: str, name: str = "old.py") -> dict[int, str]:
+    """The findings by line."""
+    found: dict[int, str] = {}
+    for text in out.splitlines():
+        if text.startswith(f"{name}:"):
+            _, number, message = text.split(":", 2)
+            found[int(number)] = found.get(int(number), "") + message
+    return found
+
+
+@pytest.fixture
+def check(morse: Terminal):
+    def run(text: str, *options: str):
+        (morse.directory / "old.py").write_text(text)
+        return morse("check", "old.py", *options)
+
+    return run
+
+
+def test_a_script_without_old_forms(check) -> None:
+    answer = check(f"{HEAD}robot = ATRV()\n{END}")
+    assert (answer.status, lines_of(answer.out)) == (0, {})
+    assert answer.out.splitlines()[-1] == "* old.py runs."
+
+
+def test_every_error_is_listed_with_its_line(check) -> None:
+    answer = check(
+        HEAD
+        + "bad = Robot('no_such_robot')\n"
+        + "bad.translate(1)\n"
+        + "bad.append(Pose())\n"
+        + "robot = ATRV()\n"
+        + "robot.trnslate(z=0.1)\n"
+        + "for i in range(2):\n"
+        + "    pose = Pose()\n"
+        + "    robot.append(pose)\n"
+        + "    pose.add_stream('pocolibs')\n"
+        + "thing = Thingy()\n"
+        + "robot.append(thing)\n"
+        + "print 'ready'\n"
+        + END
+        + "env.set_gravty(9)\n"
+    )
+    found = lines_of(answer.out)
+    expected = {
+        2: "no model 'no_such_robot'",
+        6: "'translate'",
+        10: "ros2",
+        11: "'Thingy' is not defined",
+        13: "print(...)",
+        15: "'set_gravity'",
+    }
+    assert set(found) == set(expected), "a line that fails only because of an earlier one is not listed"
+    for line, words in expected.items():
+        assert words in found[line]
+        assert "error: " in found[line]
+    assert answer.status == 1
+    assert answer.out.splitlines()[-1] == "* old.py does not run."
+
+
+def test_old_forms_are_listed_and_the_script_runs(check) -> None:
+    answer = check(
+        HEAD
+        + "from morse.builder.robots.pr2 import *\n"
+        + "import time\n"
+        + "start = time.clock()\n"
+        + "print('this is not shown')\n"
+        + "robot = ATRV()\n"
+        + "robot.translate(x='1')\n"
+        + "pose = Pose()\n"
+        + "robot.append(pose)\n"
+        + "pose.configure_mw('socket')\n"
+        + END
+        + "env.aim_camera([1, 0, 0])\n"
+    )
+    found = lines_of(answer.out)
+    for line, new in (
+        (2, "morse.builder.robots"),
+        (4, "time.perf_counter"),
+        (7, "write 1"),
+        (10, "add_stream"),
+        (12, "set_camera_rotation"),
+    ):
+        assert new in found.pop(line)
+    assert not found
+    assert "this is not shown" not in answer.out
+    assert answer.status == 0
+    assert answer.out.splitlines()[-1] == "* old.py runs."
+
+
+def test_the_copy_is_mended_and_the_original_stays(check, morse: Terminal) -> None:
+    old = (
+        HEAD
+        + "import sys\n"
+        + "from fractions import gcd, Fraction\n"
+        + "from collections import Mapping\n"
+        + "words = sys.argv[sys.argv.index('--') + 1:]\n"
+        + "print 'words', words\n"
+        + "robot = ATRV()\n"
+        + "for i in xrange(gcd(2, 4)):\n"
+        + "    robot.translate(x='0.5')\n"
+        + "pose = Pose()\n"
+        + "robot.append(pose)\n"
+        + "pose.configure_mw('socket')\n"
+        + "try:\n"
+        + "    assert isinstance({}, Mapping) and 1 <> 2\n"
+        + "except ValueError, error:\n"
+        + "    pass\n"
+        + "env = Environment('empty', fastmode='yes')\n"
+        + "env.configure_multinode(distribution={'a': \"robot\"})\n"
+        + "env.place_camera([1, 0, 0])\n"
+    )
+    answer = check(old, "--fix")
+    assert answer.status == 1, "the original does not run"
+    assert (morse.directory / "old.py").read_text() == old
+    copy = morse.directory / "old_fixed.py"
+    assert "which runs" in answer.out
+    again = morse("check", str(copy))
+    assert again.status == 0
+    assert not lines_of(again.out, "old_fixed.py"), copy.read_text()
+    text = copy.read_text()
+    for new in ("from math import gcd", "from fractions import Fraction", "sys.argv[1:]", "fastmode=True", "['robot']"):
+        assert new in text
+    assert check(old, "--fix").status == 1
+    assert copy.read_text() == text, "files are not overwritten"
+    assert (morse.directory / "old_fixed_2.py").exists()
+
+
+def test_a_script_with_tabs_and_spaces(check, morse: Terminal) -> None:
+    answer = check(f"{HEAD}for i in range(2):\n\trobot = ATRV()\n        robot.translate(x=i)\n{END}", "--fix")
+    assert "spaces" in lines_of(answer.out)[4]
+    assert "which runs" in answer.out
+    assert "\t" not in (morse.directory / "old_fixed.py").read_text()
+
+
+@pytest.mark.parametrize(
+    "text", ["robot = (\n", "def f(:\n    pass\n", "\x00", "'''\n", "  x = 1\n", "class A:\n", "λ = $\n"]
+)
+def test_damaged_scripts_end_with_a_line(check, text: str) -> None:
+    answer = check(HEAD + text + END)
+    assert answer.status == 1
+    assert answer.out.splitlines()[-1] == "* old.py does not run."
+    assert "Traceback" not in answer.out + answer.err
+
+
+def test_errors_of_components_when_they_are_loaded(check, morse: Terminal) -> None:
+    package = morse.directory / "src" / "lab" / "sensors"
+    package.mkdir(parents=True)
+    for folder in (package, package.parent):
+        (folder / "__init__.py").write_text("")
+    (package / "thing.py").write_text(
+        "from morse.core.sensor import Sensor\nclass Thing(Sensor):\n    _name = 'Thing'\n"
+        "    def __init__(self, obj, parent=None):\n        super().__init__(obj, parent)\n        1 / 0\n"
+        "    def default_action(self):\n        pass\n"
+    )
+    answer = check(
+        f"{HEAD}from lab.builder.sensors import Thing\nrobot = ATRV()\nthing = Thing()\nrobot.append(thing)\n{END}"
+    )
+    assert answer.status == 1
+    assert "thing.py" in answer.out
+
+
+def test_mistakes_on_the_command_line(morse: Terminal) -> None:
+    assert "neither a registered environment nor a file" in morse("check", "nothing.py").err
+    assert "component" in morse("check", "componnt").err
+    assert morse("check", "--fix").status == 2
