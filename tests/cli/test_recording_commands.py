@@ -98,7 +98,7 @@ def test_a_sensor_that_is_not_there_is_named_with_the_nearest(tmp_path):
 
 
 def test_a_recording_is_simulated_again_and_exported(here, told):
-    out, _ = told("replay", "run.mcap", "--resimulate")
+    out, _ = told("replay", "run.mcap", "--resimulate", "--scene", "scene.py")
     assert "Equal to the bit" in out
     assert "30 ticks" in out
     (here / "other.py").write_text(SCENE.replace("MotionVW()", "MotionXYW()").replace("ATRV()", "Morsy()"))
@@ -109,7 +109,7 @@ def test_a_recording_is_simulated_again_and_exported(here, told):
     assert len((here / "run" / "robot.pose.csv").read_text().splitlines()) == 31
     out, _ = told("export", "run.mcap", "--mcap")
     assert "run-complete.mcap" in out
-    out, _ = told("replay", "run-complete.mcap", "--resimulate")
+    out, _ = told("replay", "run-complete.mcap", "--resimulate", "--scene", "scene.py")
     assert "Equal to the bit" in out
     _, error = told("export", "run.mcap", "--mcap", expected=1)
     assert "run-complete.mcap exists" in error
@@ -152,17 +152,16 @@ def test_a_replay_is_shown_until_ctrl_c():
 
 def test_a_changed_script_is_executed_from_the_recording_only_if_it_is_trusted(here, told):
     (here / "scene.py").write_text(SCENE + "\n# edited")
-    for words in ([], ["--resimulate"]):
-        _, error = told("replay", "run.mcap", *words, expected=1)
-        assert "--trust" in error
-        assert "--scene PATH" in error
+    _, error = told("replay", "run.mcap", "--resimulate", expected=1)
+    assert "--trust" in error
+    assert "--scene PATH" in error
     out, _ = told("replay", "run.mcap", "--resimulate", "--trust")
     assert "Equal to the bit" in out
 
 
 def test_inputs_alone_are_enough_to_record_everything_afterwards(here, told):
     run(here, "--record", "lean.mcap", "--record-only", "none")
-    out, _ = told("replay", "lean.mcap", "--resimulate", "--record", "all.mcap")
+    out, _ = told("replay", "lean.mcap", "--resimulate", "--scene", "scene.py", "--record", "all.mcap")
     assert "Equal to the bit: the state at the end of 30 ticks" in out
     told("export", "all.mcap", "--csv")
     assert len((here / "all" / "robot.pose.csv").read_text().splitlines()) == 31

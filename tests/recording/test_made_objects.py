@@ -161,7 +161,7 @@ def test_equal_meshes_are_written_once(tmp_path: Path) -> None:
 
 def test_the_run_is_simulated_again_to_the_bit(run: Run) -> None:
     with Recording(run.path) as recording:
-        outcome = resimulate(recording)
+        outcome = resimulate(recording, trust=True)
     assert outcome.departure is None
     assert outcome.complete
     assert outcome.messages > 100
@@ -180,7 +180,7 @@ def test_from_the_inputs_alone(tmp_path: Path) -> None:
             sim.step(60)
             truth = sim.world.objects_by_name["crate"].world_pose()[0]
     with Recording(tmp_path / "run.mcap") as recording:
-        outcome = resimulate(recording)
+        outcome = resimulate(recording, trust=True)
         assert (outcome.departure, outcome.complete, outcome.ticks) == (None, True, 60)
         with playing(recording, port=0, browser=False) as view:
             while not view._timeline.approach(60):
@@ -210,7 +210,7 @@ def test_a_class_of_another_program_is_named(tmp_path: Path) -> None:
         sim.step(2)
     with Recording(tmp_path / "run.mcap") as recording:
         with pytest.raises(RecordingError, match="is not a part of MORSE or of this project"):
-            resimulate(recording)
+            resimulate(recording, trust=True)
         with playing(recording, port=0, browser=False) as view:
             view._timeline.approach(2)
             assert "guest" in view._simulation.context.robots
@@ -226,7 +226,7 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Packing:
     with morse.load(script) as sim:
         sim.spawn("visitor", visitor, (3.0, 1.0, 0.1), (0.1, 0.2, 0.3))
         sim.spawn("person", Morsy, (5.0, 1.0, 0.1))
-        made = [one.describe() for one in sim.population.made_by_functions().values()]
+        made = [one.describe() for one in sim.population.made().values()]
         everybody = Newcomer([root for one in made for root in one.roots], [c for one in made for c in one.components])
         return Packing(everybody.roots, everybody.components)
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import morse
-from morse.launch.load import described, start
+from morse.launch.load import start
 from morse.launch.playing import playing
-from morse.launch.recorded_run import inputs_of, options_of
+from morse.launch.recorded_run import inputs_of
+from morse.launch.recorded_scenes import shown_scene
 from morse.recording.recording import Recording
 from morse.recording.shown import RecordedWorld
 from morse.simulation.recorded_timeline import RecordedTimeline
@@ -85,21 +86,22 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[dict[str, 
     return path, found
 
 
-@pytest.fixture
-def shown(run: tuple[Path, list[dict[str, Any]]]) -> Any:
+@pytest.fixture(params=["", "scene.py"], ids=["from the recording", "from the script"])
+def shown(run: tuple[Path, list[dict[str, Any]]], request: pytest.FixtureRequest) -> Any:
     import contextlib as context
 
     with context.ExitStack() as stack:
         recording = stack.enter_context(Recording(run[0]))
-        yield opened(recording, stack)
+        yield opened(recording, stack, request.param and str(run[0].with_name(request.param)))
 
 
-def opened(recording: Recording, stack: contextlib.ExitStack) -> tuple[Simulation, RecordedTimeline]:
-    options = options_of(recording, "", False, stack, print)
-    simulation = stack.enter_context(start(described(options.script, options), options))
+def opened(recording: Recording, stack: contextlib.ExitStack, scene: str) -> tuple[Simulation, RecordedTimeline]:
     inputs = inputs_of(recording)
+    shown = shown_scene(recording, inputs, scene, False, stack, print)
+    assert shown.is_described == (not scene)
+    simulation = stack.enter_context(start(shown.scene, shown.options))
     assert RecordedTimeline.is_possible(recording, inputs)
-    return simulation, RecordedTimeline(simulation, recording, inputs)
+    return simulation, RecordedTimeline(simulation, recording, inputs, described=shown.is_described)
 
 
 def assert_same(sim: Simulation, wanted: dict[str, Any], where: str) -> None:

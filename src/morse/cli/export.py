@@ -11,6 +11,7 @@ import typer
 from morse.cli.filming import Filmed
 from morse.cli.filming import film as write_film
 from morse.cli.messages import CommandError, say
+from morse.cli.sites import registered
 from morse.cli.viewing import place_of, size_of
 
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
@@ -63,16 +64,21 @@ def command(
     ] = None,
     fine: Annotated[bool, typer.Option("--fine", help="Draw four times as many pixels, for smoother edges.")] = False,
     scene: Annotated[
-        str | None, typer.Option("--scene", metavar="PATH", help="Film: another scene script than the recorded one.")
+        str | None, typer.Option("--scene", metavar="PATH", help="Film: a scene script instead of the recorded scene.")
     ] = None,
     trust: Annotated[
-        bool, typer.Option("--trust", help="Film: execute the script in the recording if necessary.")
+        bool,
+        typer.Option(
+            "--trust",
+            help="Film: execute the script that the recording names, if one is needed.",
+        ),
     ] = False,
 ) -> int:
     """Write a table for each topic of a recording, a complete recording, or a film of the run.
 
     Each row is a message; the columns are simulated time and the fields of the message. A film shows the recorded
-    poses, rendered as by `morse render`; without them, the scene is simulated again with the recorded inputs.
+    poses in the recorded scene, rendered as by `morse render`; a recording of the inputs alone is simulated again,
+    which needs a script: see `morse replay --resimulate`.
     """
     from morse.core.exceptions import MorseError
     from morse.recording.export import export
@@ -143,7 +149,7 @@ def _film(file: str, path: Path, what: Filmed, scene: str, trust: bool) -> int:
         raise CommandError(f"-o: {error}.", 2) from None
     try:
         with Recording(file) as recording:
-            write_film(recording, path, what, scene, trust=trust)
+            write_film(recording, path, what, scene, trust=trust, projects=registered())
     except MorseError as error:
         raise CommandError(str(error)) from None
     except OSError as error:

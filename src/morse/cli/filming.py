@@ -9,6 +9,7 @@ from morse.cli.messages import CommandError, say
 from morse.cli.viewing import drawn, request_of, shape_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from morse.recording.recording import Recording
@@ -56,35 +57,42 @@ class Filmed(NamedTuple):
             )
 
 
-def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: bool) -> None:
+def film(
+    recording: Recording, path: Path, what: Filmed, scene: str, *, trust: bool, projects: Sequence[str] = ()
+) -> None:
     """Write a film of a recorded run, from its recorded poses or, without them, from a simulation of its inputs.
 
     Args:
         recording: recording of the run.
         path: path of the film.
         what: content of the film.
-        scene: path of the scene script; empty for the script that was recorded.
-        trust: see `morse.launch.recorded_run.options_of`.
+        scene: path of a scene script; empty for the scene that the recording describes, or else its script.
+        trust, projects: see `morse.launch.recorded_run.options_of`.
 
     Raises:
         CommandError: there is no such camera, or the recording ends before the film begins.
         MorseError: the run cannot be simulated again.
         OSError: the film cannot be written.
     """
-    from morse.launch.load import described, start
-    from morse.launch.recorded_run import complete, inputs_of, options_of
+    from morse.launch.load import start
+    from morse.launch.recorded_run import complete, guard, inputs_of
+    from morse.launch.recorded_scenes import shown_scene
     from morse.rendering import picture_files
     from morse.simulation.recorded_timeline import RecordedTimeline
     from morse.simulation.timeline import Timeline
 
     inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:
-        options = options_of(recording, scene, trust, stack, say)
-        simulation = stack.enter_context(start(described(options.script, options), options))
+        shown = shown_scene(recording, inputs, scene, trust, stack, say, projects)
+        simulation = stack.enter_context(start(shown.scene, shown.options))
+        guard(simulation, described=shown.is_described, trust=trust)
         if RecordedTimeline.is_possible(recording, inputs):
-            timeline: RecordedTimeline | Timeline = RecordedTimeline(simulation, recording, inputs)
+            timeline: RecordedTimeline | Timeline = RecordedTimeline(
+                simulation, recording, inputs, described=shown.is_described
+            )
         else:
-            timeline = Timeline(simulation, complete(recording, simulation), recording.length())
+            inputs = complete(recording, simulation, described=shown.is_described)
+            timeline = Timeline(simulation, inputs, recording.length())
         frequency = simulation.clock.frequency
         first = round(what.begin * frequency)
         last = timeline.length if what.length is None else first + round(what.length * frequency)
@@ -112,6 +120,6 @@ def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: b
             ended = timeline.length / frequency
             raise CommandError(f"The recording ends after {ended:g} s, before the film begins.")
         made.close()
-    shown = frames - absent
+    drawn_frames = frames - absent
     without = f", without {absent / what.rate:g} s in which there is no {what.camera}" if absent else ""
-    say(f"{path}: {shown} frames of {shown / what.rate:g} s{without}.")
+    say(f"{path}: {drawn_frames} frames of {drawn_frames / what.rate:g} s{without}.")

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from morse.cli.messages import CommandError, complain, say
+from morse.cli.sites import registered
 from morse.core import log
 
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
@@ -22,12 +23,14 @@ def command(
     ] = False,
     scene: Annotated[
         str | None,
-        typer.Option("--scene", metavar="PATH", help="Another scene script than the recorded one."),
+        typer.Option("--scene", metavar="PATH", help="Scene script to execute, instead of the recorded scene."),
     ] = None,
     trust: Annotated[
         bool,
         typer.Option(
-            "--trust", help="Execute the script in the recording if the file of the script is missing or changed."
+            "--trust",
+            help="Execute the script that the recording names or contains, with its arguments: only if you trust its "
+            "sender.",
         ),
     ] = False,
     record: Annotated[
@@ -40,10 +43,12 @@ def command(
     """Show a recorded run.
 
     The page of the live view shows the run, with a timeline for jumping, dragging, and playing forward and backward at
-    any speed. It shows the recorded poses; a recording without poses is simulated with its seed and its inputs.
+    any speed. It shows the recorded scene and poses, and executes nothing.
 
     With --resimulate there is no page: every message is compared with the recorded message, bit for bit. If a message
-    differs, its tick and the first different field are printed.
+    differs, its tick and the first different field are printed. This needs the scene script, and so does a page for a
+    recording of the inputs alone: without --scene and --trust, it is executed only if it stands in the folder of an
+    environment that you have registered by `morse create` or `morse import`.
     """
     if record is not None and not resimulate:
         raise CommandError("--record belongs to --resimulate: it records the new simulation of the run.", 2)
@@ -61,7 +66,7 @@ def _play(path: str, scene: str, _record: str | None, trust: bool, port: int, br
     try:
         with (
             Recording(path) as recording,
-            playing(recording, scene, say, trust=trust, port=port, browser=browser) as view,
+            playing(recording, scene, say, trust=trust, projects=registered(), port=port, browser=browser) as view,
         ):
             play(view)
     except MorseError as error:
@@ -85,7 +90,7 @@ def _resimulate(path: str, scene: str, record: str | None, trust: bool, _port: i
             if failure := recording.end.get("failure"):
                 say(f"It was recorded before a failure: {failure}")
             log.setup(level="WARNING")
-            outcome = resimulate(recording, scene, say, record, trust=trust)
+            outcome = resimulate(recording, scene, say, record, trust=trust, projects=registered())
     except MorseError as error:
         raise CommandError(str(error)) from None
     except (ValueError, LookupError) as error:

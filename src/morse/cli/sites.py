@@ -96,6 +96,10 @@ class Sites:
             )
         return path
 
+    def directories(self) -> list[str]:
+        """The registered directories, which may not exist any more."""
+        return [self._config.get(_SECTION, name) for name in self.names()]
+
     def known(self) -> str:
         """A sentence that lists the registered environments, for error messages."""
         if names := self.names():
@@ -143,3 +147,9 @@ class Sites:
         except BaseException:
             os.unlink(temporary)
             raise
+
+
+def registered() -> list[str]:
+    """The directories of all registered environments; none if the configuration file is broken."""
+    sites, _ = Sites.or_none_registered()
+    return sites.directories()

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from morse.core.exceptions import MorseError
 from morse.core.sensor import Sensor
 from morse.launch.ending_signals import ending_signals
-from morse.launch.load import described, resolve
-from morse.launch.recorded_run import complete, inputs_of, options_of
-from morse.middleware.ros2.datastream import Ros2DatastreamManager
+from morse.launch.load import resolve
+from morse.launch.recorded_run import complete, guard, inputs_of
+from morse.launch.recorded_scenes import shown_scene
 from morse.middleware.ros2.names import Names
 from morse.recording.errors import RecordingError
 from morse.simulation.recorded_timeline import RecordedTimeline
@@ -22,8 +22,9 @@ from morse.simulation.timeline import Timeline
 from morse.viewer.replay_view import ReplayView
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from morse.launch.recorded_scenes import ShownScene
     from morse.recording.recording import Recording
     from morse.scene import Scene
     from morse.simulation.input_recording import InputRecording
@@ -36,6 +37,7 @@ def playing(
     told: Callable[[str], object] = print,
     *,
     trust: bool = False,
+    projects: Sequence[str] = (),
     port: int = 8765,
     browser: bool = True,
 ) -> Iterator[ReplayView]:
@@ -43,9 +45,9 @@ def playing(
 
     Args:
         recording: a recording of a run.
-        scene: path of the scene script; empty for the recorded script.
+        scene: path of a scene script; empty for the scene that the recording describes, or else its script.
         told: callback for messages to the user.
-        trust: see `morse.launch.recorded_run.options_of`.
+        trust, projects: see `morse.launch.recorded_run.options_of`.
         port: port of the page; 0 for any free port.
         browser: whether to open the page.
 
@@ -56,15 +58,15 @@ def playing(
     """
     inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:
-        options = options_of(recording, scene, trust, stack, told)
-        options = replace(options, view="web", view_port=port, open_browser=browser, speed=1.0)
-        recorded_scene = described(options.script, options)
-        naming = _Naming(recorded_scene)
-        _close(recorded_scene)
-        resolve(recorded_scene)
-        simulation = stack.enter_context(Simulation(recorded_scene, options))
+        shown = shown_scene(recording, inputs, scene, trust, stack, told, projects)
+        options = replace(shown.options, view="web", view_port=port, open_browser=browser, speed=1.0)
+        naming = _Naming(shown)
+        _close(shown.scene)
+        resolve(shown.scene)
+        simulation = stack.enter_context(Simulation(shown.scene, options))
         simulation.load()
-        timeline = _timeline(simulation, recording, inputs, told)
+        guard(simulation, described=shown.is_described, trust=trust)
+        timeline = _timeline(simulation, recording, inputs, told, described=shown.is_described)
         made = timeline.made.topics if isinstance(timeline, RecordedTimeline) else {}
         view = ReplayView(simulation, timeline, recording, partial(naming.topic, simulation, made))
         simulation.view = view
@@ -73,18 +75,25 @@ def playing(
 
 
 def _timeline(
-    simulation: Simulation, recording: Recording, inputs: InputRecording, told: Callable[[str], object]
+    simulation: Simulation,
+    recording: Recording,
+    inputs: InputRecording,
+    told: Callable[[str], object],
+    *,
+    described: bool,
 ) -> Timeline | RecordedTimeline:
     if RecordedTimeline.is_possible(recording, inputs):
         try:
-            timeline = RecordedTimeline(simulation, recording, inputs)
+            timeline = RecordedTimeline(simulation, recording, inputs, described=described)
             for name in timeline.lost:
                 told(f"'{name}' was spawned by a function of a program, and is not shown.")
             return timeline
         except RecordingError as error:
+            if described:
+                raise
             told(f"{error}. The run is simulated again.")
     # simulating needs every input
-    return Timeline(simulation, complete(recording, simulation), recording.length())
+    return Timeline(simulation, complete(recording, simulation, described=described), recording.length())
 
 
 def play(view: ReplayView) -> None:
@@ -101,14 +110,9 @@ def play(view: ReplayView) -> None:
 class _Naming:
     """The options of a scene that name the topics of its recordings."""
 
-    def __init__(self, scene: Scene) -> None:
-        manager = Ros2DatastreamManager.classpath
-        self._names = Names({"namespace": None, "frame_prefix": None, **scene.manager_options.get(manager, {})})
-        self._streams = {
-            declared.name: next((stream.options for stream in declared.streams if stream.manager == manager), {})
-            for declared in scene.components
-            if declared.kind == "sensor"
-        }
+    def __init__(self, shown: ShownScene) -> None:
+        self._names = Names({"namespace": None, "frame_prefix": None, **shown.naming})
+        self._streams = shown.topics
 
     def topic(self, simulation: Simulation, made: Mapping[str, Mapping[str, Any]], name: str) -> str | None:
         """The topic of a sensor; None if there is no such sensor at present.

@@ -2,35 +2,37 @@
 
 from __future__ import annotations
 
+import logging
 import math
-import os
-import tempfile
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.assets.formats import SUFFIXES
+from morse.assets.search import resource_dirs
+from morse.core.exceptions import MorseBuilderError, MorseError
 from morse.core.journal import RESTORE, SPAWN, Entry
-from morse.core.quoting import shown
+from morse.core.quoting import quoted, shown
+from morse.launch.recorded_scripts import is_same, take_trusted_options, use_named, use_registered, use_trusted
 from morse.recording.errors import RecordingError
 from morse.recording.inputs import LostInput
 from morse.recording.made.reading import RecordedMade
+from morse.services.foreign_models import check_model
 from morse.simulation.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
 from morse.simulation.options import RunOptions
 from morse.simulation.recorded_timeline import modules_of
-from morse.simulation.recorders import MODULES, SCRIPT, STATE
+from morse.simulation.recorders import MODULES, STATE
 from morse.simulation.state import State
 
 if TYPE_CHECKING:
     import contextlib
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from morse.recording.recording import Recording
     from morse.simulation.simulation import Simulation
 
+logger = logging.getLogger(__name__)
+
 _MOST_SEED = 2**63
-#: folders of a project with its modules and models
-_FOLDERS = ("src", "data")
 
 
 def inputs_of(recording: Recording, *, lenient: bool = False) -> InputRecording:
@@ -59,14 +61,18 @@ def _entry(one: bytes | LostInput) -> Entry:
     return Entry(one.tick, one.kind, one.name, None) if isinstance(one, LostInput) else entry_from_bytes(one)
 
 
-def complete(recording: Recording, simulation: Simulation) -> InputRecording:
+def complete(recording: Recording, simulation: Simulation, *, described: bool = False) -> InputRecording:
     """The inputs for a simulation of the recorded scene, with what creates the objects that functions spawned.
+
+    Args:
+        described: whether the scene is that which the recording describes: all spawned objects are created from
+            descriptions then.
 
     Raises:
         MorseError: the inputs are damaged, or an object cannot be created again.
     """
     inputs = inputs_of(recording, lenient=True)
-    made = RecordedMade(recording, partial(modules_of, simulation), exact=True)
+    made = RecordedMade(recording, partial(modules_of, simulation), exact=True, all_kinds=described)
     if made.is_empty:
         return inputs_of(recording)
     made.check()
@@ -81,34 +87,79 @@ def complete(recording: Recording, simulation: Simulation) -> InputRecording:
 def _completed(entry: Entry, index: int, made: RecordedMade) -> Entry | None:
     if entry.kind == RESTORE:
         return entry._replace(content=State(entry.content.parts, makers=made.known(index)))
-    if entry.kind != SPAWN or entry.content is not None:
-        return entry
     described = made.after(index).get(entry.name)
+    if entry.kind != SPAWN or (entry.content is not None and described is None):
+        return entry
     # without a description, it was refused
     return None if described is None else entry._replace(content=(described, described.position, described.rotation))
 
 
+def guard(simulation: Simulation, *, described: bool, trust: bool) -> None:
+    """Refuse models that the inputs of a recording name, except those that clients may spawn.
+
+    Args:
+        described: whether no model is opened, because the recording describes all objects.
+        trust: whether any model may be opened.
+    """
+
+    def check(kind: str) -> None:
+        try:
+            if described:
+                raise MorseBuilderError(f"the recording does not describe the object of the kind {quoted(kind)}")
+            check_model(kind, [*simulation.scene.resource_paths, *resource_dirs()])
+        except MorseError as error:
+            logger.warning("an object is not spawned: %s", error)
+            raise MorseBuilderError(str(error)) from None
+
+    if not trust:
+        simulation.population.check_kind = check
+
+
 def options_of(
-    recording: Recording, scene: str, trust: bool, stack: contextlib.ExitStack, told: Callable[[str], object]
+    recording: Recording,
+    scene: str,
+    trust: bool,
+    stack: contextlib.ExitStack,
+    told: Callable[[str], object],
+    projects: Sequence[str] = (),
 ) -> RunOptions:
     """The options of a run of the recorded scene, without servers.
+
+    A script is a program, and the sender of a file may name any program on the disk, one that came with the file, and
+    any arguments. Without ``trust``, only a script is used that the user names, or the recorded one if it is a scene in
+    the folder of a project that the user has registered; and no arguments or folders of the file.
 
     Args:
         recording: a recording of a run.
         scene: path of the scene script; empty for the recorded script.
-        trust: whether to execute the script in the recording if the script on the disk has changed. A recording from an
-            untrusted source may execute any code.
+        trust: whether to execute the script that the recording names, or the script in the recording if that on the
+            disk has changed, with the recorded arguments. A recording from an untrusted source may execute any code.
         stack: removes temporary files when it is closed.
         told: callback for messages to the user.
+        projects: folders of the environments that the user has registered.
 
     Raises:
         RecordingError: the recording does not contain the name of its scene, or its script is not trusted.
     """
-    options = RunOptions(
-        script=scene or recording.facts.get("script", ""),
-        arguments=recording.texts("arguments"),
-        source_paths=recording.texts("source_paths"),
-        resource_paths=recording.texts("resource_paths"),
+    options = plain_options(recording)
+    if scene:
+        use_named(recording, options, scene, projects)
+        if trust:
+            take_trusted_options(recording, options)
+    elif trust:
+        use_trusted(recording, options, stack, told)
+    else:
+        use_registered(recording, options, projects)
+    arguments = recording.texts("arguments")
+    if arguments and not trust:
+        told(f"The script does not get the arguments of the recorded run, {shown(arguments)}; --trust passes them.")
+    _tell_changed_modules(recording, options, told)
+    return options
+
+
+def plain_options(recording: Recording) -> RunOptions:
+    """Options without a script and without servers."""
+    return RunOptions(
         sockets=False,
         view="none",
         open_browser=False,
@@ -116,91 +167,24 @@ def options_of(
         seed=recording.number("seed") % _MOST_SEED,
         strict=recording.facts.get("strict") == "True",
     )
-    if scene:
-        _check_folders(recording, options, trust)
-        return options
-    if not options.script:
-        raise RecordingError(
-            f"{recording.path}: the scene was created by a function of a program; give a script that creates it: "
-            "--scene PATH"
-        )
-    kept = recording.attachment(SCRIPT)
-    if not trust:
-        _check_script(recording, options.script, kept)
-        _check_folders(recording, options, trust)
-    if kept is not None and not _is_same(options.script, kept):
-        if not trust:
-            raise RecordingError(
-                f"{options.script} has changed since the run was recorded. To execute the script in the recording, "
-                "which is a program, use --trust; to use another script, use --scene PATH"
-            )
-        told(f"{options.script} has changed since the run was recorded: the recorded script is used.")
-        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        options.script = str(folder / Path(options.script).name)
-        Path(options.script).write_bytes(kept)
-    elif kept is None and not Path(options.script).is_file():
-        raise RecordingError(
-            f"{recording.path}: the scene {options.script} does not exist any more; give a scene: --scene PATH"
-        )
-    _tell_changed_modules(recording, options, told)
-    return options
-
-
-def _check_script(recording: Recording, script: str, kept: bytes | None) -> None:
-    """Refuse a script that the recording names, but that was not recorded on this machine.
-
-    The sender of a file may name any program on the disk, or one that came with the file.
-    """
-    if kept is None and Path(script).suffix.lower() not in SUFFIXES:  # models are no programs
-        raise RecordingError(
-            f"{recording.path} names the script {shown(script)}, but does not contain it, so that it cannot be "
-            "compared with the file; to execute the file, which is a program, use --scene PATH"
-        )
-    if not _is_here(script):
-        raise RecordingError(
-            f"{recording.path} names the script {shown(script)}, which is not a full path on this machine; to use a "
-            "script of yours, use --scene PATH; to execute the script in the recording, which is a program, use --trust"
-        )
-
-
-def _check_folders(recording: Recording, options: RunOptions, trust: bool) -> None:
-    """Refuse folders of modules that do not belong to the script: their modules come before all others."""
-    for folder in () if trust else (*options.source_paths, *options.resource_paths):
-        if not _is_of_project(folder, options.script):
-            raise RecordingError(
-                f"{recording.path} names the folder {shown(folder)}, which does not belong to the project of "
-                f"{options.script}; modules in it are programs: to use them, use --trust"
-            )
-
-
-def _is_of_project(folder: str, script: str) -> bool:
-    """Whether a folder is ``src`` or ``data`` of a project that contains the script."""
-    if not _is_here(folder):
-        return False
-    real = Path(os.path.realpath(folder))
-    return (
-        real.name in _FOLDERS and bool(real.parent.name) and Path(os.path.realpath(script)).is_relative_to(real.parent)
-    )
-
-
-def _is_here(path: str) -> bool:
-    """Whether a path is absolute and not on another machine, whose server would be told who the user is."""
-    return os.path.isabs(path) and not path.startswith(("//", "\\\\")) and "\0" not in path
 
 
 def _tell_changed_modules(recording: Recording, options: RunOptions, told: Callable[[str], object]) -> None:
     for name in recording.attachments:
         if not name.startswith(MODULES):
             continue
-        module = name.removeprefix(MODULES).removesuffix(".py").replace(".", "/")
+        words = name.removeprefix(MODULES).removesuffix(".py").split(".")
+        if not all(word.isidentifier() for word in words):
+            continue
+        module = "/".join(words)
         files = [Path(folder, f"{module}{end}") for folder in options.source_paths for end in (".py", "/__init__.py")]
-        there = [file for file in files if file.is_file()]
-        if there and not any(_is_same(str(file), recording.attachment(name) or b"") for file in there):
+        there = [file for file in files if _is_file(file)]
+        if there and not any(is_same(str(file), recording.attachment(name) or b"") for file in there):
             told(f"{there[0]} has changed since the run was recorded.")
 
 
-def _is_same(path: str, content: bytes) -> bool:
+def _is_file(path: Path) -> bool:
     try:
-        return Path(path).read_bytes() == content
-    except OSError:
+        return path.is_file()
+    except ValueError:  # a character that no path has
         return False

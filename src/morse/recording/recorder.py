@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+from collections import ChainMap
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.journal import Entry
     from morse.recording.made.made import Made
+    from morse.scene import Scene
 
 logger = logging.getLogger(__name__)
 
@@ -39,7 +41,8 @@ class Beginning(NamedTuple):
         files: by name: the scene script, modules of the project, the state at the beginning of the recording.
         pack: encodes an entry of the journal as bytes.
         ending: returns facts about the end, called when the recording stops.
-        made: returns the present objects that functions have spawned, by name.
+        made: returns the present objects that were spawned, by name.
+        scene: the scene at the launch.
     """
 
     facts: Mapping[str, str]
@@ -47,6 +50,7 @@ class Beginning(NamedTuple):
     pack: Callable[[Entry], bytes]
     ending: Callable[[], Mapping[str, str]]
     made: Callable[[], Mapping[str, Made]]
+    scene: Scene
 
 
 class Recorder(Observer):
@@ -99,7 +103,14 @@ class Recorder(Observer):
             disk.other(partial(McapWriter.attachment, name=name, media_type=MEDIA_TYPE, data=data))
         self._tape = Tape(context, disk)
         self._inputs = Inputs(context.journal, self._tape, beginning.pack)
-        self._made = MadeObjects(self._tape, disk, beginning.made, lambda: self._inputs.count)
+        self._made = MadeObjects(
+            self._tape,
+            disk,
+            beginning.made,
+            lambda: self._inputs.count,
+            beginning.scene,
+            ChainMap(context.robots, context.components, context.external_robots),
+        )
         self._streams = RecordedStreams(context, self._tape, sensors)
 
     @property

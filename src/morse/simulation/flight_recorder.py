@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+import shlex
 import stat
 import tempfile
 from pathlib import Path
@@ -149,8 +150,16 @@ class FlightRecorder(Observer):
             return None
         _remove_old(path)
         span = _span(ticks, ticks / self._simulation.clock.frequency)
-        logger.error("[ERROR][MORSE] %s in %s: morse replay %s --resimulate", span, path, path)
+        script = self._script()
+        logger.error("[ERROR][MORSE] %s in %s: morse replay %s --resimulate%s", span, path, path, script)
         return path
+
+    def _script(self) -> str:
+        """The option that permits `morse replay` to execute the scene script."""
+        options = self._simulation.options
+        if options.arguments:  # only those of a trusted file are used
+            return " --trust"
+        return f" --scene {shlex.quote(os.path.abspath(options.script))}" if options.script else " --scene SCRIPT"
 
     def close(self) -> None:
         """The end of the simulation."""

@@ -51,7 +51,7 @@ class InputRecording:
             ValueError: a robot was spawned by a function of the process, which cannot be written to a file.
         """
         start = None if self.start is None else self.start.to_bytes()
-        head = [self.seed, start, self.last, Writer(_NoReferences()).value(self.waiting)]
+        head = [self.seed, start, self.last, Writer(NoReferences()).value(self.waiting)]
         content = _HEAD + _encoder.encode([head, [_packed(entry) for entry in self.entries]])
         target = Path(path)
         temporary = target.with_name(f".{target.name}.{os.getpid()}")
@@ -78,7 +78,7 @@ class InputRecording:
         try:
             (seed, start, last, waiting), entries = msgspec.msgpack.decode(content[len(_HEAD) :], type=tuple[Any, Any])
             state = None if start is None else State.from_bytes(start)
-            unread = Reader(_NoReferences()).value(waiting)
+            unread = Reader(NoReferences()).value(waiting)
             return cls(int(seed), state, int(last), [_unpacked(entry) for entry in entries], dict(unread))
         except (ValueError, TypeError, LookupError, RecursionError, ArithmeticError) as error:
             raise StateError(f"{file} is damaged: {error}") from None
@@ -118,25 +118,30 @@ class InputRecorder:
         self.stop()
 
 
-class _NoReferences:
-    """References for inputs, which come from outside and do not refer to parts of the simulation."""
+class NoReferences:
+    """References for data from outside, which do not refer to parts of the simulation, to classes or functions."""
 
     def name_of(self, value: Any) -> str | None:
+        """Nothing has a name."""
         return None
 
     def find(self, name: str) -> Any:
+        """Refuse the name."""
         raise StateError(f"an input cannot contain {name!r:.60}")
 
     def find_class(self, path: str) -> type[Any] | None:
+        """There are no classes."""
         return None
 
     def met_class(self, cls: type[Any]) -> None:
         """Do nothing, because inputs do not contain objects of classes."""
 
     def global_name(self, value: Any) -> str | None:
+        """Nothing has a name."""
         return None
 
     def find_global(self, name: str) -> Any:
+        """Refuse the name."""
         raise StateError(f"an input cannot contain {name!r:.60}")
 
 
@@ -163,7 +168,7 @@ def entry_from_bytes(data: bytes) -> Entry:
 
 def waiting_to_bytes(waiting: dict[str, dict[str, Any]]) -> bytes:
     """Convert the commands that have not been applied yet, for a file."""
-    return _encoder.encode(Writer(_NoReferences()).value(waiting))
+    return _encoder.encode(Writer(NoReferences()).value(waiting))
 
 
 def waiting_from_bytes(data: bytes) -> dict[str, dict[str, Any]]:
@@ -173,7 +178,7 @@ def waiting_from_bytes(data: bytes) -> dict[str, dict[str, Any]]:
         StateError: the bytes are damaged.
     """
     try:
-        return dict(Reader(_NoReferences()).value(msgspec.msgpack.decode(data)))
+        return dict(Reader(NoReferences()).value(msgspec.msgpack.decode(data)))
     except (ValueError, TypeError, LookupError, RecursionError, ArithmeticError) as error:
         raise StateError(f"the commands at the end are damaged: {error}") from None
 
@@ -186,14 +191,14 @@ def _packed(entry: Entry) -> list[Any]:
         made = content[0]
         function = f"{getattr(made, '__module__', '')}.{getattr(made, '__qualname__', type(made).__name__)}".lstrip(".")
         raise ValueError(f"'{entry.name}' was spawned by the function {function}, which cannot be written to a file")
-    return [entry.tick, entry.kind, entry.name, Writer(_NoReferences()).value(content)]
+    return [entry.tick, entry.kind, entry.name, Writer(NoReferences()).value(content)]
 
 
 def _unpacked(packed: Any) -> Entry:
     tick, kind, name, content = packed
     if not (isinstance(kind, str) and isinstance(name, str)):
         raise TypeError("an input has a kind and a name")
-    value = Reader(_NoReferences()).value(content)
+    value = Reader(NoReferences()).value(content)
     if kind == RESTORE:
         value = State.from_bytes(value)
     if kind == COMMAND and not isinstance(value, dict):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -48,7 +49,12 @@ class Recipe(NamedTuple):
 
 
 class Population:
-    """The present robots and objects of a simulation, and those at its launch."""
+    """The present robots and objects of a simulation, and those at its launch.
+
+    Attributes:
+        check_kind: called with the kind of each object that is spawned by the name of a robot or of a model; raises an
+            error to refuse it.
+    """
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
@@ -59,6 +65,7 @@ class Population:
             list(scene.zones),
         )
         self._recipes: dict[str, Recipe] = {}
+        self.check_kind: Callable[[str], object] = _accept
 
     # -- spawning --------------------------------------------------------------------------
 
@@ -105,6 +112,8 @@ class Population:
     ) -> Newcomer:
         simulation = self._simulation
         scene = simulation.scene
+        if isinstance(kind, str):
+            self.check_kind(kind)
         interfaces = ["socket", *scene.interfaces] if simulation.context.network is not None else []
         with scene.project, describing(scene.resource_paths):
             make = maker_of(kind) if isinstance(kind, str) else kind
@@ -217,13 +226,23 @@ class Population:
         """Return the functions that created spawned objects, by name; objects with a named kind are omitted."""
         return {name: recipe.kind for name, recipe in self._recipes.items() if callable(recipe.kind)}
 
-    def made_by_functions(self) -> dict[str, Made]:
-        """Return the present objects that functions spawned, by name."""
+    def made(self) -> dict[str, Made]:
+        """Return the present objects that were spawned, by name."""
         return {
-            name: Made(recipe, recipe.position, recipe.rotation, partial(self._present, recipe))
+            name: Made(
+                recipe,
+                recipe.position,
+                recipe.rotation,
+                partial(self._present, recipe),
+                recipe.kind if isinstance(recipe.kind, str) else "",
+            )
             for name, recipe in self._recipes.items()
-            if callable(recipe.kind)
         }
+
+    def scene_at_launch(self) -> Scene:
+        """Return the scene with the objects of the launch."""
+        roots, components, zones = self._launch
+        return replace(self._simulation.scene, roots=roots, components=components, zones=zones)
 
     def _present(self, recipe: Recipe) -> Newcomer:
         scene = self._simulation.scene
@@ -258,7 +277,7 @@ class Population:
         if state == self.get_state():
             return
         wanted = {
-            name: Recipe(kind or makers.get(name, ""), position, rotation)
+            name: Recipe(makers.get(name) or kind, position, rotation)
             for name, kind, position, rotation in state["came"]
         }
         for name in [name for name, recipe in self._recipes.items() if not recipe.gives(wanted.get(name))]:
@@ -320,6 +339,10 @@ class Population:
             connect(context, loaded, back)
         simulation.loaded.join(loaded)
         self._changed()
+
+
+def _accept(kind: str) -> None:
+    """Refuse no kind."""
 
 
 def check_newcomer(name: Any, kind: Any, position: Any, rotation: Any) -> None:

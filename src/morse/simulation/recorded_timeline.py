@@ -50,21 +50,24 @@ class RecordedTimeline:
         simulation: a simulation of the scene; it is set to the beginning of the recording.
         recording: the recording, with the poses of the nodes.
         inputs: its inputs.
+        described: whether the recording describes the scene: all objects are created from their descriptions then.
 
     Attributes:
         position: ticks since the beginning.
         length: the last position.
         moment: the poses.
-        made: descriptions of the objects that functions of a program spawned.
-        lost: names of such objects without a description; they are not shown.
+        made: descriptions of the objects that were spawned.
+        lost: names of objects without a description; they are not shown.
 
     Raises:
         StateError: the recording belongs to another scene.
         RecordingError: the recording is damaged.
     """
 
-    def __init__(self, simulation: Running, recording: Recording, inputs: InputRecording) -> None:
-        self._simulation, self._inputs = simulation, inputs
+    def __init__(
+        self, simulation: Running, recording: Recording, inputs: InputRecording, *, described: bool = False
+    ) -> None:
+        self._simulation, self._inputs, self._described = simulation, inputs, described
         self._world = simulation.world
         self.recorded = RecordedWorld(recording)
         self.length = recording.length()
@@ -77,7 +80,7 @@ class RecordedTimeline:
             (time, index, entry) for index, (time, entry) in enumerate(timed) if entry.kind in _POPULATION
         ]
         self.made = RecordedMade(recording, partial(modules_of, simulation))
-        self.lost = [entry.name for _, index, entry in self._events if _is_lost(entry, self.made.after(index))]
+        self.lost = [entry.name for _, index, entry in self._events if self._is_lost(entry, index)]
         self._inputs_of: dict[tuple[str, str], tuple[list[int], list[Entry]]] = {}
         for time, entry in timed:
             known = self._inputs_of.setdefault((entry.kind, entry.name), ([], []))
@@ -85,7 +88,7 @@ class RecordedTimeline:
             known[1].append(entry)
         self._apply: dict[str, Callable[[int, Entry], object]] = {
             RESET: lambda _, entry: simulation.restart(entry.content),
-            RESTORE: lambda index, entry: simulation.restore(self._completed(entry.content, index)),
+            RESTORE: lambda index, entry: self._arrange(entry.content, index),
             SPAWN: self._spawn,
             DELETE: lambda _, entry: simulation.delete(entry.name),
         }
@@ -160,7 +163,7 @@ class RecordedTimeline:
         if self._inputs.start is None:
             self._simulation.restart(self._inputs.seed)
         else:
-            self._simulation.restore(self._completed(self._inputs.start, -1))
+            self._arrange(self._inputs.start, -1)
         self._applied = 0
         self._looks_until = -1
         world = self._world
@@ -186,15 +189,22 @@ class RecordedTimeline:
         self._applied = wanted
 
     def _spawn(self, index: int, entry: Entry) -> None:
-        if entry.content is not None:
+        made = self.made.after(index).get(entry.name)
+        if made is not None:
+            self._simulation.spawn(entry.name, made, made.position, made.rotation)
+        elif entry.content is not None and not self._described:
             self._simulation.spawn(entry.name, *entry.content)
-        elif entry.name in (made := self.made.after(index)):
-            described = made[entry.name]
-            self._simulation.spawn(entry.name, described, described.position, described.rotation)
 
-    def _completed(self, state: State, index: int) -> State:
-        """A state of the recording, with what creates its objects."""
-        return State(state.parts, state.unsaved, self.made.known(index))
+    def _arrange(self, state: State, index: int) -> None:
+        """Restore who is there and where; the components do not act, so that their states are not needed."""
+        completed = State(state.parts, state.unsaved, self.made.known(index))
+        self._simulation.arrange(completed, described=self._described)
+
+    def _is_lost(self, entry: Entry, index: int) -> bool:
+        """Whether an object was spawned, and cannot be shown: in recordings of earlier versions, one by a function."""
+        if entry.kind != SPAWN or entry.name in self.made.after(index):
+            return False
+        return entry.content is None
 
     def _paint(self, time: int) -> None:
         """Apply the changes of appearance up to a log time."""
@@ -253,11 +263,6 @@ def modules_of(simulation: Running) -> Collection[str]:
     """The modules of the project."""
     project = simulation.scene.project
     return project.sources() if isinstance(project, ProjectImports) else ()
-
-
-def _is_lost(entry: Entry, made: Collection[str]) -> bool:
-    """Whether an object was spawned by a function, and has no description; such recordings are of earlier versions."""
-    return entry.kind == SPAWN and entry.content is None and entry.name not in made
 
 
 def _rotation(turn: list[float]) -> tuple[float, ...]:

@@ -117,14 +117,14 @@ def machine_facts() -> dict[str, str]:
 
 
 def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
-    options, scene = simulation.options, simulation.scene
+    options, project = simulation.options, simulation.scene.project
     facts = {
         "morse": __version__,
         "platform": f"{platform.system()} {platform.machine()}",
         **machine_facts(),
         "seed": str(simulation.seed()),
         "frequency": repr(simulation.clock.frequency),
-        "environment": scene.environment,
+        "environment": simulation.scene.environment,
         "tick": str(simulation.ticks),
         "script": options.script and os.path.abspath(options.script),
         "arguments": json.dumps(options.arguments),
@@ -136,13 +136,14 @@ def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
     files: dict[str, bytes] = {}
     if options.script.endswith(".py"):
         files |= _source(SCRIPT, options.script)
-    if isinstance(scene.project, ProjectImports):
-        for module, file in sorted(scene.project.sources().items()):
+    if isinstance(project, ProjectImports):
+        for module, file in sorted(project.sources().items()):
             files |= _source(f"{MODULES}{module}.py", file)
     if simulation.ticks:
         files[STATE] = simulation.silent_state().to_bytes()
-    made = simulation.population.made_by_functions
-    return Beginning(facts, files, entry_to_bytes, lambda: _ending(simulation), made)
+    population = simulation.population
+    scene = population.scene_at_launch()
+    return Beginning(facts, files, entry_to_bytes, lambda: _ending(simulation), population.made, scene)
 
 
 def _tell_lost(error: ValueError) -> None:

@@ -36,14 +36,19 @@ class Holder(Protocol):
 class Populated(Holder, Protocol):
     """The population of a simulation; see `morse.simulation.population.Population`."""
 
+    check_kind: Callable[[str], object]
+
     def set_state(self, state: Any, makers: Mapping[str, Callable[[], Any]] = ...) -> None:
         """Spawn and delete robots and objects until they match the state."""
 
     def makers(self) -> Mapping[str, Callable[[], Any]]:
         """Return the functions that created spawned objects."""
 
-    def made_by_functions(self) -> Mapping[str, Made]:
-        """Return the present objects that functions spawned."""
+    def made(self) -> Mapping[str, Made]:
+        """Return the present objects that were spawned."""
+
+    def scene_at_launch(self) -> Scene:
+        """Return the scene with the objects of the launch."""
 
     def roots_at_launch(self) -> list[str]:
         """Return the root objects of the launch."""
@@ -144,6 +149,9 @@ class Running(Protocol):
 
     def restore(self, state: State | str | os.PathLike[str]) -> None:
         """Restore a state."""
+
+    def arrange(self, state: State, *, described: bool) -> None:
+        """Restore who is there and where, to show a recorded run."""
 
     def restart(self, seed: int | None = None) -> None:
         """Restart the simulation as after the launch."""

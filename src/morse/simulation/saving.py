@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.context import acting
 from morse.core.state import Reader, StateError, Writer
 from morse.simulation.faults import describe
+from morse.simulation.input_recording import NoReferences
 from morse.simulation.own_state import ClockState, ControlsState, InputsState, check_population
 from morse.simulation.state import State
 from morse.simulation.state_parts import StateParts
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from morse.simulation.running import Running
 
 logger = logging.getLogger(__name__)
+
+#: the parts of a state that do not refer to components, in their order
+_ARRANGEMENT = ("clock", "controls", "population", "physics")
 
 
 class Saving:
@@ -69,6 +73,28 @@ class Saving:
             population.set_state(were, before.makers)
             self._apply(before)
             raise _refusal(error) from error
+
+    def arrange(self, state: State, *, described: bool) -> None:
+        """Restore who is there and where, to show a recorded run; the components keep their states.
+
+        Args:
+            described: whether only the functions of the state create objects: a kind in a file may name any model.
+
+        Raises:
+            StateError: the state is damaged, or an object cannot be created again.
+        """
+        reader = Reader(NoReferences(), fresh=True)
+        parts = {name: reader.part(name, state.parts.get(name), None) for name in _ARRANGEMENT}
+        there = check_population(parts["population"])
+        if described:
+            there["came"] = [[name, "", *pose] for name, _, *pose in there["came"] if name in state.makers]
+        self._simulation.population.set_state(there, state.makers)
+        world = self._simulation.world
+        _check_physics(world, parts["physics"])
+        world.set_state(parts["physics"])
+        clock = ClockState(self._simulation)
+        clock.check(parts["clock"])
+        clock.set_state(parts["clock"])
 
     def _read_population(self, state: State) -> dict[str, Any]:
         """Return the state of the population, after a first check that the state belongs to this scene."""

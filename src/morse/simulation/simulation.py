@@ -367,6 +367,14 @@ class Simulation(Recorded, Handles):
             observer.rearranged()
         self._loop.restarted()
 
+    def arrange(self, state: State, *, described: bool) -> None:
+        """Restore who is there and where, to show a recorded run; see `morse.simulation.saving.Saving.arrange`."""
+        self._check_open()
+        with acting(self.context):
+            self._saving.arrange(state, described=described)
+        for observer in self.observers:
+            observer.rearranged()
+
     def _end_services(self) -> None:
         """End running services as preempted."""
         self.context.services.preempt(self.context.service_objects)

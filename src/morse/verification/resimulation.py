@@ -9,7 +9,7 @@ from morse.core.context import acting
 from morse.core.observer import Observer
 from morse.core.quoting import short
 from morse.launch.load import described, start
-from morse.launch.recorded_run import complete, options_of
+from morse.launch.recorded_run import complete, guard, options_of
 from morse.physics import UnstableError
 from morse.recording.streams import RecordedStreams
 from morse.simulation.recorders import machine_facts
@@ -71,6 +71,7 @@ def resimulate(
     record: str | None = None,
     *,
     trust: bool = False,
+    projects: Sequence[str] = (),
 ) -> Outcome:
     """Simulate the scene of a recording again with its seed and its inputs.
 
@@ -79,15 +80,16 @@ def resimulate(
         scene: path of the scene script; empty for the recorded script.
         told: called with remarks for the user.
         record: path of a file in which the run is recorded, with all sensors.
-        trust: see `morse.launch.recorded_run.options_of`.
+        trust, projects: see `morse.launch.recorded_run.options_of`.
 
     Raises:
         RecordingError: the recording is not sufficient, or the new one cannot be written.
         MorseError: the scene cannot be loaded, or the inputs do not fit it.
     """
     with contextlib.ExitStack() as stack:
-        options = options_of(recording, scene, trust, stack, told)
+        options = options_of(recording, scene, trust, stack, told, projects)
         simulation = stack.enter_context(start(described(options.script, options), options))
+        guard(simulation, described=False, trust=trust)
         inputs = complete(recording, simulation)
         if inputs.start is not None:
             simulation.restore(inputs.start)

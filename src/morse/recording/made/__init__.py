@@ -1,1 +1,1 @@
-"""Descriptions of robots and objects that functions of a program have spawned: plain data, no program."""
+"""Descriptions of a scene and of the objects that were spawned in it: plain data, no program."""

@@ -9,6 +9,7 @@ from morse.mathutils.rotations import Rotation9
 from morse.scene import Articulation, BodySettings, Bone, Camera, Inertial, Light, NodeKind, ShapeKind
 from morse.scene.articulation import JointDynamics
 from morse.scene.realism import RealismModel
+from morse.scene.settings import Settings
 
 Triple = tuple[float, float, float]
 Sixteen = tuple[
@@ -90,6 +91,26 @@ class NodeForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     articulation: Articulation | None = None
 
 
+class FieldForm(msgspec.Struct, forbid_unknown_fields=True):
+    """A data field of a component, as a panel shows it; ``value`` is that of the declaration."""
+
+    name: str
+    type: str
+    doc: str
+    unit: str
+    low: float | None
+    high: float | None
+    value: Any
+
+
+class PanelForm(msgspec.Struct, forbid_unknown_fields=True):
+    """What the panel of a component shows, for a class that another machine may not have."""
+
+    title: str
+    doc: str
+    fields: list[FieldForm]
+
+
 class ComponentForm(msgspec.Struct, forbid_unknown_fields=True):
     """See `morse.scene.ComponentDeclaration`; nodes are indices.
 
@@ -99,6 +120,7 @@ class ComponentForm(msgspec.Struct, forbid_unknown_fields=True):
         modifiers: class paths and options.
         wheels: names of the nodes of the wheels of a robot; None for a component without wheels.
         realism: see `morse.scene.realism.RealismModel`.
+        panel: of a component whose class is not one of MORSE.
     """
 
     node: int
@@ -111,6 +133,7 @@ class ComponentForm(msgspec.Struct, forbid_unknown_fields=True):
     modifiers: list[tuple[str, dict[str, Any]]]
     wheels: list[str] | None
     realism: RealismModel | None
+    panel: PanelForm | None = None
 
 
 class DescriptionForm(msgspec.Struct, forbid_unknown_fields=True):
@@ -121,3 +144,18 @@ class DescriptionForm(msgspec.Struct, forbid_unknown_fields=True):
     meshes: list[MeshForm]
     materials: list[MaterialForm]
     images: list[ImageForm]
+
+
+class SceneForm(msgspec.Struct, forbid_unknown_fields=True):
+    """What a scene has besides its nodes and components; see `morse.scene.Scene`.
+
+    Attributes:
+        zones: name of the node and type of each zone.
+        naming: options of the stream manager of ROS 2, which name the topics.
+    """
+
+    environment: str
+    settings: Settings
+    properties: dict[str, Any]
+    zones: list[tuple[str, str]]
+    naming: dict[str, Any]

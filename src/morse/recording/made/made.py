@@ -1,4 +1,4 @@
-"""An object that a function spawned; scenes that are not recorded need only this."""
+"""An object that was spawned; scenes that are not recorded need only this."""
 
 from __future__ import annotations
 
@@ -11,15 +11,17 @@ if TYPE_CHECKING:
 
 
 class Made(NamedTuple):
-    """An object that a function spawned.
+    """An object that was spawned.
 
     Attributes:
         identity: another object for each spawned object, also of the same name.
-        position, rotation: given to the function, m and rad.
+        position, rotation: where it was spawned, m and rad.
         describe: returns the content of the object.
+        kind: name of the kind; empty if a function created it.
     """
 
     identity: object
     position: Sequence[float]
     rotation: Sequence[float]
     describe: Callable[[], Newcomer]
+    kind: str = ""

@@ -3,28 +3,34 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import asdict
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
 
 from morse.core.classpath import load_class
+from morse.core.declarations import fields_of_component
 from morse.core.exceptions import MorseError
 from morse.middleware.ros2.mapping import MIDDLEWARE
 from morse.recording.made import form
+from morse.scene.settings import Settings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from morse.scene import CollisionShape, ComponentDeclaration, Image, Material, Mesh, Node
+    from morse.scene import CollisionShape, ComponentDeclaration, Image, Material, Mesh, Node, Scene
 
 _encoder = msgspec.msgpack.Encoder()
 #: arrays of a mesh and of a shape, by the type of their items
 MESH_ARRAYS = {"vertices": "<f4", "triangles": "<i4", "material_index": "<i4", "uvs": "<f4", "normals": "<f4"}
 SHAPE_ARRAYS = {"vertices": "<f8", "heights": "<f8"}
 _ATOMS = (type(None), bool, int, float, str)
+#: packages whose classes every installation has
+OWN = ("morse.actuators.", "morse.modifiers.", "morse.robots.", "morse.sensors.", "morse.core.")
 
 
 class Packing:
@@ -33,6 +39,7 @@ class Packing:
     Args:
         roots: the nodes without a parent.
         components: the declarations of the components.
+        objects: the components by name, if they exist; the panels of those with classes of a project are described.
         packed: meshes and images of earlier descriptions with their digests, by the id of the object; their blocks are
             left out, and new ones are added.
 
@@ -45,7 +52,9 @@ class Packing:
         roots: Sequence[Node],
         components: Sequence[ComponentDeclaration],
         packed: dict[int, tuple[object, str]] | None = None,
+        objects: Mapping[str, Any] = MappingProxyType({}),
     ) -> None:
+        self._objects = objects
         self.blocks: dict[str, bytes] = {}
         self._packed = {} if packed is None else packed
         nodes = [node for root in roots for node in root.walk()]
@@ -163,20 +172,57 @@ class Packing:
             self._places[declared.node],
             self._places[declared.robot],
             declared.kind,
-            _classes(declared.classpath),
+            _classes(declared.classpath, self._objects.get(declared.name)),
             declared.frequency,
             declared.level,
             _plain_items(topics[0] if topics else {}),
             [(modifier.classpath, _plain_items(modifier.options)) for modifier in declared.modifiers],
             declared.options.get("wheels"),  # type: ignore[arg-type]
             declared.options.get("realism"),  # type: ignore[arg-type]
+            _panel(component) if (component := self._objects.get(declared.name)) is not None else None,
         )
 
 
-def _classes(classpath: str) -> list[str]:
+def scene_to_bytes(scene: Scene) -> bytes:
+    """What a scene has besides its nodes and components.
+
+    Raises:
+        ValueError: the scene script has set a value of another type.
+    """
+    return _encoder.encode(
+        form.SceneForm(
+            scene.environment,
+            msgspec.convert(_plain(asdict(scene.settings)), Settings),
+            _plain_items(scene.properties),
+            [(zone.node.name, zone.type) for zone in scene.zones],
+            _plain_items(scene.manager_options.get(MIDDLEWARE.stream_manager or "", {})),
+        )
+    )
+
+
+def _panel(component: Any) -> form.PanelForm | None:
+    """The panel of a component of a class that only a project has."""
+    cls = type(component)
+    if f"{cls.__module__}.".startswith(OWN):
+        return None
+    fields = [
+        form.FieldForm(
+            name, str(field.type), field.doc, field.unit, _bound(field.low), _bound(field.high), _plain(field.default)
+        )
+        for name, field in fields_of_component(component).items()
+        if name in component.local_data
+    ]
+    return form.PanelForm(str(getattr(cls, "_name", cls.__name__)), str(getattr(cls, "_short_desc", "")), fields)
+
+
+def _bound(value: Any) -> float | None:
+    return value if type(value) in (int, float) else None
+
+
+def _classes(classpath: str, component: Any) -> list[str]:
     """The class path of a component, and those of its base classes: another machine may not have all of them."""
     try:
-        bases = load_class(classpath).__mro__
+        bases = (load_class(classpath) if component is None else type(component)).__mro__
     except MorseError:
         return [classpath]
     return list(dict.fromkeys([classpath, *(f"{base.__module__}.{base.__qualname__}" for base in bases[:-1])]))

@@ -17,19 +17,18 @@ from morse.core.object import Object
 from morse.core.quoting import quoted
 from morse.middleware.ros2.cdr import CdrError, decode
 from morse.recording.errors import RecordingError
-from morse.recording.made.unpacking import Unpacking
-from morse.recording.made.writing import BLOCKS, TOPIC, TYPE
+from morse.recording.made.packing import OWN
+from morse.recording.made.unpacking import Unpacking, unpacked_scene
+from morse.recording.made.writing import BLOCKS, OBJECTS, SCENE, TOPIC, TYPE
 from morse.recording.mcap.reader import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from morse.recording.recording import Recording
+    from morse.scene import Scene
 
 logger = logging.getLogger(__name__)
-
-#: packages whose classes a file may name
-_OWN = ("morse.actuators.", "morse.modifiers.", "morse.robots.", "morse.sensors.", "morse.core.")
 
 
 def _number(value: Any) -> float:
@@ -69,6 +68,7 @@ class RecordedMade:
         recording: the recording.
         modules: returns the modules of the project, whose classes the descriptions may name as well.
         exact: whether an object is refused that is not complete, with the classes of all its components.
+        all_kinds: whether objects are described as well whose input names a kind, which creates the same object.
 
     Attributes:
         topics: options that name the topics of the components of created objects, by the name of the component.
@@ -77,7 +77,14 @@ class RecordedMade:
         RecordingError: the names are damaged.
     """
 
-    def __init__(self, recording: Recording, modules: Callable[[], Collection[str]], *, exact: bool = False) -> None:
+    def __init__(
+        self,
+        recording: Recording,
+        modules: Callable[[], Collection[str]],
+        *,
+        exact: bool = False,
+        all_kinds: bool = True,
+    ) -> None:
         self._recording, self._modules, self._exact = recording, modules, exact
         self._blocks: dict[str, bytes] = {}
         self.topics: dict[str, dict[str, Any]] = {}
@@ -88,10 +95,31 @@ class RecordedMade:
                 said = json.loads(decode(TYPE, one.data)["data"])
                 name, title = str(said["name"]), str(said["description"])
                 place, turn = (tuple(map(_number, said[part])) for part in ("position", "rotation"))
+                if said.get("kind") and not all_kinds:
+                    continue
                 made = Description(self, name, title, place, turn)
                 self._descriptions.setdefault(int(said["input"]), {})[name] = made
         except (CdrError, ValueError, LookupError, TypeError, RecursionError) as error:
             raise RecordingError(f"{recording.path}: the names of spawned objects are damaged: {error}") from None
+
+    @staticmethod
+    def describe_the_scene(recording: Recording) -> bool:
+        """Whether a recording describes the scene; those of the inputs alone, and of earlier versions, do not."""
+        return SCENE in recording.attachments and OBJECTS in recording.attachments
+
+    def scene(self) -> tuple[Scene, dict[str, Any]]:
+        """Return the scene at the launch, and the options of ROS 2 that name the topics.
+
+        Raises:
+            RecordingError: the description is damaged.
+        """
+        made = Unpacking(self._attached(OBJECTS), self._block, self._class_of)
+        if self._exact and (unlike := [*made.omitted, *made.replaced]):
+            raise RecordingError(f"the class of {quoted(unlike[0])} is not a part of MORSE")
+        for name in made.omitted:
+            self._say_once(f"{quoted(name)} is not shown: its class is not a part of MORSE")
+        self.topics |= made.topics
+        return unpacked_scene(self._attached(SCENE), made)
 
     @property
     def is_empty(self) -> bool:
@@ -170,7 +198,7 @@ class RecordedMade:
         """The first class that is one of MORSE or of the project: other modules might be programs."""
         for path in paths:
             module = path.rpartition(".")[0]
-            if not path.startswith(_OWN) and module not in self._modules():
+            if not path.startswith(OWN) and module not in self._modules():
                 continue
             try:
                 found = load_class(path)

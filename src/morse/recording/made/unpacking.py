@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -12,18 +13,35 @@ from morse.mathutils import Matrix
 from morse.recording.errors import RecordingError
 from morse.recording.made import form
 from morse.recording.made.packing import MESH_ARRAYS, SHAPE_ARRAYS
-from morse.scene import Bone, CollisionShape, ComponentDeclaration, Image, Material, Mesh, ModifierDeclaration, Node
+from morse.recording.made.panels import PANEL, STAND_INS
+from morse.scene import (
+    Bone,
+    CollisionShape,
+    ComponentDeclaration,
+    Image,
+    Material,
+    Mesh,
+    ModifierDeclaration,
+    Node,
+    Scene,
+    Zone,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
 _MOST_NODES, _MOST_SLOTS = 20_000, 4096
 _LONGEST_NAME = 1000
-_KINDS = ("robot", "sensor", "actuator")
+_KINDS = ("robot", "external_robot", "sensor", "actuator")
+#: maximum number of fields of a panel
+_MOST_FIELDS = 1000
 _arrays = msgspec.msgpack.Decoder(dict[str, tuple[list[int], bytes]])
 _descriptions = msgspec.msgpack.Decoder(form.DescriptionForm)
+_scenes = msgspec.msgpack.Decoder(form.SceneForm)
+#: maximum number of ticks per second, and of physics steps per tick
+_FASTEST = 100_000
 #: errors of damaged data
 _DAMAGED = (ValueError, TypeError, LookupError, ArithmeticError, RecursionError)
 
@@ -152,8 +170,12 @@ class Unpacking:
             self.omitted.append(node.name)
             return None
         self.topics[node.name] = one.topic
+        unlike = classpath != one.classes[0]
+        if one.panel is not None and classpath in STAND_INS:
+            _check(len(one.panel.fields) <= _MOST_FIELDS, f"{len(one.panel.fields)} fields")
+            node.properties[PANEL], classpath = one.panel, STAND_INS[classpath]
         known = [(self._class_of([path]), options) for path, options in one.modifiers]
-        if classpath != one.classes[0] or any(path is None for path, _ in known):
+        if unlike or any(path is None for path, _ in known):
             self.replaced.append(node.name)
         options = {"wheels": one.wheels, "realism": one.realism}
         return ComponentDeclaration(
@@ -166,6 +188,44 @@ class Unpacking:
             modifiers=[ModifierDeclaration(path, options) for path, options in known if path is not None],
             options={name: value for name, value in options.items() if value is not None},
         )
+
+
+def unpacked_scene(data: bytes, objects: Unpacking) -> tuple[Scene, dict[str, Any]]:
+    """The scene of some objects, and the options that name the topics.
+
+    Args:
+        data: from `morse.recording.made.packing.scene_to_bytes`.
+
+    Raises:
+        RecordingError: the description is damaged.
+    """
+    try:
+        found = _scenes.decode(data)
+        settings = found.settings
+        _check_finite("the settings", *_numbers(asdict(settings)))
+        _check(0.0 < settings.frequency <= _FASTEST, f"a frequency of {settings.frequency} Hz")
+        _check(0 < settings.physics_steps <= _FASTEST, f"{settings.physics_steps} physics steps")
+        nodes = {node.name: node for root in objects.roots for node in root.walk()}
+        zones = [Zone(nodes[name], kind) for name, kind in found.zones]
+    except _DAMAGED as error:
+        raise RecordingError(f"the description of the scene is damaged: {error}") from None
+    scene = Scene(
+        environment=found.environment[:_LONGEST_NAME],
+        roots=objects.roots,
+        components=objects.components,
+        zones=zones,
+        settings=settings,
+        properties=found.properties,
+    )
+    return scene, found.naming
+
+
+def _numbers(value: Any) -> Iterator[float]:
+    if isinstance(value, float):
+        yield value
+    elif isinstance(value, (dict, list, tuple)):
+        for one in value.values() if isinstance(value, dict) else value:
+            yield from _numbers(one)
 
 
 def _own(node: Node, name: str, value: Any) -> Any:

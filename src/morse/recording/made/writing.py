@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import logging
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import zstandard
 
 from morse.middleware.ros2.backends.backend import Qos
 from morse.middleware.ros2.cdr import encode
-from morse.recording.made.packing import Packing
+from morse.recording.made.packing import Packing, scene_to_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -20,25 +20,36 @@ if TYPE_CHECKING:
     from morse.recording.made.made import Made
     from morse.recording.mcap.writer import McapWriter
     from morse.recording.streams import Tape
+    from morse.scene import Scene
 
 logger = logging.getLogger(__name__)
 
 #: topic of the names, and prefixes of the attachments
 TOPIC, TYPE, DESCRIPTIONS, BLOCKS = "/morse/made", "std_msgs/msg/String", "made/", "blocks/"
+#: names of the attachments that describe the scene: its settings; its nodes and components
+SCENE, OBJECTS = "scene/settings", "scene/objects"
 _MEDIA_TYPE = "application/zstd"
 
 
 class MadeObjects:
-    """Writes the description of each present object that a function spawned, once.
+    """Writes the description of the scene, and of each present object that was spawned, once.
 
     Args:
         tape, disk: receive the messages and the attachments.
         present: returns the present objects by name.
         count: returns the number of recorded inputs.
+        scene: the scene at the launch.
+        objects: the components by name.
     """
 
     def __init__(
-        self, tape: Tape, disk: Disk, present: Callable[[], Mapping[str, Made]], count: Callable[[], int]
+        self,
+        tape: Tape,
+        disk: Disk,
+        present: Callable[[], Mapping[str, Made]],
+        count: Callable[[], int],
+        scene: Scene,
+        objects: Mapping[str, Any],
     ) -> None:
         self._tape, self._disk = tape, disk
         self._present, self._count = present, count
@@ -46,7 +57,23 @@ class MadeObjects:
         self._written: set[str] = set()
         self._packed: dict[int, tuple[object, str]] = {}
         self._number = 0
+        self._objects = objects
+        self._describe(scene)
         self.follow()
+
+    def _describe(self, scene: Scene) -> None:
+        try:
+            packing = Packing(scene.roots, scene.components, self._packed, self._objects)
+            objects, settings = packing.to_bytes(), scene_to_bytes(scene)
+        except Exception as error:  # a scene script may set values of any class
+            self._packed.clear()
+            logger.warning(
+                "the scene cannot be described: to show the recording, morse replay will need the script: %s", error
+            )
+            return
+        self._attach_blocks(packing.blocks)
+        self._attach(OBJECTS, objects)
+        self._attach(SCENE, settings)
 
     def follow(self) -> None:
         """Objects may have been spawned or deleted."""
@@ -56,14 +83,14 @@ class MadeObjects:
                 continue
             try:
                 newcomer = made.describe()
-                packing = Packing(newcomer.roots, newcomer.components, self._packed)
+                packing = Packing(newcomer.roots, newcomer.components, self._packed, self._objects)
                 data = packing.to_bytes()
             except Exception as error:  # a component of the user may have values of any class
                 self._packed.clear()
                 logger.warning(
-                    "'%s' was spawned by a function and cannot be described: the recording does not show it, and "
-                    "cannot be simulated again: %s",
+                    "'%s' cannot be described: the recording does not show it%s: %s",
                     name[:80],
+                    "" if made.kind else ", and cannot be simulated again, because a function spawned it",
                     error,
                 )
                 self._name(name, made, "")
@@ -72,14 +99,17 @@ class MadeObjects:
         self._known = {name: made.identity for name, made in present.items()}
 
     def _write(self, name: str, made: Made, data: bytes, blocks: Mapping[str, bytes]) -> None:
-        for digest, block in blocks.items():
-            if digest not in self._written:
-                self._written.add(digest)
-                self._attach(f"{BLOCKS}{digest}", block)
+        self._attach_blocks(blocks)
         title = f"{DESCRIPTIONS}{self._number}"
         self._number += 1
         self._attach(title, data)
         self._name(name, made, title)
+
+    def _attach_blocks(self, blocks: Mapping[str, bytes]) -> None:
+        for digest, block in blocks.items():
+            if digest not in self._written:
+                self._written.add(digest)
+                self._attach(f"{BLOCKS}{digest}", block)
 
     def _name(self, name: str, made: Made, title: str) -> None:
         said = {
@@ -88,6 +118,7 @@ class MadeObjects:
             "position": [_number(value) for value in made.position],
             "rotation": [_number(value) for value in made.rotation],
             "description": title,
+            "kind": made.kind,
         }
         self._tape.topic(TOPIC, TYPE, Qos(1000)).publish(encode(TYPE, {"data": json.dumps(said)}))
 
