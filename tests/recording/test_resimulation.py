@@ -72,7 +72,11 @@ def test_from_inputs_alone_everything_is_recorded_again(script: Path, tmp_path: 
     ):
         busy(sim)
     with Recording(tmp_path / "lean.mcap") as recording:
-        assert {recording.channels[one.channel].topic for one in recording} <= {"/morse/inputs", "/rosout"}
+        assert {recording.channels[one.channel].topic for one in recording} <= {
+            "/morse/inputs",
+            "/morse/made",
+            "/rosout",
+        }
         assert recording.length() == 40 + 7 + 5 + 33
         outcome = resimulate(recording, trust=True, record=str(tmp_path / "again.mcap"))
     assert outcome.complete

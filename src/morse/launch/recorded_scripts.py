@@ -115,7 +115,8 @@ def _refusal(recording: Recording, script: str, projects: Sequence[str]) -> str:
     ``/proc`` or a server, which would be told who the user is.
     """
     folder, name = os.path.split(script)
-    if folder not in {place for project in projects for place in (str(project), os.path.realpath(project))}:
+    registered = {place for project in projects for place in (str(project), os.path.realpath(project))}
+    if folder not in registered or os.path.join(folder, name) != script:
         return "is not in the folder of an environment that you have registered (morse import)"
     if os.path.realpath(folder) == os.path.realpath(os.path.dirname(os.path.abspath(recording.path))):
         return "is in the folder of the recording, and may have come with it"

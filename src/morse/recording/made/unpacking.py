@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 _MOST_NODES, _MOST_SLOTS = 20_000, 4096
 _LONGEST_NAME = 1000
+_PICTURES = ("image/png", "image/jpeg")
 _KINDS = ("robot", "external_robot", "sensor", "actuator")
 #: maximum number of fields of a panel
 _MOST_FIELDS = 1000
@@ -72,6 +73,8 @@ class Unpacking:
         try:
             found = _descriptions.decode(data)
             _check(len(found.nodes) <= _MOST_NODES, f"{len(found.nodes)} nodes")
+            # the page gets them with their types
+            _check(all(one.mime in _PICTURES for one in found.images), f"images that are not {' or '.join(_PICTURES)}")
             self._images = [Image(one.name, block(one.data), one.mime) for one in found.images]
             self._materials = [self._material(one) for one in found.materials]
             self._meshes = [self._mesh(one) for one in found.meshes]
