@@ -76,7 +76,10 @@ class Recorder(Observer):
     def __init__(
         self, context: Context, path: str | os.PathLike[str], beginning: Beginning, sensors: Collection[str] | None
     ) -> None:
-        self.path = os.path.abspath(path)
+        try:
+            self.path = os.path.abspath(path)
+        except OSError:
+            raise RecordingError(f"{path} cannot be written: the present folder of the process was deleted") from None
         self.error: str | None = None
         self._context, self._clock = context, context.clock
         self._ending = beginning.ending

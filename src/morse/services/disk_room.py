@@ -4,15 +4,26 @@ from __future__ import annotations
 
 import os
 import shutil
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from morse.core.exceptions import MorseRPCInvokationError
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 LEAST = 256 << 20
 """Free bytes on the disk below which clients may not create files."""
+
+
+def file_of(name: str) -> Path:
+    """The path of a file in the folder in which the simulation was started.
+
+    Raises:
+        MorseRPCInvokationError: the folder was deleted.
+    """
+    try:
+        return Path(name).absolute()
+    except OSError:  # the system does not know the path of the folder any more
+        raise MorseRPCInvokationError(
+            f"the folder in which the simulation was started was deleted, so that there is no place for {name}"
+        ) from None
 
 
 def check_room(path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,7 +29,9 @@ def check_model(kind: str, folders: Iterable[str | os.PathLike[str]]) -> None:
         return
     # opening a path of another machine would tell its server who the user is
     if os.path.isabs(kind) and not kind.startswith(("//", "\\\\")) and "\0" not in kind:
-        allowed = [Path.cwd(), *folders]
+        allowed = [*folders]
+        with contextlib.suppress(OSError):  # the folder of the simulation was deleted
+            allowed.append(Path.cwd())
         real = Path(os.path.realpath(kind))
         if any(real.is_relative_to(os.path.realpath(folder)) for folder in allowed):
             return

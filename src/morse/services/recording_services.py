@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseError, MorseRPCInvokationError
 from morse.core.services import service
-from morse.services.disk_room import check_room
+from morse.services.disk_room import check_room, file_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _SUFFIX = ".mcap"
@@ -68,7 +70,7 @@ class RecordingServices(AbstractObject):
         return str(path)
 
     def _new_path(self, stem: str) -> Path:
-        first = Path(stem + _SUFFIX).absolute()
+        first = file_of(stem + _SUFFIX)
         if not first.exists():
             return first
         # the numbers of earlier recordings are not tried again: there may be thousands

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.hints import nearest
 from morse.core.services import service
-from morse.services.disk_room import check_room
+from morse.services.disk_room import check_room, file_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _MOST = 32
@@ -52,7 +54,7 @@ class StateServices(AbstractObject):
         """
         self._check_name(name)
         if to_file:
-            path = Path(name + _SUFFIX).absolute()
+            path = file_of(name + _SUFFIX)
             check_room(path)
             try:
                 self._simulation.save(path)
@@ -69,7 +71,7 @@ class StateServices(AbstractObject):
         """Restore a saved state; running services end as preempted."""
         self._check_name(name)
         if from_file:
-            path = Path(name + _SUFFIX).absolute()
+            path = file_of(name + _SUFFIX)
             if not path.is_file():
                 raise MorseRPCInvokationError(f"there is no file {path}")
             self._simulation.restore(path)

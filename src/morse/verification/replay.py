@@ -15,9 +15,12 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from morse.builder.script import load_scene
+from morse.builder.script import ScriptError, load_scene
 from morse.core import log
+from morse.core.exceptions import MorseError
 from morse.launch.load import start
+from morse.physics import UnstableError
+from morse.simulation.faults import describe
 from morse.simulation.options import RunOptions
 from morse.verification.onlookers import Onlookers
 
@@ -84,7 +87,18 @@ def main(argument: str) -> None:
     os.dup2(2, 1)
     log.setup(level="ERROR")
     with open(own, "w", encoding="utf-8") as file:
-        replay(Replay(**json.loads(argument)), file)
+        try:
+            replay(Replay(**json.loads(argument)), file)
+        except (MorseError, UnstableError, ValueError, OSError, SystemExit) as error:
+            # a mistake in the scene, as `morse run` reports it
+            print(_report(error), file=sys.stderr)
+            sys.exit(1)
+
+
+def _report(error: BaseException) -> str:
+    if isinstance(error, ScriptError):
+        return error.report()
+    return str(error) if isinstance(error, MorseError) else describe(error)
 
 
 def _end_with_the_parent() -> None:
