@@ -8,8 +8,12 @@ from typing import Any
 
 import pytest
 
+import morse
+from morse.builder import Environment
 from morse.core.exceptions import MorseRPCInvokationError
+from morse.recording.errors import RecordingError
 from morse.services import disk_room
+from morse.services.foreign_models import check_model
 from morse.services.recording_services import RecordingServices
 from morse.services.state_services import StateServices
 
@@ -44,6 +48,28 @@ def test_clients_do_not_fill_the_disk(folder: Path, monkeypatch: pytest.MonkeyPa
         states.save("start", True)
     assert states.save("start") == "start", "in memory"
     assert list(folder.iterdir()) == []
+
+
+def test_a_deleted_folder_is_named(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    gone = folder / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    states = StateServices(Simulation())
+    for call, name in (
+        (lambda: RecordingServices(Simulation()).start_recording("run"), "run.mcap"),
+        (lambda: states.save("start", True), "start.morse-state"),
+        (lambda: states.restore("start", True), "start.morse-state"),
+    ):
+        with pytest.raises(MorseRPCInvokationError, match=rf"was started was deleted, .* {name}"):
+            call()
+    with pytest.raises(MorseRPCInvokationError, match="clients may spawn"):
+        check_model("/elsewhere/model.obj", [])
+    with morse.load(lambda: Environment("empty", fastmode=True)) as sim:
+        with pytest.raises(RecordingError, match=r"run\.mcap cannot be written: the present folder .* was deleted"):
+            sim.record("run.mcap")
+        with sim.record(folder / "run.mcap"):
+            sim.step()
 
 
 def test_earlier_recordings_are_not_looked_for_again(monkeypatch: pytest.MonkeyPatch) -> None:

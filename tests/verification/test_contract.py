@@ -9,7 +9,8 @@ from contract_breakers import BREAKERS, BRITTLE_ACTUATOR, SOUND
 
 from morse.cli.app import execute
 from morse.verification.contract import SubjectError, check_component
-from morse.verification.contract.rules import RULES
+from morse.verification.contract.behaviour import FITS, SAVED
+from morse.verification.contract.rules import LOADS, RULES
 from morse.verification.contract.subjects import library
 
 if TYPE_CHECKING:
@@ -103,6 +104,31 @@ def test_files_without_components(tmp_path: Path) -> None:
     file.write_text("class A(:\n")
     with pytest.raises(SubjectError, match=r"empty\.py:1: SyntaxError"):
         check_component(file)
+
+
+@pytest.mark.parametrize(
+    ("method", "rule"),
+    [
+        ("default_action(self):\n        raise SystemExit(3)", FITS),
+        ("default_action(self):\n        self.local_data = None", FITS),
+        ("__init__(self, obj, parent=None):\n        raise SystemExit(3)", LOADS),
+        ("get_state(self):\n        raise ValueError('no state')", SAVED),
+        ("set_state(self, state):\n        raise ValueError('no state')", SAVED),
+    ],
+)
+def test_what_a_component_raises_is_a_fault(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], method: str, rule: str
+) -> None:
+    file = tmp_path / "faulty.py"
+    file.write_text(
+        f"from morse.core.sensor import Sensor\n\n\nclass Faulty(Sensor):\n    _name = 'F'\n\n    def {method}\n"
+    )
+    (report,) = check_component(file)
+    assert report.of(rule)
+    assert execute(["check", "component", str(file)]) == 1
+    said = capfd.readouterr()
+    assert f"NO  {rule}" in said.out
+    assert "Traceback" not in said.out + said.err
 
 
 def test_the_robot_may_be_chosen(sonar: Path) -> None:

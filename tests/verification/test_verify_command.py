@@ -104,6 +104,31 @@ def test_a_scene_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "ATRVV" in capsys.readouterr().err
 
 
+HEAD = "from morse.builder import *\n\n"
+
+
+@pytest.mark.parametrize(
+    ("body", "line", "answer"),
+    [
+        ("robot = ATRVV()", 3, "Did you mean 'ATRV'?"),
+        ("robot = ATRV(", 3, "SyntaxError: '(' was never closed"),
+        ("robot = ATRV()\nrobot.alter('Nope')", 4, "there is no modifier 'Nope'"),
+        ("1 / 0", 3, "ZeroDivisionError: division by zero"),
+        ("import sys\nsys.exit(3)", 4, "the script ended with sys.exit(3)"),
+    ],
+)
+def test_a_mistake_in_a_scene_is_named_with_its_line_as_by_morse_run(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], body: str, line: int, answer: str
+) -> None:
+    path = tmp_path / "faulty.py"
+    path.write_text(HEAD + body + "\n")
+    assert execute(["verify", "--ticks", "5", str(path)]) == 1
+    error = capfd.readouterr().err
+    assert f"{path}:{line}" in error
+    assert answer in error
+    assert "Traceback" not in error
+
+
 @pytest.mark.parametrize("ticks", ["0", "-5", "many", "1.5", "nan"])
 def test_numbers_of_ticks_that_are_none(tmp_path: Path, ticks: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert execute(["verify", f"--ticks={ticks}", scene(tmp_path, "Fair")]) == 2

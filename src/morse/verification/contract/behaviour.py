@@ -7,6 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import fields_of_component
+from morse.core.state import StateError
 from morse.core.validation.published import misfits
 from morse.verification.contract.report import Fault
 
@@ -47,7 +48,10 @@ def well_behaved(stand: Stand, other: Callable[[], Stand], said: Said) -> Iterat
         yield from _same(
             DETERMINISTIC, first, again.run(TICKS), place, "take random numbers from self.context.random()"
         )
-    yield from _saved(stand, other, place)
+    try:
+        yield from _saved(stand, other, place)
+    except StateError as error:
+        yield Fault(SAVED, str(error), place)
     stand.simulation.restart(seed=1)
     hint = "keep what changes in the component, not in its class or module"
     yield from _same(RESET, first, stand.run(TICKS), place, hint)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from morse.core.declarations import levels
@@ -17,6 +18,7 @@ from morse.verification.contract.subjects import Subject, SubjectError, subjects
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Callable, Iterable, Iterator
 
 
 def check_component(what: str | os.PathLike[str], robot: str | None = None) -> list[Report]:
@@ -50,17 +52,15 @@ def _check(subject: Subject, robot: str | None, said: Said) -> Report:
         cls = type(stand.component)
         report.where, report.robot = stand.places.of_class(cls), stand.robot
         report.checked += [DOCUMENTED, DECLARED]
-        report.faults += [*documented(cls, stand.places), *declared(cls, stand.places)]
+        report.take(DECLARED, chain(documented(cls, stand.places), declared(cls, stand.places)))
         names = [None, *(name for name, level in levels(cls).items() if not level.default)]
         report.checked += [FITS, JSON, DETERMINISTIC, SAVED, RESET]
         for name in names:
             _run(subject, stand, name, said, report)
         if not stand.failed and not report.of(JSON):
             report.checked += [CARRIED, COMMANDS, CALLS]
-            stand.simulation.restart(seed=1)
-            report.faults += carried(stand)
-            stand.simulation.restart(seed=1)
-            report.faults += Rough(stand, said).faults()
+            report.take(CARRIED, _anew(stand, carried))
+            report.take(CALLS, _anew(stand, lambda stand: Rough(stand, said).faults()))
     return report
 
 
@@ -72,8 +72,17 @@ def _run(subject: Subject, stand: Stand, level: str | None, said: Said, report: 
         return set_up(subject, said, carrier, level)
 
     if level is None:
-        report.faults += well_behaved(stand, other, said)
+        report.take(FITS, well_behaved(stand, other, said))
         return
-    with other() as own:
-        for fault in well_behaved(own, other, said):
-            report.faults.append(fault._replace(text=f"at the level '{level}': {fault.text}"))
+
+    def at_level() -> Iterator[Fault]:
+        with other() as own:
+            for fault in well_behaved(own, other, said):
+                yield fault._replace(text=f"at the level '{level}': {fault.text}")
+
+    report.take(FITS, at_level())
+
+
+def _anew(stand: Stand, rule: Callable[[Stand], Iterable[Fault]]) -> Iterator[Fault]:
+    stand.simulation.restart(seed=1)
+    yield from rule(stand)

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+from morse.simulation.faults import describe, user_frames
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 
 class Fault(NamedTuple):
@@ -45,6 +50,20 @@ class Report:
     def passed(self) -> bool:
         """Whether the component follows every rule."""
         return not self.faults
+
+    def take(self, rule: str, faults: Iterable[Fault]) -> None:
+        """Add faults; what the component raises while they are looked for is a fault, too.
+
+        Args:
+            rule: that such an exception breaks.
+        """
+        try:
+            for fault in faults:
+                self.faults.append(fault)
+        except (Exception, SystemExit) as error:
+            frames = user_frames(error.__traceback__)
+            where = f"{frames[-1].filename}:{frames[-1].lineno}" if frames else self.where
+            self.faults.append(Fault(rule, f"it raises {describe(error).partition(chr(10))[0]}", where))
 
     def of(self, rule: str) -> list[Fault]:
         """The faults of one rule."""

@@ -12,6 +12,7 @@ from morse.core.pending_commands import PendingCommands
 from morse.core.project_imports import ProjectImports
 from morse.launch.load import described, start
 from morse.middleware.socket.encoding import to_json
+from morse.simulation.faults import describe
 from morse.simulation.loader import LoadError
 from morse.simulation.options import RunOptions
 from morse.verification.contract.examples import example
@@ -175,6 +176,8 @@ def set_up(subject: Subject, said: Said, robot: str | None = None, level: str | 
                 return Stand(_load(subject, _script(subject, carrier, level)), carrier)
         except (LoadError, ScriptError, ValueError) as error:
             first = first or error
+        except SystemExit as leaving:
+            raise SubjectError(f"it ends the program: {describe(leaving)}") from None
     hint = "" if robot else "; --robot names one that can carry it"
     raise SubjectError(f"no robot can carry it{hint}: {first}")
 

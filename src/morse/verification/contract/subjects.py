@@ -87,7 +87,8 @@ def _of_file(file: Path) -> list[Subject]:
     try:
         names = list(_components_in(file, module))
     except SyntaxError as error:
-        raise SubjectError(f"{file.name}:{error.lineno}: SyntaxError: {error.msg}") from None
+        line = "" if error.lineno is None else f":{error.lineno}"
+        raise SubjectError(f"{file.name}{line}: SyntaxError: {error.msg}") from None
     if not names:
         raise SubjectError(
             f"{file} has no class of a component: a public class that is derived from Sensor, Actuator or Robot"
