@@ -58,9 +58,9 @@ def command(
 
 def _play(path: str, scene: str, _record: str | None, trust: bool, port: int, browser: bool) -> int:
     from morse.core.exceptions import MorseError
+    from morse.core.faults import describe
     from morse.launch.playing import play, playing
     from morse.recording.recording import Recording
-    from morse.simulation.faults import describe
 
     log.setup()
     try:
@@ -78,8 +78,8 @@ def _play(path: str, scene: str, _record: str | None, trust: bool, port: int, br
 
 def _resimulate(path: str, scene: str, record: str | None, trust: bool, _port: int, _browser: bool) -> int:
     from morse.core.exceptions import MorseError
+    from morse.core.faults import describe
     from morse.recording.recording import Recording
-    from morse.simulation.faults import describe
     from morse.verification.resimulation import resimulate
 
     try:

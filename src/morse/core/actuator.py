@@ -5,6 +5,7 @@ from __future__ import annotations
 from copy import deepcopy
 from typing import TYPE_CHECKING, ClassVar
 
+from morse.core.guard import modify, read
 from morse.core.journal import COMMAND
 from morse.core.object import Object
 
@@ -30,18 +31,16 @@ class Actuator(Object):
         self.position_3d.update(self.bge_object)
         if self.input_functions:
             self.take_input()
+            if not self._active:  # a modifier has failed
+                return
         self.default_action()
 
     def take_input(self) -> None:
         """Read the commands that have arrived, and apply the modifiers to them."""
-        received = False
-        for read in self.input_functions:
-            received = bool(read(self)) or received
-        if received:
+        if read(self, self.input_functions):
             if self.context.journal.sinks:
                 self.context.journal.note(COMMAND, self.name(), deepcopy(dict(self.local_data)))
-            for modifier in self.input_modifiers:
-                modifier.modify()
+            modify(self, self.input_modifiers)
 
     def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
         """Drive the robot during this tick; see `morse.core.robot.Robot.apply_speed`."""

@@ -27,7 +27,7 @@ class CommandTimeout(AbstractDatastream):
     def __init__(self, stream: Any, seconds: float) -> None:
         component = stream.component_instance
         super().__init__(component, stream.kwargs)
-        self._stream, self._seconds = stream, seconds
+        self.stream, self._seconds = stream, seconds
         declared = fields_of_component(component)
         self._first = deepcopy({name: value for name, value in self.data.items() if name in declared})
         #: simulated time of the last command; None if none is active
@@ -37,7 +37,7 @@ class CommandTimeout(AbstractDatastream):
     def default(self, ci: Object | None = None) -> bool:
         """See `AbstractDatastream.default`: True also when the commands have expired."""
         now = self.component_instance.clock.time
-        if self._stream.default(ci):
+        if self.stream.default(ci):
             self._last = now
             return True
         if self._last is None:

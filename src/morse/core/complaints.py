@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import logging
 import time
-import traceback
 from typing import TYPE_CHECKING
+
+from morse.core.faults import place, summary
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,10 +66,8 @@ class Complaints:
         Returns:
             The type and the message of the exception, for the client.
         """
-        what = f"{type(error).__name__}: {error}"
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        place = f'  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
-        self.log(logging.ERROR, name, f"{name} failed: {what}\n{place}")
+        what = summary(error)
+        self.log(logging.ERROR, name, f"{name} failed: {what}\n{place(error)}")
         return what
 
     def _forget(self, now: float) -> bool:

@@ -11,6 +11,7 @@ from weakref import WeakSet
 
 from morse.core.arrivals import Arrivals
 from morse.core.complaints import Complaints
+from morse.core.guard import Guard
 from morse.core.journal import Journal
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ class Context:
         failed: names of the components that were deactivated because they raised exceptions.
         controls: input at the live view; it changes between ticks only.
         journal: record of all input from outside the simulation.
+        guard: calls the code of users, and switches off the part that raises.
         strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
         stopping: whether the simulation was asked to end; code that waits within a tick has to check it.
         paused: whether no time passes except for the ticks that a client requests.
@@ -97,6 +99,7 @@ class Context:
     controls: Controls = _NOTHING_HELD
     journal: Journal = field(init=False)
     arrivals: Arrivals = field(init=False)
+    guard: Guard = field(init=False)
     stopping: Any = _not_stopping
     paused: Any = _not_stopping
     paced: Any = _not_stopping
@@ -104,7 +107,8 @@ class Context:
     _servers: dict[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.journal = Journal(self.clock)
+        self.guard = self.services.guard = Guard(self)
+        self.journal = Journal(self.clock, self.guard)
         self.arrivals = Arrivals() if self.network is None else self.network.arrivals
         _alive.add(self)
 

@@ -191,8 +191,21 @@ class DatastreamManager(Observer):
 
     def _close_streams(self, name: str) -> None:
         for stream in self.streams.pop(name, ()):
+            self._close_stream(stream)
+
+    def _close_stream(self, stream: Any) -> None:
+        try:
             stream.finalize()
+        finally:
             self.closed(stream)
+
+    def drop(self, stream: Any) -> None:
+        """Close a stream that has failed; the component and its other streams continue."""
+        for name, streams in list(self.streams.items()):
+            left = [one for one in streams if one is not stream]
+            if len(left) < len(streams):
+                self.streams[name] = left
+                self._close_stream(stream)
 
     def opened(self, stream: Any) -> None:
         """Called when a stream opens, before its `AbstractDatastream.initialize`."""

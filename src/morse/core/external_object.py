@@ -7,6 +7,7 @@ from the simulation like those of a simulated device.
 from __future__ import annotations
 
 from morse.core.actuator import Actuator
+from morse.core.guard import modify, publish
 from morse.core.sensor import Sensor
 
 
@@ -19,17 +20,16 @@ class ExternalObject(Actuator):
 
     def action(self) -> None:
         """One tick: pose, streams that are read, `default_action`, modifiers, streams that are sent."""
-        acts = self._active
+        if not self._active:
+            return
         super().action()
-        if acts:
+        if self._active:
             self.send_output()
 
     def send_output(self) -> None:
         """Apply the modifiers of the output, and publish ``local_data``."""
-        for modifier in self.output_modifiers:
-            modifier.modify()
-        for publish in self.output_functions:
-            publish(self)
+        if modify(self, self.output_modifiers):
+            publish(self, self.output_functions)
 
 
 class ExternalSensor(ExternalObject, Sensor):

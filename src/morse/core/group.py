@@ -263,7 +263,8 @@ class Group:
         for row, attributes in enumerate(self._attributes):
             if "local_data" not in attributes:
                 self.fill(row)
-            self.members[row].settle()
+        guard = self.context.guard
+        guard.each(self.members, _settle, guard.deactivate)
         self.memory.clear()
 
     def written(self) -> frozenset[str]:
@@ -286,7 +287,11 @@ class Group:
 
     def fill(self, row: int) -> dict[str, Any]:
         """Fill in the data of a member and make them its ``local_data`` again."""
-        data = self.peek(row)
+        try:
+            data = self.peek(row)
+        except BaseException as error:
+            self.context.guard.deactivate(self.members[row], error)
+            data = self._datas[row]
         self._attributes[row]["local_data"] = data
         return data
 
@@ -306,6 +311,10 @@ class Group:
     def data_of(self, member: Member) -> dict[str, Any]:
         """Return the data of a member, filled in on demand."""
         return self.fill(self._rows[id(member)])
+
+
+def _settle(member: Member) -> None:
+    member.settle()
 
 
 def _found(values: Mapping[int, Any]) -> Callable[[int], Any]:

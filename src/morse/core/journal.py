@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
+    from morse.core.guard import Guard
 
 COMMAND, SERVICE, CANCEL, CONTROLS, RESET, RESTORE, SPAWN, DELETE, EDIT = (
     "command",
@@ -52,13 +53,12 @@ class Journal:
         sinks: callbacks that receive each `Entry` in the simulation thread. Without sinks no entries are created.
     """
 
-    def __init__(self, clock: Clock) -> None:
-        self._clock = clock
+    def __init__(self, clock: Clock, guard: Guard) -> None:
+        self._clock, self._guard = clock, guard
         self.sinks: list[Callable[[Entry], object]] = []
 
     def note(self, kind: str, name: str, content: Any) -> None:
         """Record an input that takes effect now. The content must not be modified afterwards."""
         if self.sinks:
             entry = Entry(self._clock.tick, kind, name, content)
-            for sink in list(self.sinks):
-                sink(entry)
+            self._guard.call(self.sinks, entry)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import logging
-from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
 from morse.core.datastream import AbstractDatastream
+from morse.core.faults import summary
 from morse.core.kinds import bind
 from morse.core.quoting import shown
 from morse.core.validation.commands import Commands
 from morse.core.validation.errors import CommandError
+from morse.core.waiting import Waiting
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -36,8 +37,10 @@ class KindStream(AbstractDatastream):
         """Find the message kinds of the component, and the method of the manager for each."""
         self.kinds: tuple[BoundKind, ...] = self.find_kinds()
         self._outgoing = [(bound, self.manager.mapping(bound.kind.name)) for bound in self.kinds]
-        self._arrived: deque[tuple[BoundKind, Mapping[str, Any], str]] = deque(maxlen=_MOST_WAITING)
         self.complaints = Complaints(logger)
+        self._arrived: Waiting[tuple[BoundKind, Mapping[str, Any], str]] = Waiting(
+            _MOST_WAITING, self.complaints, self.component_name, "commands"
+        )
         self._commands = Commands(self.component_instance) if self.direction == "IN" else None
 
     def find_kinds(self) -> tuple[BoundKind, ...]:
@@ -74,7 +77,7 @@ class KindStream(AbstractDatastream):
             self.complain(f"field {error.field}", f"a message is refused: {error}")
             return False
         except Exception as error:  # a slot may contain anything, and a client must not stop the component
-            self.complain("message", f"a message cannot be read ({type(error).__name__}: {error}): {shown(slots)}")
+            self.complain("message", f"a message cannot be read ({summary(error)}): {shown(slots)}")
             return False
         for text in filter(None, (remark, unknown)):
             self.complain(text, text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import logging
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core import context as _context
@@ -25,6 +26,15 @@ if TYPE_CHECKING:
     from morse.core.moving_parts import MovingPart
 
 logger = logging.getLogger(__name__)
+
+
+#: methods that the simulation calls in each tick
+_OF_EACH_TICK = ("action", "update_pose")
+
+
+def _if_active(component: Any, method: Callable[[], object]) -> None:
+    if component._active:
+        method()
 
 
 class Object(Requesting, AbstractObject):
@@ -90,6 +100,7 @@ class Object(Requesting, AbstractObject):
         "on_completion",
         "_offered",
         "group",
+        *_OF_EACH_TICK,
     )
 
     #: the group of components that act together with this one
@@ -184,6 +195,16 @@ class Object(Requesting, AbstractObject):
         self._active = bool(value)
         if self.group is not None:
             self.group.is_changed = True
+
+    def switch_off(self) -> None:
+        """Deactivate the component after an error, also if its class overrides `active` or does not observe it."""
+        self._active = False
+        if self.group is not None:
+            self.group.is_changed = True
+        for name in _OF_EACH_TICK:
+            method = getattr(self, name, None)
+            if callable(method) and not str(getattr(method, "__module__", "")).startswith("morse."):
+                vars(self)[name] = partial(_if_active, self, method)
 
     def toggle_active(self) -> None:
         """Switch between active and inactive."""

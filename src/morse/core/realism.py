@@ -7,6 +7,7 @@ from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import fields_of_component
+from morse.core.guard import modify, publish
 from morse.core.local_data import LocalData
 from morse.core.noise import Noise
 
@@ -62,7 +63,8 @@ class Realism:
         sensor.sensor_setup()
         sensor.default_action()
         self._truth = {name: copied(data[name]) for name in (data if self.delay else self._noises)}
-        self._change(shown, sensor.clock.time)
+        if not self._change(shown, sensor.clock.time):
+            return
         if not self.delay:
             self._publish()
             return
@@ -70,8 +72,8 @@ class Realism:
         data.clear()
         data.update(shown)
 
-    def _change(self, shown: dict[str, Any], time: float) -> None:
-        """Add noise to a measurement, complete its fields, and apply the modifiers.
+    def _change(self, shown: dict[str, Any], time: float) -> bool:
+        """Add noise to a measurement, complete its fields, and apply the modifiers; False if one of these has failed.
 
         Args:
             shown: the previous values of the fields with noise.
@@ -85,8 +87,7 @@ class Realism:
             sensor.add_noise(name, noise, shown[name])
         if sensor._reports:
             sensor.report()
-        for modifier in sensor.output_modifiers:
-            modifier.modify()
+        return modify(sensor, sensor.output_modifiers)
 
     def release(self) -> None:
         """Publish the measurements whose delay has passed; called every tick."""
@@ -115,8 +116,7 @@ class Realism:
             noise.set_state(state["noises"][name])
 
     def _publish(self) -> None:
-        for publish in self.sensor.output_functions:
-            publish(self.sensor)
+        publish(self.sensor, self.sensor.output_functions)
 
 
 def copied(value: Any) -> Any:

@@ -16,6 +16,7 @@ from morse.core.exceptions import (
     MorseRPCInvokationError,
     MorseServiceError,
 )
+from morse.core.faults import ENDINGS, describe, name_of, summary
 from morse.core.hints import nearest
 from morse.core.journal import CANCEL, SERVICE
 from morse.core.quoting import quoted, short
@@ -25,6 +26,7 @@ from morse.core.validation.arguments import Arguments
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
 
+    from morse.core.guard import Guard
     from morse.core.journal import Journal
 
 logger = logging.getLogger(__name__)
@@ -184,12 +186,12 @@ class RequestManager(ABC):
         if entry.changes and self.context is not None:
             self.context.journal.note(SERVICE, component, (service, arguments))
         if not entry.is_async:
-            return True, (status.SUCCESS, entry.callback(*arguments))
+            return True, (status.SUCCESS, _result(entry.callback, *arguments))
         request_id = uuid.uuid4()
         owner = getattr(entry.callback, "__self__", None)
         self._running[request_id] = (owner if isinstance(owner, AbstractObject) else None, component, service)
         try:
-            cancel = entry.callback(lambda outcome: self._ended(request_id, outcome), *arguments)
+            cancel = _result(entry.callback, lambda outcome: self._ended(request_id, outcome), *arguments)
         except BaseException:
             self._running.pop(request_id, None)
             raise
@@ -249,13 +251,33 @@ class RequestManager(ABC):
                 continue
             try:
                 self.abort_request(request_id)
-            except Exception:
+            except ENDINGS:
+                raise
+            except BaseException as error:
                 # code of the user failed to interrupt the service; the client gets an answer nevertheless
-                logger.exception("%s could not interrupt its service", owner.name() if owner is not None else "?")
+                logger.error("%s could not interrupt its service: %s", name_of(owner), describe(error))
                 self._ended(request_id, (status.PREEMPTED, None))
 
 
 _GONE: Any = object()
+
+
+def _result(service: Callable[..., Any], *arguments: Any) -> Any:
+    """Call a service.
+
+    Raises:
+        RuntimeError: the service has raised an error that is no `Exception`, and that would end the managers.
+    """
+    try:
+        return service(*arguments)
+    except (Exception, *ENDINGS):
+        raise
+    except BaseException as error:
+        raise RuntimeError(summary(error)).with_traceback(error.__traceback__) from error
+
+
+def _update(manager: RequestManager) -> None:
+    manager.update()
 
 
 class MorseServices:
@@ -265,6 +287,8 @@ class MorseServices:
         self._managers: dict[str, RequestManager] = {manager.classpath: manager for manager in managers}
         self._mapping: dict[str, list[str]] = {}
         self._internal: list[RequestManager] = []
+        #: of the simulation
+        self.guard: Guard | None = None
 
     def add_internal(self, manager: RequestManager) -> None:
         """Add a manager for service calls within the process; summaries do not list it."""
@@ -324,9 +348,22 @@ class MorseServices:
         self.register_object(name, after)
 
     def process(self) -> None:
-        """One tick of every manager."""
-        for manager in self._everybody():  # iterates over a copy, because a service may add managers
-            manager.update()
+        """One tick of every manager; one that fails is stopped."""
+        # iterates over a copy, because a service may add managers
+        if self.guard is None:
+            raise RuntimeError("the services do not belong to a simulation")
+        self.guard.each(self._everybody(), _update, self._stop)
+
+    def _stop(self, manager: RequestManager, error: BaseException) -> None:
+        assert self.guard is not None
+        guard, who = self.guard, f"the request manager {manager.classpath}"
+        guard.failed(manager, who, "is stopped", error)
+        self._managers = {name: one for name, one in self._managers.items() if one is not manager}
+        self._internal = [one for one in self._internal if one is not manager]
+        self._mapping = {
+            component: [name for name in names if name in self._managers] for component, names in self._mapping.items()
+        }
+        guard.run(manager.finalization, lambda again: guard.failed(manager, who, "is left as it is", again))
 
     def preempt(self, spared: Collection[AbstractObject]) -> None:
         """Interrupt every running asynchronous call except those of the ``spared`` objects."""

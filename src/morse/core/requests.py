@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from morse.core.guard import Guard
+
 
 class Server(Protocol):
     """Answers requests of one kind."""
@@ -82,8 +84,16 @@ class Requesting:
         return self.add_request(bundle)
 
 
-def serve(components: Iterable[Any]) -> None:
-    """Answer the requests of the active components, with one call per server."""
+def serve(components: Sequence[Any], guard: Guard) -> None:
+    """Answer the requests of the active components, with one call per server.
+
+    If a server fails, or a component cannot tell its requests, each component is served alone: those whose requests
+    fail are deactivated, because they have no data to measure from.
+    """
+    guard.run(lambda: _serve(components), lambda _: guard.each(components, _serve_one, guard.deactivate))
+
+
+def _serve(components: Iterable[Any]) -> None:
     waiting: dict[Server, list[Request]] = {}
     for component in components:
         if component.active:
@@ -91,3 +101,7 @@ def serve(components: Iterable[Any]) -> None:
                 waiting.setdefault(request.server, []).append(request)
     for server, requests in waiting.items():
         server.serve(requests)
+
+
+def _serve_one(component: Any) -> None:
+    _serve((component,))

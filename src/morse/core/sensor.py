@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core.declarations import add_data, data_fields
+from morse.core.guard import modify, publish
 from morse.core.noise import measured
 from morse.core.object import Object
 from morse.core.services import service
@@ -88,10 +89,10 @@ class Sensor(Object):
         self.default_action()
         if self._reports:
             self.report()
-        for modifier in self.output_modifiers:
-            modifier.modify()
-        for publish in self.output_functions:
-            publish(self)
+        if self.output_modifiers and not modify(self, self.output_modifiers):
+            return
+        if self.output_functions:
+            publish(self, self.output_functions)
 
     def measured_from(self) -> Pose:
         """Return position (3,) in m and rotation (9,), row by row, of the sensor in the world at its measurement."""

@@ -8,6 +8,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morse.core.hints import nearest
+from morse.core.quoting import quoted
 from morse.scene import Scene
 from morse.simulation.options import RunOptions
 
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("morse.main")
 
+_ON_FAILURE = ("deactivate", "raise")
 _VIEWS = ("web", "studio", "none", None)
 
 
@@ -36,6 +39,7 @@ def load(
     view_token: str | None = None,
     view_origins: Sequence[str] = (),
     watch: bool = False,
+    on_failure: str = "deactivate",
 ) -> Simulation:
     """Load a scene. Simulated time advances when `Simulation.step` or `Simulation.run` is called.
 
@@ -59,6 +63,9 @@ def load(
             ``http://localhost:8080``.
         watch: whether to reload models and components of the project that are saved while the simulation runs; this
             starts a thread.
+        on_failure: effect of an error in a component, a modifier, a stream, an observer or a callback. ``deactivate``
+            switches off this part alone and logs its file and line; ``raise`` also raises the error from
+            `Simulation.step` or `Simulation.run`, after the tick.
 
     Raises:
         FileNotFoundError: the file does not exist.
@@ -68,6 +75,7 @@ def load(
         TypeError: an option has the wrong type.
     """
     _check(seed, view, arguments, speed, view_port)
+    _check_failure(on_failure)
     options = RunOptions(
         arguments=list(arguments),
         sockets=sockets or bool(interfaces),
@@ -82,11 +90,19 @@ def load(
         seed=None if seed is None else int(seed),
         strict=strict,
         watch=watch,
+        on_failure=on_failure,
     )
     simulation = start(described(scene, options), options)
     if simulation.view is not None:
         simulation.view.announce()
     return simulation
+
+
+def _check_failure(on_failure: Any) -> None:
+    if on_failure not in _ON_FAILURE:
+        raise ValueError(
+            f"on_failure is 'deactivate' or 'raise', not {quoted(on_failure)}{nearest(on_failure, _ON_FAILURE)}"
+        )
 
 
 def _origins(given: Any) -> list[str]:

@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseError
+from morse.core.faults import describe
 from morse.core.log import endsection, section, set_level
 from morse.core.project_imports import ProjectImports
 from morse.launch.ending_signals import ending_signals
 from morse.launch.stamps import script_stamp, source_stamps
 from morse.launch.stuck_ticks import StuckTicks
-from morse.simulation.faults import describe
 from morse.simulation.summary import summary
 from morse.version import __version__
 

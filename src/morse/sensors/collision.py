@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.guard import publish
 from morse.core.kind_stream import KindStream
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_property
@@ -74,9 +75,8 @@ class Collision(ContactSensor):
     def _tell_the_end(self) -> None:
         """Send one message to middlewares with message kinds when a contact has ended."""
         self.local_data["timestamp"] = self.clock.time
-        for publish in self.output_functions:
-            if isinstance(getattr(publish, "__self__", None), KindStream):
-                publish(self)
+        streams = [one for one in self.output_functions if isinstance(getattr(one, "__self__", None), KindStream)]
+        publish(self, streams)
 
     def measure(self) -> None:
         """Measure the touched objects."""

@@ -162,7 +162,8 @@ class DelayedPictures(Realism):
             data["timestamp"] = exposure.time
             camera.develop(exposure)
             self._truth = {name: copied(data[name]) for name in self._noises}
-            self._change(shown, exposure.time)
+            if not self._change(shown, exposure.time):
+                return
             self._publish()
 
     def drop(self) -> int:

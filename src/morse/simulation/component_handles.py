@@ -177,8 +177,9 @@ class ComponentHandle:
         self._subscribers.append(callback)
 
     def unsubscribe(self, callback: Callable[[dict[str, Any]], object]) -> None:
-        """Remove a callback."""
-        self._subscribers.remove(callback)
+        """Remove a callback; one that has failed was already removed."""
+        if callback in self._subscribers:
+            self._subscribers.remove(callback)
 
     def _listen(self, word: str) -> Object:
         component = self._wired
@@ -201,11 +202,13 @@ class ComponentHandle:
         message = _copy(sensor.local_data)
         self._messages.append(message)
         self._count += 1
-        for callback in list(self._subscribers):
-            try:
-                callback(_copy(message))
-            except Exception as error:
-                self._simulation.callback_failed(error)
+        if self._subscribers:
+            guard, subscribers = self._context.guard, self._subscribers
+            guard.each(
+                list(subscribers),
+                lambda callback: callback(_copy(message)),
+                lambda callback, error: guard.remove(subscribers, callback, error),
+            )
 
     def listen_again(self) -> None:
         """Subscribe again, because the component may be a new instance."""

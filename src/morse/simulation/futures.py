@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
+    from morse.core.guard import Guard
     from morse.core.request_manager import Outcome
 
 
@@ -27,9 +28,9 @@ class LocalFuture:
         abort: function that interrupts the service.
     """
 
-    def __init__(self, tick: Callable[[], object], clock: Clock, failed: Callable[[BaseException], object]) -> None:
+    def __init__(self, tick: Callable[[], object], clock: Clock, guard: Guard) -> None:
         self._tick = tick
-        self._failed = failed
+        self._guard = guard
         self._clock = clock
         self._outcome: Outcome | None = None
         self._callbacks: list[Callable[[LocalFuture], object]] = []
@@ -39,12 +40,8 @@ class LocalFuture:
         """Set the outcome when the service has ended."""
         self._outcome = outcome
         callbacks, self._callbacks = self._callbacks, []
-        for callback in callbacks:
-            try:
-                callback(self)
-            except Exception as error:
-                # the callback belongs to the caller, not to the component whose service ends
-                self._failed(error)
+        # the callbacks belong to the caller, not to the component whose service ends
+        self._guard.call(callbacks, self)
 
     def done(self) -> bool:
         """Whether the service has ended."""

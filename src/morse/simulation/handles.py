@@ -5,6 +5,7 @@ It is the interface of `pymorse`, so that a test may run against a simulation in
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 from typing import TYPE_CHECKING, Any
@@ -29,12 +30,12 @@ class Handles:
     finished: bool
 
     def __init__(self) -> None:
-        self._requests = LocalRequests(self.context, self.step, self.callback_failed)
+        self._requests = LocalRequests(self.context, self.step)
         self.context.services.add_internal(self._requests)
         self._handles: dict[str, Any] | None = None
         self._taken: set[str] = set()
         self._by_full_name: dict[str, ComponentHandle] = {}
-        self._failure: BaseException | None = None
+        self._failure: tuple[BaseException, str] | None = None
 
     def step(self, ticks: int = 1) -> None:
         """Run ``ticks`` ticks."""
@@ -78,15 +79,22 @@ class Handles:
         for handle in list(self._by_full_name.values()):
             handle.listen_again()
 
-    def callback_failed(self, error: BaseException) -> None:
-        """Record an error in a callback: the simulation stops after this tick, and `step` or `run` raises the error."""
-        self._failure = self._failure or error
+    def _part_failed(self, error: BaseException, who: str) -> bool:
+        """Stop after this tick, for `step` or `run` to raise the error of a part; False if they will raise another."""
+        if self._failure is not None:
+            return False
+        self._failure = error, who
         self.stop()
+        return True
 
     def _raise_failure(self) -> None:
         failure, self._failure = self._failure, None
-        if failure is not None:
-            raise failure
+        if failure is None:
+            return
+        error, who = failure
+        with contextlib.suppress(Exception):  # the class of the error may be a user's
+            BaseException.add_note(error, f"{who} failed in tick {self.ticks} of the simulation")
+        raise error
 
     def component_replaced(self, before: Object, after: Object) -> None:
         """Called when a component was replaced by another one; subscriptions are kept."""

@@ -11,12 +11,12 @@ from morse.core.classpath import load_class
 from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
 from morse.core.external_object import ExternalObject
+from morse.core.faults import ENDINGS, describe
 from morse.core.kinds import findings_of
 from morse.core.overwritten import hidden_methods
 from morse.core.robot import Robot
 from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel
-from morse.simulation.faults import describe
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -124,7 +124,9 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
         return component
     except MorseError as error:
         raise LoadError(f"{_where(declaration)}: {error}") from None
-    except Exception as error:
+    except ENDINGS:
+        raise
+    except BaseException as error:
         raise LoadError(f"{_where(declaration)} could not be created: {describe(error)}") from error
 
 
@@ -174,14 +176,19 @@ def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDe
 
 
 def _add_interfaces(context: Context, component: Object, declaration: ComponentDeclaration) -> None:
-    overlays = [
-        (load_class(overlay.classpath)(component, **overlay.options), overlay.manager)
-        for overlay in declaration.overlays
-    ]
-    for instance, _ in overlays:
-        context.overlays[instance.name()] = instance
+    try:
+        overlays = [
+            (load_class(overlay.classpath)(component, **overlay.options), overlay.manager)
+            for overlay in declaration.overlays
+        ]
+        for instance, _ in overlays:
+            context.overlays[instance.name()] = instance
+    except (MorseError, *ENDINGS):
+        raise
+    except BaseException as error:
+        raise LoadError(f"overlay of {_where(declaration)}: {describe(error)}") from error
     for stream in declaration.streams:
-        if context.network is None and needs_network(stream.manager):
+        if (context.network is None and needs_network(stream.manager)) or stream.manager in context.guard.managers_off:
             continue
         try:
             manager = context.stream_managers.get(stream.manager)
@@ -190,6 +197,11 @@ def _add_interfaces(context: Context, component: Object, declaration: ComponentD
             manager.connect(component, stream)
         except MorseError as error:
             raise LoadError(f"{_where(declaration)}: {error}") from None
+        except (OSError, *ENDINGS):
+            raise
+        except BaseException as error:
+            text = f"the stream {stream.stream} of {_where(declaration)} cannot be opened: {describe(error)}"
+            raise LoadError(text) from error
     if context.network is None:
         return
     for name in declaration.managers:
@@ -226,7 +238,9 @@ def make_modifier(component: Object, declaration: ComponentDeclaration, modifier
         return instance
     except MorseError as error:
         raise LoadError(f"modifier of {_where(declaration)}: {error}") from None
-    except Exception as error:
+    except ENDINGS:
+        raise
+    except BaseException as error:
         raise LoadError(f"modifier {modifier.classpath} of {_where(declaration)}: {describe(error)}") from error
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.context import acting
 from morse.core.exceptions import MorseError, MorseRPCNbArgsError
+from morse.core.faults import summary
 from morse.core.request_manager import OfferedService, Outcome, RequestManager
 from morse.simulation.futures import LocalFuture
 
@@ -22,16 +23,14 @@ class LocalRequests(RequestManager):
 
     Args:
         tick: function that runs one tick, for a caller that waits for the end of a service.
-        failed: callback for errors in functions that wait for the end of a service.
     """
 
     title = "this simulation"
 
-    def __init__(self, context: Context, tick: Callable[[], object], failed: Callable[[BaseException], object]) -> None:
+    def __init__(self, context: Context, tick: Callable[[], object]) -> None:
         super().__init__(context)
         self._context = context
         self._tick = tick
-        self._failed = failed
         self._found: dict[tuple[str, str], tuple[AbstractObject, OfferedService]] = {}
         self._futures: dict[uuid.UUID, LocalFuture] = {}
 
@@ -61,9 +60,9 @@ class LocalRequests(RequestManager):
             except Exception as error:
                 from pymorse.errors import MorseServiceFailed
 
-                text = str(error) if isinstance(error, MorseError) else f"{type(error).__name__}: {error}"
+                text = str(error) if isinstance(error, MorseError) else summary(error)
                 raise MorseServiceFailed(text) from error
-        future = LocalFuture(self._tick, self._context.clock, self._failed)
+        future = LocalFuture(self._tick, self._context.clock, self._context.guard)
         if done:
             future.finish(outcome)
         else:

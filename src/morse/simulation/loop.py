@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from operator import methodcaller
 from typing import TYPE_CHECKING
 
 from morse.core import status
@@ -127,8 +128,7 @@ class Loop:
             extra={SHOWN: True},
         )
         self._slow = True
-        for observer in self._ticker.observers:
-            observer.report_pace(lost, cause)
+        self._context.guard.tell(self._ticker.observers, methodcaller("report_pace", lost, cause))
 
     def _stop_measuring(self) -> None:
         if self._diagnosis is not None:
@@ -140,6 +140,5 @@ class Loop:
         """Withdraw a warning about the pace, because the simulation keeps up again or was restarted."""
         self._stop_measuring()
         if self._slow:
-            for observer in self._ticker.observers:
-                observer.report_pace(0.0)
+            self._context.guard.tell(self._ticker.observers, methodcaller("report_pace", 0.0))
         self._slow = False

@@ -33,6 +33,7 @@ class RunOptions:
         record: path of the file in which the run is recorded; None for no recording.
         keep_last: simulated seconds before a failure that are kept, to be simulated again; 0 for none.
         record_only: full names of the sensors that are recorded; None for all, empty for only inputs and the log.
+        on_failure: ``deactivate`` switches off a part that raises an error; ``raise`` also raises the error.
     """
 
     script: str = ""
@@ -57,3 +58,4 @@ class RunOptions:
     record: str | None = None
     keep_last: float = 0.0
     record_only: list[str] | None = None
+    on_failure: str = "deactivate"

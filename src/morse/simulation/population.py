@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
+from operator import methodcaller
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -97,7 +98,7 @@ class Population:
             with acting(context), scene.project:
                 loaded = load_components(context, newcomer.components)
                 connect(context, loaded, newcomer.components)
-        except Exception:
+        except BaseException:
             self._forget(newcomer.components)
             context.world.remove([context.world.object_of(root) for root in newcomer.roots])
             raise
@@ -179,8 +180,7 @@ class Population:
         simulation = self._simulation
         simulation.schedule()
         simulation.components_changed()
-        for observer in simulation.observers:
-            observer.rearranged()
+        simulation.context.guard.tell(simulation.observers, methodcaller("rearranged"))
 
     # -- reset to the launch ---------------------------------------------------------------
 

@@ -41,13 +41,16 @@ class PublishedData:
         if tick < self._next:
             return self._next
         self._next = tick + max(1, tick - self._begin)
-        for sensor in self._simulation.loaded.sensors:
-            # a measurement has a time stamp
-            if not type(sensor).__module__.startswith("morse.") and sensor.local_data.get("timestamp"):
-                self._check(sensor)
+        sensors = self._simulation.loaded.sensors
+        users = [one for one in sensors if one.active and not type(one).__module__.startswith("morse.")]
+        guard = self._simulation.context.guard
+        # what cannot be read makes the sensor fail, and not the check
+        guard.each(users, self._check, guard.deactivate)
         return self._next
 
     def _check(self, sensor: Object) -> None:
+        if not sensor.local_data.get("timestamp"):  # a measurement has a time stamp
+            return
         for text in uncover(sensor):
             if (sensor.name(), text, type(sensor)) not in self._told:
                 self._told.add((sensor.name(), text, type(sensor)))

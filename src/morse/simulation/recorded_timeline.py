@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.faults import describe
 from morse.core.journal import DELETE, EDIT, RESET, RESTORE, SPAWN
 from morse.core.project_imports import ProjectImports
 from morse.mathutils import Quaternion
@@ -19,7 +20,6 @@ from morse.physics.layout import Motion
 from morse.recording.inputs import TOPIC as INPUTS
 from morse.recording.made.reading import RecordedMade
 from morse.recording.shown import Moment, RecordedWorld
-from morse.simulation.faults import describe
 from morse.simulation.state import State
 
 if TYPE_CHECKING:

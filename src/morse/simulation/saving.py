@@ -6,8 +6,8 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.core.context import acting
+from morse.core.faults import describe
 from morse.core.state import Reader, StateError, Writer
-from morse.simulation.faults import describe
 from morse.simulation.input_recording import NoReferences
 from morse.simulation.own_state import ClockState, ControlsState, InputsState, check_population
 from morse.simulation.state import State

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import logging
 import math
+from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.core.clock import Clock
 from morse.core.context import Context, Controls, acting, forget
+from morse.core.faults import describe
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
 from morse.core.node_name import node_name
+from morse.core.overwritten import uncover
 from morse.core.request_manager import MorseServices
 from morse.middleware.registry import needs_network
 from morse.physics import World
 from morse.simulation.component_handles import normalized
-from morse.simulation.faults import describe
 from morse.simulation.handles import Handles
 from morse.simulation.loader import Loaded, LoadError, connect, load_components, make_stream_manager
 from morse.simulation.loop import Loop
@@ -76,13 +78,14 @@ class Simulation(Recorded, Handles):
         )
         self.world: World = self.context.world
         self.clock = self.context.clock
-        self._stepping = Stepping()
+        self._stepping = Stepping(self.context.guard)
         self._ticker = Ticker(self.context, self._stepping)
         speed = settings.time_scale if options.speed is None else options.speed
         self._loop = Loop(self.context, self._ticker, self._stepping, speed)
         self.pacer = self._loop.pacer
         self.context.stopping = lambda: self._loop.stopping
         self.context.paused = lambda: self._stepping.paused
+        self.context.guard.remarks = uncover
         self.view: Any = None
         #: callback that loads the edited scene instead of this one; it returns False if nothing has changed
         self.reread: Callable[[], bool] | None = None
@@ -94,6 +97,8 @@ class Simulation(Recorded, Handles):
         self._time = Ownership(self.stop)
         self.loaded = Loaded()
         super().__init__()
+        if options.on_failure == "raise":
+            self.context.guard.raises = self._part_failed
         self.population = Population(self)
         self._saving = Saving(self)
         with acting(self.context):
@@ -155,6 +160,8 @@ class Simulation(Recorded, Handles):
 
         Raises:
             UnstableError: the physics has become unstable.
+            BaseException: the error of a part that failed, if the simulation was loaded with ``on_failure="raise"``;
+                the tick was completed, and a note names the part and the tick.
             RuntimeError: the simulation is closed, or a tick is already running.
             KeyboardInterrupt: Ctrl+C was pressed; the present tick was completed first.
         """
@@ -214,7 +221,11 @@ class Simulation(Recorded, Handles):
         self._check_open()
         self._time.holds_back = False
         with self._time:
-            return self._ticker.tick()
+            has_passed = self._ticker.tick()
+        if self._failure is not None:
+            self._loop.go_on()
+            self._raise_failure()
+        return has_passed
 
     @property
     def paused(self) -> bool:
@@ -282,8 +293,10 @@ class Simulation(Recorded, Handles):
 
     def viewpoint_changed(self) -> None:
         """Called when a service moved the camera of the scene."""
-        for observer in self.observers:
-            observer.viewpoint_changed()
+        self._tell("viewpoint_changed")
+
+    def _tell(self, event: str) -> None:
+        self.context.guard.tell(self.observers, methodcaller(event))
 
     def show(self, height: int = 480) -> Any:
         """Return the live view as an HTML frame, which a notebook displays if it is the value of a cell.
@@ -363,8 +376,7 @@ class Simulation(Recorded, Handles):
             for obj in self.context.service_objects:
                 if obj.get_state() is None:
                     obj.restart()
-        for observer in self.observers:
-            observer.rearranged()
+        self._tell("rearranged")
         self._loop.restarted()
 
     def arrange(self, state: State, *, described: bool) -> None:
@@ -448,8 +460,7 @@ class Simulation(Recorded, Handles):
                 self.stop()
                 raise
         self.components_changed()
-        for observer in self.observers:
-            observer.restarted()
+        self._tell("restarted")
         self._loop.restarted()
 
     def start_anew(self) -> None:

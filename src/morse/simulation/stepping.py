@@ -10,6 +10,8 @@ from morse.core import status
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.guard import Guard
+
 #: callback for the end of a request, with status and result
 Ended = "Callable[[tuple[str, Any]], object]"
 
@@ -22,7 +24,8 @@ class Stepping:
         forced: whether the process itself executes ticks now.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, guard: Guard) -> None:
+        self._guard = guard
         self.paused = self.forced = False
         self._series: OrderedDict[object, tuple[int, Callable[[tuple[str, Any]], object]]] = OrderedDict()
         self._left = 0
@@ -50,7 +53,7 @@ class Stepping:
         _, ended = self._series.pop(key)
         if first:
             self._begin_next()
-        ended((status.PREEMPTED, None))
+        self._guard.call([ended], (status.PREEMPTED, None))
 
     def _begin_next(self) -> None:
         self._left = next(iter(self._series.values()))[0] if self._series else 0
@@ -63,12 +66,11 @@ class Stepping:
         if not self._left:
             _, (_, ended) = self._series.popitem(last=False)
             self._begin_next()
-            ended((status.SUCCESS, None))
+            self._guard.call([ended], (status.SUCCESS, None))
 
     def end(self, outcome: str, reason: str | None = None) -> None:
         """Cancel all requested ticks, and answer the requests."""
         self._left = 0
         series = list(self._series.values())
         self._series.clear()
-        for _, ended in series:
-            ended((outcome, reason))
+        self._guard.call([ended for _, ended in series], (outcome, reason))

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import logging
 import sys
+from operator import call, methodcaller
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from morse.core.context import acting
-from morse.core.overwritten import uncover
+from morse.core.faults import name_of
+from morse.core.guard import after_tick, before_tick
 from morse.core.realism import Realism
 from morse.core.requests import serve
 from morse.core.sensor import Sensor
-from morse.simulation.faults import describe
 from morse.simulation.schedule import Schedule
 from morse.simulation.together import Together, arranged, phase_of
 
@@ -21,14 +21,13 @@ if TYPE_CHECKING:
 
     from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
-    from morse.core.object import Object
     from morse.core.observer import Observer
     from morse.core.robot import Robot
     from morse.simulation.loader import Loaded
     from morse.simulation.profile import Profile
     from morse.simulation.stepping import Stepping
 
-logger = logging.getLogger(__name__)
+_release = methodcaller("release")
 
 
 class Ticker:
@@ -39,11 +38,11 @@ class Ticker:
         profiles: profiles that measure each tick; without profiles ticks are not measured.
         reviews: functions that look at the components from time to time: called after a tick with its number and
             whether the components have changed, they return the tick of their next call.
-        drag: callbacks that apply forces to bodies, called before the physics of each tick.
+        before_physics: callbacks that apply forces to bodies, called before the physics of each tick.
     """
 
     def __init__(self, context: Context, stepping: Stepping) -> None:
-        self._context = context
+        self._context, self._guard = context, context.guard
         self._clock = context.clock
         self._stepping = stepping
         self.observers: list[Observer] = []
@@ -64,8 +63,8 @@ class Ticker:
         self._watched = -1
         self._review_at, self._has_changed = 0, True
         self.separate()
-        self._actuators: Schedule[Any] = Schedule(arranged(loaded.actuators, self._act_alone), frequency)
-        self._sensors: Schedule[Any] = Schedule(arranged(loaded.sensors, self._act_alone), frequency, _phase)
+        self._actuators: Schedule[Any] = Schedule(arranged(loaded.actuators, self._act), frequency)
+        self._sensors: Schedule[Any] = Schedule(arranged(loaded.sensors, self._act), frequency, _phase)
         self._groups = [
             unit for units in (self._actuators, self._sensors) for unit in units if isinstance(unit, Together)
         ]
@@ -126,65 +125,75 @@ class Ticker:
     def look(self) -> None:
         """Process input and services while the simulation is paused."""
         with self._acting:
-            for observer in self.observers:
-                observer.before_tick()
+            self._guard.tell(self.observers, before_tick)
             self._context.services.process()
-            for observer in self.observers:
-                observer.after_tick()
+            self._guard.tell(self.observers, after_tick)
 
     # -- the phases ------------------------------------------------------------------------
 
     def _take_input(self) -> None:
-        for observer in self.observers:
-            observer.before_tick()
+        self._guard.tell(self.observers, before_tick)
         self._clock.observe()
 
     def _serve(self) -> None:
         objects = self._context.service_objects
         if len(objects) != self._offered:
             self._offered = len(objects)
-            self._served = [obj for obj in objects if not obj.is_idle]
-        for obj in self._served:
-            obj.action()
+            self._served = self._guard.those(objects, _is_busy, self._stop_serving)
+        if self._served:
+            self._guard.each(list(self._served), _act, self._stop_serving)
         self._context.services.process()
+
+    def _stop_serving(self, part: AbstractObject, error: BaseException) -> None:
+        who = f"{type(part).__name__} of the services of '{name_of(part)}'"
+        self._guard.failed(part, who, "does not act any more", error)
+        self._served = [one for one in self._served if one is not part]
 
     def _actuate(self) -> None:
         self._due = self._clock.tick
         self._act(self._busy_robots())
         if asking := self._asking_actuators.due(self._due):
-            serve(asking)
+            serve(asking, self._guard)
         self._act(self._actuators.due(self._due))
 
     def _move(self) -> None:
-        for push in self.before_physics:
-            push()
+        self._guard.each(self.before_physics, call, self._remove_push)
         self._context.world.step()
         self._clock.advance()
-        for robot in self._busy:
-            robot.update_pose()
+        if self._busy:
+            self._guard.each(self._busy, _update_pose, self._guard.deactivate)
+
+    def _remove_push(self, push: Callable[[], object], error: BaseException) -> None:
+        self._guard.remove(self.before_physics, push, error)
 
     def _answer_sensors(self) -> None:
         """Answer the requests of all due sensors in one call, which costs little more than a call for one sensor."""
         if asking := self._asking_sensors.due(self._due):
-            serve(asking)
+            serve(asking, self._guard)
 
     def _sense(self) -> None:
         self._act(self._sensors.due(self._due))
-        for realism in self._delayed:
-            try:
-                realism.release()
-            except Exception as error:
-                self._switch_off(realism.sensor, error)
+        if self._delayed:
+            self._guard.each(self._delayed, _release, self._stop_releasing)
+
+    def _stop_releasing(self, realism: Realism, error: BaseException) -> None:
+        self._guard.deactivate(realism.sensor, error)
+        self._delayed = [one for one in self._delayed if one is not realism]
 
     def _show(self) -> None:
-        for observer in self.observers:
-            observer.after_tick()
+        self._guard.tell(self.observers, after_tick)
         if self._clock.tick >= self._review_at:
             self._review(self._clock.tick)
 
     def _review(self, tick: int) -> None:
         changed, self._has_changed = self._has_changed, False
-        self._review_at = min((review(tick, changed) for review in self.reviews), default=sys.maxsize)
+        due: list[int] = []
+        self._guard.each(
+            self.reviews,
+            lambda review: due.append(int(review(tick, changed))),
+            lambda review, error: self._guard.remove(self.reviews, review, error),
+        )
+        self._review_at = min(due, default=sys.maxsize)
 
     # -- components ------------------------------------------------------------------------
 
@@ -193,40 +202,14 @@ class Ticker:
         size = sum(map(len, self._robot_attributes))
         if size != self._watched:
             self._watched = size
-            self._busy = [robot for robot in self._robots if not robot.is_idle]
+            self._busy = self._guard.those(self._robots, _is_busy, self._guard.deactivate)
         return self._busy
 
     def _act(self, components: Sequence[Any]) -> None:
         if self.component_profiles:
-            for component in components:
-                if type(component) is Together:
-                    self._measured(component)
-                else:
-                    self._act_alone(component)
-            return
-        for component in components:
-            try:
-                component.action()
-            except Exception as error:
-                if type(component) is Together:
-                    raise
-                self._switch_off(component, error)
-
-    def _act_alone(self, component: Object) -> None:
-        try:
-            if self.component_profiles:
-                self._measured(component)
-            else:
-                component.action()
-        except Exception as error:
-            self._switch_off(component, error)
-
-    def _switch_off(self, component: Object, error: Exception) -> None:
-        component.active = False
-        for text in uncover(component):
-            logger.error("[ERROR][MORSE] %s: %s", component.name(), text)
-        self._context.failed.add(component.name())
-        logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", component.name(), describe(error))
+            self._guard.each(components, self._measured, self._guard.deactivate)
+        else:
+            self._guard.act(components)
 
     def _measured(self, component: Any) -> None:
         begin = perf_counter()
@@ -236,5 +219,17 @@ class Ticker:
             profile.component(component.name(), begin, end)
 
 
+def _act(part: Any) -> None:
+    part.action()
+
+
+def _update_pose(robot: Robot) -> None:
+    robot.update_pose()
+
+
 def _phase(component: Any) -> float:
     return component.phase if type(component) is Together else phase_of(component)
+
+
+def _is_busy(part: AbstractObject) -> bool:
+    return not part.is_idle

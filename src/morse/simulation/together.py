@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import logging
+from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
+from morse.core.faults import ENDINGS, describe
 from morse.core.group import Group
 from morse.core.joining import are_allowed, has_group_action, may_join
 from morse.core.realism import Realism
-from morse.simulation.faults import describe
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
@@ -36,7 +37,7 @@ class Together:
         frequency: Hz.
     """
 
-    def __init__(self, members: Sequence[Object], act: Callable[[Object], None]) -> None:
+    def __init__(self, members: Sequence[Object], act: Callable[[Sequence[Object]], None]) -> None:
         self.members = tuple(members)
         self.frequency = members[0].frequency
         self._act = act
@@ -46,7 +47,8 @@ class Together:
         self._group: Group | None = None
         self._alone: Sequence[Object] = ()
         self._failed = False
-        self._error: Exception | None = None
+        self._error: BaseException | None = None
+        self._guard = members[0].context.guard
         self._ticks = 0
         self._form()
 
@@ -64,7 +66,7 @@ class Together:
     def _form(self) -> None:
         self.dissolve()
         joining = self._allowed and not self._failed
-        together = [member for member in self.members if joining and may_join(member)]
+        together = self._joining() if joining else []
         chosen = {id(member) for member in together}
         self._alone = [member for member in self.members if id(member) not in chosen]
         if not together:
@@ -90,12 +92,15 @@ class Together:
             member.position_3d.follow(self._group, row)
         self._group.take_stock()
 
+    def _joining(self) -> list[Object]:
+        return self._guard.those(self.members, may_join, self._guard.deactivate)
+
     def _has_changed(self, group: Group | None) -> bool:
         """Whether the group has to be formed again."""
         if group is not None and (group.is_changed or any(self._modifiers) or self._have_hooks_changed()):
             return True
         looks = self._ticks % _LOOK == 0 and self._allowed and not self._failed
-        return bool(looks) and any(may_join(member) for member in self._alone)
+        return bool(looks) and any(member in self._alone for member in self._joining())
 
     def _have_hooks_changed(self) -> bool:
         """Whether streams were added to members, or removed from them; most members have none."""
@@ -108,7 +113,7 @@ class Together:
         group, self._group = self._group, None
         if group is None:
             return
-        group.release()
+        self._guard.run(group.release, self._failed_as_group)
         for member in group.members:
             member.position_3d.stay()
             member.group = None
@@ -117,38 +122,42 @@ class Together:
 
     def action(self) -> None:
         """Run the actions of all members."""
+        self._guard.run(self._action, self._failed_as_group)
+
+    def _action(self) -> None:
         group = self._group
         self._ticks += 1
         if self._has_changed(group):
             self._form()
         group = self._group
         if group is None or (self._command(group) if self._commands else self._measure(group)):
-            for member in self._alone:
-                self._act(member)
+            self._act(self._alone)
             return
         # a member has changed or is invalid: acting one by one shows which one
         error, self._error = self._error, None
         acting = [member for member in self.members if member.active]
         self._form()
-        for member in self.members:
-            self._act(member)
+        self._act(self.members)
         if error is not None and all(member.active for member in acting):
-            self._failed = True
-            self.dissolve()
-            self._alone = self.members
-            logger.error(
-                "[ERROR][MORSE] act_together of %s failed, although none of its components fails alone: they act "
-                "one by one from now on: %s",
-                self._class.__name__,
-                describe(error),
-            )
+            self._failed_as_group(error)
+
+    def _failed_as_group(self, error: BaseException) -> None:
+        self._failed = True
+        self.dissolve()
+        self._alone = self.members
+        logger.error(
+            "[ERROR][MORSE] act_together of %s failed, although none of its components fails alone: they act "
+            "one by one from now on: %s",
+            self._class.__name__,
+            describe(error),
+        )
 
     def _command(self, group: Group) -> bool:
         group.begin_command()
         if group.is_changed:
             return False
         for member in self._having_something():
-            self._try(member, member.take_input)  # type: ignore[attr-defined]
+            self._guard.run(member.take_input, partial(self._guard.deactivate, member))  # type: ignore[attr-defined]
         return not group.is_changed and self._together(group)
 
     def _measure(self, group: Group) -> bool:
@@ -159,15 +168,20 @@ class Together:
         for row in held:
             group.fill(row)
         for member, publish in self._publishing():
-            self._try(member, publish, member)
-        for tap in group.context.group_taps:
-            tap(group)
+            try:
+                publish(member)
+            except BaseException as error:
+                self._guard.close(member, member.output_functions, publish, error)
+        if taps := group.context.group_taps:
+            self._guard.call(taps, group)
         return True
 
     def _together(self, group: Group) -> bool:
         try:
             self._class.act_together(group)
-        except Exception as error:
+        except ENDINGS:
+            raise
+        except BaseException as error:
             self._error = error
             return False
         return True
@@ -183,14 +197,6 @@ class Together:
             return []
         return list({id(member): member for member, _ in self._publishing()}.values())
 
-    def _try(self, member: Object, function: Callable[..., object], *arguments: Any) -> None:
-        try:
-            function(*arguments)
-        except Exception as error:
-            member.active = False
-            member.context.failed.add(member.name())
-            logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", member.name(), describe(error))
-
 
 def phase_of(component: Any) -> float:
     """Return the time of the first action of a component after the start, s."""
@@ -198,7 +204,7 @@ def phase_of(component: Any) -> float:
     return realism.phase if isinstance(realism, Realism) else 0.0
 
 
-def arranged(components: Sequence[Object], act: Callable[[Object], None]) -> list[Any]:
+def arranged(components: Sequence[Object], act: Callable[[Sequence[Object]], None]) -> list[Any]:
     """Return components in the order of their actions, with those that can act together merged into one `Together`.
 
     Actuators of a robot with several actuators keep their position in the order, because the last one takes precedence.

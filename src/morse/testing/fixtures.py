@@ -39,13 +39,14 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def simulate(tmp_path: Path) -> Iterator[Simulate]:
-    """Runs a scene when it is called: ``simulate(scene, *options, sockets=True, strict=True)``.
+    """Runs a scene when it is called: ``simulate(scene, *options, sockets=True, strict=True, on_failure="raise")``.
 
     The scene is a function of a module, or the path of a scene script; the options are those of ``morse run``. The
     simulation runs in a separate process on its own ports, and the result is a `pymorse.Morse`. With ``sockets=False``
     it runs in the process of the test, without any port, and the result is the simulation, which has the same methods.
     Its time passes only while the test requests it, by ``step``, ``get``, ``sleep`` or the result of a service, and the
-    only options are ``--seed`` and ``--speed``.
+    only options are ``--seed`` and ``--speed``. ``step`` then raises the error of a component that fails; with
+    ``on_failure="deactivate"`` the component is deactivated and the error is only logged, as without tests.
 
     Every simulation ends with the test, which fails if the simulation reported an error. Unless ``strict`` is False, a
     command with an unknown field or a wrong type is an error.
@@ -56,12 +57,16 @@ def simulate(tmp_path: Path) -> Iterator[Simulate]:
         number = 0
 
         def start(
-            scene: Callable[[], Any] | str | Path, *options: str, sockets: bool = True, strict: bool = True
+            scene: Callable[[], Any] | str | Path,
+            *options: str,
+            sockets: bool = True,
+            strict: bool = True,
+            on_failure: str = "raise",
         ) -> Any:
             nonlocal number
             number += 1
             if not sockets:
-                return _load(scene, options, strict, endings, errors)
+                return _load(scene, options, strict, on_failure, endings, errors)
             name = f"scene{number - 1}"
             if callable(scene):
                 script = tmp_path / f"{name}.py"
@@ -101,12 +106,13 @@ def _load(
     scene: Callable[[], Any] | str | Path,
     options: tuple[str, ...],
     strict: bool,
+    on_failure: str,
     endings: contextlib.ExitStack,
     errors: list[str],
 ) -> Any:
     import morse
 
-    simulation = morse.load(scene, strict=strict, **_in_process(options))
+    simulation = morse.load(scene, strict=strict, on_failure=on_failure, **_in_process(options))
     handler = _Errors(errors)
     logger = logging.getLogger("morse")
     logger.addHandler(handler)

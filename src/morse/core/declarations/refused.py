@@ -106,6 +106,9 @@ def check_option(option: Option) -> None:
     Raises:
         MorseDeclarationError: the message contains the mistake.
     """
+    types = option.type if isinstance(option.type, tuple) else (option.type,)
+    if not types or not all(isinstance(one, type) for one in types):
+        raise MorseDeclarationError(f"type is a class such as float, or a tuple of classes, not {shown(option.type)}")
     _check_parameter(option)
 
 

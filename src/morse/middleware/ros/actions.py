@@ -5,10 +5,12 @@ Source: wiki.ros.org/actionlib/DetailedDescription. A new goal preempts the acti
 
 from __future__ import annotations
 
-from collections import deque
+import logging
 from typing import TYPE_CHECKING, Any
 
+from morse.core.complaints import Complaints
 from morse.core.status import PREEMPTED, SUCCESS
+from morse.core.waiting import Waiting
 from morse.middleware.ros.messages import message, message_class
 from morse.middleware.ros2.parts import time
 
@@ -54,7 +56,8 @@ class ActionServer:
         self._source = feedback
         self._feedback_class = type(action.action_feedback)
         self._result_class = type(action.action_result)
-        self._arrived: deque[tuple[str, Any]] = deque(maxlen=_WAITING)
+        complaints = Complaints(logging.getLogger(__name__))
+        self._arrived: Waiting[tuple[str, Any]] = Waiting(_WAITING, complaints, f"ros: {path}", "goals")
         self._goals: list[_Goal] = []
         self._next = 0.0
         self._now = 0.0

@@ -7,11 +7,12 @@ import os
 import re
 import socket
 import threading
-from collections import deque
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
+from morse.core.waiting import Waiting
 from morse.middleware.ros.mapping import INSTALL
 from morse.middleware.ros.master import MasterWatch
 from morse.middleware.ros.messages import message, message_class, plain
@@ -108,7 +109,8 @@ class _Latched(_Publisher):
 
 class _Subscription(Subscription):
     def __init__(self, rospy: Any, topic: str, kind: Any, arrivals: Arrivals) -> None:
-        self._arrived: deque[Any] = deque(maxlen=_WAITING)
+        complaints = Complaints(logger)
+        self._arrived: Waiting[Any] = Waiting(_WAITING, complaints, f"ros: {topic}", "messages")
         self._arrivals = arrivals
         self._subscriber = rospy.Subscriber(topic, kind, self._arrive, queue_size=_WAITING)
 

@@ -234,6 +234,11 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
 
     def flush(self) -> None:
         """The end of a tick: publish the time and the poses of all frames."""
+        if self.sender.failures:
+            failures, self.sender.failures = self.sender.failures, []
+            for stream, error in failures:
+                component = stream.component_instance
+                self.context.guard.close(component, component.output_functions, stream, error)
         stamp = self.context.clock.stamp()
         if self._clock is not None and self._clock.wanted():
             self._publish(self._clock, _CLOCK, clock(stamp))

@@ -18,6 +18,9 @@ _STEP, _LEAST, _MOST = 10, 10, 50
 _WAITING, _EACH_TICK = 1000, 64
 
 
+logger = logging.getLogger(__name__)
+
+
 class LogTopic(logging.Handler):
     """Collects log records of MORSE in any thread, and publishes them between two ticks.
 
@@ -37,6 +40,7 @@ class LogTopic(logging.Handler):
     def __init__(self, manager: Any) -> None:
         super().__init__()
         self._manager = manager
+        self._lost = 0
         self.lines: deque[logging.LogRecord] = deque(maxlen=_WAITING)
         self._publisher: Publisher | None = manager.own("/rosout", self.type, self.qos, "the simulation")
         if self._publisher is not None:
@@ -49,6 +53,7 @@ class LogTopic(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """See `logging.Handler.emit`."""
+        self._lost += len(self.lines) == self.lines.maxlen
         self.lines.append(record)
 
     def publish(self, stamp: int) -> None:
@@ -57,6 +62,9 @@ class LogTopic(logging.Handler):
         Args:
             stamp: simulated time, ns.
         """
+        if self._lost:
+            lost, self._lost = self._lost, 0
+            logger.warning("%s lines of the log are not on /rosout: too many were logged in a tick", lost)
         for _ in range(min(len(self.lines), _EACH_TICK)):
             self._manager.send(self._publisher, self.type, self.message(self.lines.popleft(), stamp))
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import logging
 import queue
 import threading
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from morse.core.faults import describe
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,15 +26,23 @@ class Sender:
 
     Args:
         paced: whether the simulation is in step with the wall clock, so that it waits between ticks.
+
+    Attributes:
+        failures: streams whose messages could not be made, and the errors; the simulation closes these streams.
     """
 
     def __init__(self, paced: Callable[[], bool]) -> None:
         self._paced = paced
-        self._queue: queue.Queue[Callable[[], object] | None] = queue.Queue(_MOST)
+        self.failures: list[tuple[Any, BaseException]] = []
+        self._queue: queue.Queue[tuple[Callable[[], object], Any] | None] = queue.Queue(_MOST)
         self._thread: threading.Thread | None = None
 
-    def do(self, work: Callable[[], object]) -> None:
-        """Do some work, at once or soon."""
+    def do(self, work: Callable[[], object], stream: Any = None) -> None:
+        """Do some work, at once or soon.
+
+        Args:
+            stream: the stream that is closed if the work raises an error later; None if only the work is lost.
+        """
         if not self._paced():
             self.finish()
             work()
@@ -40,7 +50,7 @@ class Sender:
         if self._thread is None:
             self._thread = threading.Thread(target=self._serve, name="morse-ros2", daemon=True)
             self._thread.start()
-        self._queue.put(work)
+        self._queue.put((work, stream))
 
     def finish(self) -> None:
         """Wait until all work is done."""
@@ -60,8 +70,12 @@ class Sender:
             try:
                 if work is None:
                     return
-                work()
-            except Exception:
-                logger.exception("ros2: a message could not be sent")
+                work[0]()
+            except BaseException as error:
+                assert work is not None
+                if work[1] is None:
+                    logger.error("ros2: a message could not be sent: %s", describe(error))
+                else:
+                    self.failures.append((work[1], error))
             finally:
                 self._queue.task_done()

@@ -268,7 +268,7 @@ class Ros2Stream(KindStream):
                     continue
                 frame = self.frame_id(line.outlet.frame or message.frame)
                 if line.outlet.takes_long:
-                    self.manager.sender.do(partial(self.send, line, message, frame))
+                    self.manager.sender.do(partial(self.send, line, message, frame), self)
                 else:
                     self.send(line, message, frame)
         return False

@@ -76,6 +76,7 @@ class Together:
         left = [one for one in self._streams.pop(component, ()) if one is not stream]
         if left:
             self._streams[component] = left
+        self._plans.clear()
 
     # -- the tick ----------------------------------------------------------------------------
 
@@ -86,7 +87,12 @@ class Together:
             plan = self._plans[group] = self._plan(group)
         rows, lines, others = plan
         for stream in others:
-            stream.default(stream.component_instance)
+            try:
+                stream.default(stream.component_instance)
+            except BaseException as error:
+                self._context.guard.close(
+                    stream.component_instance, stream.component_instance.output_functions, stream, error
+                )
         if rows:
             moves = any(line.stream.moves_frames for line in lines) and self._wants_frames()
             self._sender.do(partial(self._send, group.keep(rows), lines, moves))
@@ -119,12 +125,20 @@ class Together:
     # -- in the thread -----------------------------------------------------------------------
 
     def _send(self, kept: Kept, lines: Sequence[_Line], moves: bool) -> None:
-        for row, stream, bound, topics in lines:
-            wanted = [one for one in topics if one[0].publisher.wanted()]
-            moved = moves and stream.moves_frames
-            if wanted or moved:
-                message = bound.gather_from(kept.data(row), kept.stamp)
-                if moved:
-                    stream.move_frames(message)
-                for topic, frame in wanted:
-                    stream.send(topic, message, frame)
+        for line in lines:
+            try:
+                self._send_line(kept, line, moves)
+            except BaseException as error:
+                self._sender.failures.append((line.stream, error))
+
+    @staticmethod
+    def _send_line(kept: Kept, line: _Line, moves: bool) -> None:
+        row, stream, bound, topics = line
+        wanted = [one for one in topics if one[0].publisher.wanted()]
+        moved = moves and stream.moves_frames
+        if wanted or moved:
+            message = bound.gather_from(kept.data(row), kept.stamp)
+            if moved:
+                stream.move_frames(message)
+            for topic, frame in wanted:
+                stream.send(topic, message, frame)

@@ -89,6 +89,7 @@ class WebInlet(Subscription):
             self._size += len(data)
             while len(self._arrived) > _MOST_ARRIVED or (self._size > _MOST_BYTES and len(self._arrived) > 1):
                 self._size -= len(self._arrived.popleft())
+                self._topics.complain_of_loss(self._topic)
 
     def take(self) -> list[bytes]:
         """See `Subscription.take`."""
@@ -146,6 +147,11 @@ class WebTopics(Backend):
         self.offered = {**self.offered, topic: made}
         self._hub.context.network.post(self._tell_added, made)
         return made
+
+    def complain_of_loss(self, topic: str) -> None:
+        """Log that messages on a topic were dropped."""
+        text = f"{self.name}: messages on {topic} arrive faster than they are read: the oldest are lost"
+        self._complaints.warn(text, text)
 
     def withdraw(self, topic: WebTopic) -> None:
         """Remove a published topic."""

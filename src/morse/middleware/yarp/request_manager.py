@@ -41,7 +41,9 @@ class YarpRequestManager(AnsweredRequests):
         self._ports: Ports | None = None
         self._requests: dict[str, Port] = {}
         self._replies: dict[str, Port] = {}
-        self._arrived: WaitingBottles[tuple[str, list[Any]]] = WaitingBottles(_MOST_WAITING)
+        self._arrived: WaitingBottles[tuple[str, list[Any]]] = WaitingBottles(
+            _MOST_WAITING, self._complaints, "yarp: service calls"
+        )
         self._share = TimeShare()
 
     def initialization(self) -> bool:

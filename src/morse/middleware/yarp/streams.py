@@ -93,7 +93,9 @@ class YarpReader(YarpStream):
 
     def initialize(self) -> None:
         """Listen."""
-        self._arrived: WaitingBottles[list[Any]] = WaitingBottles(_MOST_WAITING)
+        self._arrived: WaitingBottles[list[Any]] = WaitingBottles(
+            _MOST_WAITING, Complaints(logger), f"{self.component_name}: bottles"
+        )
         self._commands = ClientCommands(self.component_instance, logger, "bottle")
         self._fields = [name for name in self.data if name != "timestamp"]
         super().initialize()

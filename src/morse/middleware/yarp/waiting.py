@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from morse.core.budget import ENTRY, PARSED, Budget
+
+if TYPE_CHECKING:
+    from morse.core.complaints import Complaints
 
 _T = TypeVar("_T")
 
@@ -16,10 +19,14 @@ class WaitingBottles(Generic[_T]):
 
     Args:
         most: maximum number of bottles.
+        complaints: logs and counts the losses; None without a log.
+        what: name of the bottles in the log.
     """
 
-    def __init__(self, most: int) -> None:
+    def __init__(self, most: int, complaints: Complaints | None = None, what: str = "bottles") -> None:
         self._most, self._memory = most, Budget()
+        self._complaints = complaints
+        self._text = f"{what} arrive faster than they are read: the oldest are lost"
         self._lock = threading.Lock()
         self._queue: deque[tuple[_T, int]] = deque()
 
@@ -37,6 +44,8 @@ class WaitingBottles(Generic[_T]):
         with self._lock:
             while self._queue and (len(self._queue) >= self._most or size > self._memory.left):
                 self._memory.give(self._queue.popleft()[1])
+                if self._complaints is not None:
+                    self._complaints.warn(self._text, self._text)
             self._memory.force(size)
             self._queue.append((bottle, size))
 

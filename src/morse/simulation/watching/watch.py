@@ -7,14 +7,15 @@ import os
 import threading
 import time
 from collections import deque
+from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseError
+from morse.core.faults import ENDINGS, describe
 from morse.core.journal import EDIT
 from morse.core.observer import Observer
 from morse.core.project_imports import ProjectImports
-from morse.simulation.faults import describe
 from morse.simulation.watching import models
 from morse.simulation.watching.classes import exchange
 from morse.simulation.watching.files import SavedFiles
@@ -92,7 +93,7 @@ class Watch(Observer):
     def _read(self, path: str, *, last_try: bool) -> None:
         try:
             edit = models.prepare(self._simulation, path)
-        except Exception as error:
+        except BaseException as error:
             # the file may be incomplete, or the scene has changed meanwhile
             if last_try:
                 del self._unread[path]
@@ -111,7 +112,9 @@ class Watch(Observer):
             return
         try:
             models.carry_out(simulation, edit)
-        except Exception as error:
+        except ENDINGS:
+            raise
+        except BaseException as error:
             self._refuse(edit.path, describe(error))
             return
         logger.info("%s was saved: %s", Path(edit.path).name, edit.summary())
@@ -128,7 +131,9 @@ class Watch(Observer):
             path = error.filename or files[0]
             place = f'\n  File "{path}", line {error.lineno}' if error.lineno else ""
             self._refuse(path, f"{type(error).__name__}: {error.msg}{place}")
-        except Exception as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             self._refuse(files[0], str(error) if isinstance(error, MorseError) else describe(error))
         else:
             if not names:
@@ -145,9 +150,8 @@ class Watch(Observer):
     def _changed(self, path: str, what: str) -> None:
         simulation = self._simulation
         simulation.journal.note(EDIT, path, what)
-        for observer in list(simulation.observers):
-            observer.edited()
-            observer.rearranged()
+        for method in ("edited", "rearranged"):
+            simulation.context.guard.tell(simulation.observers, methodcaller(method))
 
     def _refuse(self, path: str, reason: str) -> None:
         logger.error(

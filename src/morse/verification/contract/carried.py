@@ -73,6 +73,6 @@ def carried(stand: Stand) -> Iterator[Fault]:
         stand.run(_TICKS)
     except Exception as error:
         yield Fault(CARRIED, f"its message cannot be made: {type(error).__name__}: {error}", place)
-    if stand.failed:
-        yield Fault(CARRIED, "its message cannot be made: it is deactivated when a client connects", place)
+    if stand.failed or not listener.streams.get(component.name()):
+        yield Fault(CARRIED, "its message cannot be made: the stream is closed when a client connects", place)
     listener.finalize()

@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 from typing import Any
 
+from morse.core.faults import ENDINGS, describe, name_of
 from morse.core.requests import serve
 from morse.physics.rays.bundle import RayBundle
-from morse.simulation.faults import describe
 
 logger = logging.getLogger("morse.viewer")
 
@@ -17,10 +17,12 @@ def look_around(camera: Any) -> None:
     if camera is None:
         return
     try:
-        serve([camera])
+        serve([camera], camera.context.guard)
         camera.action()
-    except Exception as error:  # a component of the user may fail
-        logger.debug("%s cannot look at the recorded world: %s", camera.name(), describe(error))
+    except ENDINGS:
+        raise
+    except BaseException as error:  # a component of the user may fail
+        logger.debug("%s cannot look at the recorded world: %s", name_of(camera), describe(error))
 
 
 def cast_rays(sensor: Any) -> None:

@@ -1,0 +1,252 @@
+"""The guard: it calls code that is not the simulator's own, and switches off the part that raises.
+
+A fault stays where it is. Every call of a component, a modifier, a stream, a middleware, an observer, a server or a
+callback goes through a function of this file. What it raises switches off that part, which is named in the log with the
+file and the line; all other parts continue with the data that they would have had anyway. Only what ends a program is
+passed on: `KeyboardInterrupt` and `SystemExit`.
+"""
+
+from __future__ import annotations
+
+import logging
+from operator import methodcaller
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from morse.core.faults import ENDINGS, definition, describe, is_users, name_of, place, user_frames
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, MutableSequence, Sequence
+
+_R = TypeVar("_R")
+_P = TypeVar("_P")
+
+logger = logging.getLogger("morse.simulation.faults")
+
+#: consequence of an error while a part is being closed
+_AGAIN = "is left as it is"
+#: calls the method of an observer
+before_tick, after_tick = methodcaller("before_tick"), methodcaller("after_tick")
+
+
+class Guard:
+    """Switches off the parts of one simulation that raise errors, and names them in the log.
+
+    Attributes:
+        raises: receives each error and the name of its part instead of the log, if the program asked for that by
+            ``on_failure="raise"``; None to log them. It returns False for an error that has to be logged nevertheless.
+        managers_off: class paths of the middlewares that have failed: a restart does not open them again.
+        remarks: returns texts about a component that has failed, such as the methods that its attributes hide.
+    """
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+        self.raises: Callable[[BaseException, str], bool] | None = None
+        self.managers_off: set[str] = set()
+        self.remarks: Callable[[Any], Iterable[str]] = _no_remarks
+
+    # -- calls -----------------------------------------------------------------------------
+
+    def act(self, components: Iterable[Any]) -> None:
+        """Let components act; one that raises is deactivated."""
+        for component in components:
+            try:
+                component.action()
+            except BaseException as error:
+                self.deactivate(component, error)
+
+    def each(
+        self, parts: Iterable[_P], call: Callable[[_P], object], off: Callable[[_P, BaseException], object]
+    ) -> None:
+        """Call a function with each part; ``off(part, error)`` switches off those for which it raises."""
+        failures: list[tuple[_P, BaseException]] = []
+        for part in parts:
+            try:
+                call(part)
+            except ENDINGS:
+                raise
+            except BaseException as error:
+                failures.append((part, error))
+        # afterwards, because it may change the list of the parts
+        for part, failure in failures:
+            off(part, failure)
+
+    def those(
+        self, parts: Iterable[_P], holds: Callable[[_P], object], off: Callable[[_P, BaseException], object]
+    ) -> list[_P]:
+        """Return the parts for which a condition holds; ``off(part, error)`` switches off those that cannot tell."""
+        chosen: list[_P] = []
+
+        def look(part: _P) -> None:
+            if holds(part):
+                chosen.append(part)
+
+        self.each(parts, look, off)
+        return chosen
+
+    def run(self, function: Callable[[], _R], off: Callable[[BaseException], object]) -> _R | None:
+        """Return the result of a function; None after ``off(error)`` if it raises."""
+        try:
+            return function()
+        except ENDINGS:
+            raise
+        except BaseException as error:
+            off(error)
+        return None
+
+    def call(self, functions: MutableSequence[Any], *arguments: Any) -> None:
+        """Call the functions of a list; one that raises is removed from it."""
+        self.each(functions, lambda one: one(*arguments), lambda one, error: self.remove(functions, one, error))
+
+    def tell(self, observers: MutableSequence[Any], call: Callable[[Any], object]) -> None:
+        """Notify observers; one that raises is removed and closed."""
+        self.each(observers, call, lambda observer, error: self.dismiss(observers, observer, error))
+
+    # -- switching off -----------------------------------------------------------------------
+
+    def failed(self, part: object, who: str, what: str, error: BaseException) -> None:
+        """Report a part that has failed, and that is switched off.
+
+        Args:
+            who: the part in the message.
+            what: what follows from the failure: ``is closed``.
+
+        Raises:
+            KeyboardInterrupt, SystemExit: the error is not a failure, but ends the program.
+        """
+        if isinstance(error, ENDINGS):
+            raise error
+        if self.raises is not None and self.raises(error, who):
+            return
+        text = describe(error)
+        if not user_frames(error.__traceback__):
+            lines = definition(part)
+            if not lines or not is_users(lines.split('"')[1]):
+                lines = place(error)
+            text += f"\n{lines}" if lines and not isinstance(error, OSError) else ""
+        logger.error("[ERROR][MORSE] %s failed and %s: %s", who, what, text)
+
+    def deactivate(self, component: Any, error: BaseException, culprit: object = None) -> None:
+        """Switch off a component.
+
+        Args:
+            culprit: its modifier that has raised the error, if it was not the component itself.
+        """
+        remarks = self.run(lambda: list(self.remarks(component)), _ignored) or []
+        name = name_of(component)
+        for text in remarks:
+            logger.error("[ERROR][MORSE] %s: %s", name, text)
+        if culprit is None:
+            self.failed(component, name, "is deactivated", error)
+        else:
+            who = f"the modifier {type(culprit).__name__} of {name}"
+            self.failed(culprit, who, f"{name} is deactivated, because its data are not modified", error)
+        self._context.failed.add(name)
+        component.switch_off()
+
+    def close(self, component: Any, functions: MutableSequence[Any], function: Any, error: BaseException) -> None:
+        """Close a stream of a component, and nothing else; if the component has lost its data, that is the fault."""
+        if not isinstance(vars(component).get("local_data", {}), dict):
+            if component._active:  # each of its streams finds out
+                self.deactivate(component, _without_data(component, error))
+            return
+        stream = _stream_of(function)
+        self.failed(stream, f"the stream {name_of(stream)} of {name_of(component)}", "is closed", error)
+        functions[:] = [one for one in functions if one is not function and _stream_of(one) is not stream]
+        drop = getattr(getattr(stream, "manager", None), "drop", None)
+        if drop is not None:
+            self.run(lambda: drop(stream), lambda again: self.failed(stream, name_of(stream), _AGAIN, again))
+
+    def remove(self, functions: MutableSequence[Any], function: Any, error: BaseException) -> None:
+        """Remove a callback from its list."""
+        self.failed(function, f"the callback {name_of(function)}", "is removed", error)
+        functions[:] = [one for one in functions if one is not function]
+
+    def dismiss(self, observers: MutableSequence[Any], observer: Any, error: BaseException) -> None:
+        """Remove an observer, and close it; of a middleware, also all of its streams."""
+        own = vars(observer).get("classpath") if hasattr(observer, "__dict__") else None
+        who = f"the middleware {own}" if isinstance(own, str) else f"the observer {type(observer).__name__}"
+        self.failed(observer, who, "is removed", error)
+        observers[:] = [one for one in observers if one is not observer]
+        managers = self._context.stream_managers
+        for path in [path for path, manager in managers.items() if manager is observer]:
+            del managers[path]
+            self.managers_off.add(path)
+            for component in [*self._context.robots.values(), *self._context.components.values()]:
+                for functions in (component.input_functions, component.output_functions):
+                    functions[:] = [one for one in functions if _manager_of(one) is not observer]
+        self.run(observer.close, lambda again: self.failed(observer, who, _AGAIN, again))
+
+
+def _no_remarks(_component: Any) -> Iterable[str]:
+    return ()
+
+
+def _ignored(_error: BaseException) -> None:
+    """Used where another error is being reported."""
+
+
+def _stream_of(function: Any) -> Any:
+    """The stream whose method a component calls; the function itself if it does not belong to a stream."""
+    owner = getattr(function, "__self__", function)
+    if not hasattr(owner, "component_instance"):
+        return function
+    return getattr(owner, "stream", owner)
+
+
+def _manager_of(function: Any) -> Any:
+    return getattr(_stream_of(function), "manager", None)
+
+
+def _without_data(component: Any, error: BaseException) -> BaseException:
+    kind = type(vars(component).get("local_data")).__name__
+    return TypeError(f"self.local_data is a dictionary of the data, not {kind}").with_traceback(error.__traceback__)
+
+
+# -- calls of components, which are frequent -----------------------------------------------------
+
+
+def publish(component: Any, functions: MutableSequence[Any]) -> None:
+    """Call the output functions of a component; a stream that raises is closed."""
+    failures = None
+    for function in functions:
+        try:
+            function(component)
+        except ENDINGS:
+            raise
+        except BaseException as error:
+            failures = [*(failures or ()), (function, error)]
+    if failures is not None:
+        for function, failure in failures:
+            component.context.guard.close(component, functions, function, failure)
+
+
+def read(component: Any, functions: MutableSequence[Any]) -> bool:
+    """Call the input functions of a component, and return whether data arrived; a stream that raises is closed."""
+    received, failures = False, None
+    for function in functions:
+        try:
+            received = bool(function(component)) or received
+        except ENDINGS:
+            raise
+        except BaseException as error:
+            failures = [*(failures or ()), (function, error)]
+    if failures is not None:
+        for function, failure in failures:
+            component.context.guard.close(component, functions, function, failure)
+    return received
+
+
+def modify(component: Any, modifiers: Sequence[Any]) -> bool:
+    """Apply modifiers to the data of a component.
+
+    Returns:
+        False if one has raised. Data without a promised modification must be neither published nor obeyed: the
+        component is deactivated.
+    """
+    for modifier in modifiers:
+        try:
+            modifier.modify()
+        except BaseException as error:
+            component.context.guard.deactivate(component, error, modifier)
+            return False
+    return True
