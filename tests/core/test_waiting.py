@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def test_the_oldest_entries_are_lost_and_counted(caplog: pytest.LogCaptureFixture) -> None:
     now = [0.0]
     complaints = Complaints(logging.getLogger("morse.test"), lambda: now[0])
-    waiting: Waiting[int] = Waiting(3, complaints, "r.motion", "commands")
+    waiting: Waiting[int] = Waiting(3, complaints, "motion", "commands")
     for number in range(3):
         waiting.append(number)
     assert caplog.messages == []
