@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _R = TypeVar("_R")
 _P = TypeVar("_P")
 
-logger = logging.getLogger("morse.simulation.faults")
+logger = logging.getLogger(__name__)
 
 #: consequence of an error while a part is being closed
 _AGAIN = "is left as it is"
