@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 from morse.builder.script import ScriptError, load_scene
 from morse.core import log
 from morse.core.exceptions import MorseError
+from morse.core.faults import describe
 from morse.launch.load import start
 from morse.physics import UnstableError
-from morse.simulation.faults import describe
 from morse.simulation.options import RunOptions
 from morse.verification.onlookers import Onlookers
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import ScriptError
 from morse.core.actuator import Actuator
+from morse.core.faults import describe
 from morse.core.pending_commands import PendingCommands
 from morse.core.project_imports import ProjectImports
 from morse.launch.load import described, start
 from morse.middleware.socket.encoding import to_json
-from morse.simulation.faults import describe
 from morse.simulation.loader import LoadError
 from morse.simulation.options import RunOptions
 from morse.verification.contract.examples import example
