@@ -84,6 +84,11 @@ def limited_run(scene: str, folder: Path, descriptors: int, *options: str, **env
         process.wait()
 
 
+def told_once(log: str, text: str) -> bool:
+    """Whether a log names an event once; counts of more of the kind may follow."""
+    return len([line for line in log.splitlines() if text in line and "of this kind" not in line]) == 1
+
+
 def connect(port: int) -> socket.socket:
     return socket.create_connection(("127.0.0.1", port), timeout=_MINUTE)
 

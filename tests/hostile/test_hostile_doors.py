@@ -8,7 +8,7 @@ import socket
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from limited import connect, eventually, is_closed, reset
+from limited import connect, eventually, is_closed, reset, told_once
 
 from event_loops import run_apart
 from morse.core.complaints import Complaints
@@ -113,7 +113,7 @@ def test_the_oldest_silent_connection_leaves_and_who_has_spoken_stays(caplog: py
 
     with caplog.at_level(logging.INFO, "asyncio"):
         run_apart(run())
-    assert caplog.text.count("to make room") == 1
+    assert told_once(caplog.text, "to make room")
     assert "a client is refused" in caplog.text
     assert "Traceback" not in caplog.text
 
@@ -185,7 +185,7 @@ def test_silent_connections_do_not_keep_an_autopilot_out(caplog: pytest.LogCaptu
         link.send(b"\xfd a message")
         assert autopilot.recv(100) == b"\xfd a message"
     assert all(is_closed(sock) for sock in silent)
-    assert caplog.text.count("to make room") == 1
+    assert told_once(caplog.text, "to make room")
     link.close()
     for sock in silent + more:
         sock.close()

@@ -37,7 +37,7 @@ def test_silent_connections_do_not_keep_pages_out(served, monkeypatch, caplog) -
         assert len(server._hub._door.guests) <= 4
         for one in silent:
             one.close()
-    assert caplog.text.count("to make room") == 1
+    assert "to make room" in caplog.text
 
 
 def test_pages_beyond_the_limit_are_told_why(served, monkeypatch) -> None:

@@ -16,6 +16,7 @@ import sys
 import traceback
 from typing import TYPE_CHECKING, Any, TextIO
 
+from morse.core.folding import Folding
 from morse.core.quoting import escaped
 
 if TYPE_CHECKING:
@@ -35,6 +36,11 @@ LEVELS = ("DEBUG", "INFO", "WARNING", "ERROR", "CRITICAL")
 #: limits of the length and depth of logger names, because loggers use memory until the process ends
 _MAX_NAME, _MAX_DEPTH = 128, 8
 _NAME = re.compile(r"[^\W.][\w-]*(\.[^\W.][\w-]*)*")
+
+#: largest number of characters of a message
+_LONGEST = 1 << 14
+#: loggers of others whose lines belong to the log: what asyncio and websockets say about connections of clients
+_OTHERS = ("asyncio", "websockets")
 
 _MAIN_LOGGERS = frozenset({"morse", "morse.main", "blender.main"})
 _TITLES = logging.getLogger("morse.main")
@@ -60,6 +66,11 @@ _XMAS = ("\033[91m", "\033[92m")
 
 COLOR_SCHEMES = ("mono", "bright", "dark", "xmas")
 """No colours; for a dark terminal; for a light one; for the days after Christmas."""
+
+
+def _cut(text: str) -> str:
+    """Cut a text that nobody reads to its end, and append its length."""
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(text)} characters)"
 
 
 def _safe(text: str) -> str:
@@ -112,11 +123,11 @@ class MorseFormatter(logging.Formatter):
 
     def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 (the name is logging's)
         """The text of a record, without its traceback."""
-        return _safe(super().formatMessage(record))
+        return _safe(_cut(super().formatMessage(record)))
 
     def formatException(self, ei: Any) -> str:  # noqa: N802
         """Return a traceback, escaped, because the message of the exception may contain anything."""
-        return "\n".join(_safe(part.rstrip("\n")) for part in traceback.format_exception(*ei))
+        return "\n".join(_safe(_cut(part.rstrip("\n"))) for part in traceback.format_exception(*ei))
 
     def _colored(self, level: int, text: str) -> str:
         if self.colors == "mono":
@@ -133,6 +144,7 @@ class _ConsoleHandler(logging.StreamHandler[TextIO]):
     def __init__(self) -> None:
         logging.Handler.__init__(self)
         self._has_complained = False
+        Folding(self)
 
     @property
     def stream(self) -> TextIO:  # type: ignore[override]
@@ -189,6 +201,10 @@ def setup(colors: str | None = None, level: int | str | None = None) -> None:
         )
     if _handler not in root.handlers:
         root.addHandler(_handler)
+    for name in _OTHERS:
+        other = logging.getLogger(name)
+        if _handler not in other.handlers:
+            other.addHandler(_handler)
     if level is not None:
         root.setLevel(level)
     # keeps the output of scripts in order with the log, and escapes names that an ASCII terminal cannot show
