@@ -19,9 +19,13 @@ import zstandard
 
 import morse
 from morse.core.journal import SPAWN, Entry
+from morse.recording.errors import RecordingError
 from morse.recording.inputs import TOPIC, as_message
+from morse.recording.made import reading
+from morse.recording.made.reading import RecordedMade
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.writer import McapWriter
+from morse.recording.recording import Recording
 from morse.simulation.input_recording import entry_to_bytes
 
 if TYPE_CHECKING:
@@ -237,6 +241,52 @@ def test_no_model_is_opened_that_an_input_names(received: Received) -> None:
     for words, outcome in zip(commands, received.read(*commands), strict=True):
         assert outcome["seen"] == [], words
         assert "Traceback" not in outcome["error"], words
+
+
+def test_meshes_are_limited_in_sum(received: Received, monkeypatch: pytest.MonkeyPatch) -> None:
+    with Recording(received.run) as recording:
+        sizes = [int(one["data"] != "") for one in unpacked(received.run, "scene/objects")["meshes"]]
+        assert sum(sizes) > 1
+        assert RecordedMade(recording, tuple).scene()
+        monkeypatch.setattr(reading, "_MOST_BYTES", 100_000)
+        with pytest.raises(RecordingError, match="the meshes are larger than"):
+            RecordedMade(recording, tuple).scene()
+
+
+@pytest.mark.parametrize(
+    ("part", "value"),
+    [
+        ("settings", {"gravity": float("nan")}),
+        ("settings", {"frequency": 0.0}),
+        ("settings", {"frequency": 1e12}),
+        ("settings", {"physics_steps": 2**40}),
+        ("settings", "fast"),
+        ("environment", 5),
+        ("zones", [["nowhere", "Charging"]]),
+        ("zones", [[0, 0]]),
+        ("properties", []),
+        ("script", "evil.py"),
+    ],
+)
+def test_damaged_descriptions_of_a_scene_are_refused(received: Received, part: str, value: Any) -> None:
+    scene = unpacked(received.run, "scene/settings")
+    scene[part] = scene["settings"] | value if isinstance(value, dict) else value
+    name = received.forged("damaged.mcap", attachments={"scene/settings": packed(scene)})
+    with (
+        Recording(received.folder / name) as recording,
+        pytest.raises(RecordingError, match="the description of the scene is damaged"),
+    ):
+        RecordedMade(recording, tuple).scene()
+
+
+@pytest.mark.parametrize("type_", ["text/html", "image/svg+xml", ""])
+def test_images_have_the_types_of_pictures(received: Received, type_: str) -> None:
+    objects = unpacked(received.run, "scene/objects")
+    assert objects["images"], "the scene has textures"
+    objects["images"][0]["mime"] = type_
+    name = received.forged("images.mcap", attachments={"scene/objects": packed(objects)})
+    with Recording(received.folder / name) as recording, pytest.raises(RecordingError, match="images that are not"):
+        RecordedMade(recording, tuple).scene()
 
 
 def test_the_auditor_sees_what_is_executed(received: Received) -> None:

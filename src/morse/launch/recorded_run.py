@@ -12,7 +12,14 @@ from morse.assets.search import resource_dirs
 from morse.core.exceptions import MorseBuilderError, MorseError
 from morse.core.journal import RESTORE, SPAWN, Entry
 from morse.core.quoting import quoted, shown
-from morse.launch.recorded_scripts import is_same, take_trusted_options, use_named, use_registered, use_trusted
+from morse.launch.recorded_scripts import (
+    is_same,
+    show_trusted,
+    take_trusted_options,
+    use_named,
+    use_registered,
+    use_trusted,
+)
 from morse.recording.errors import RecordingError
 from morse.recording.inputs import LostInput
 from morse.recording.made.reading import RecordedMade
@@ -146,6 +153,7 @@ def options_of(
         use_named(recording, options, scene, projects)
         if trust:
             take_trusted_options(recording, options)
+            show_trusted(scene, options, False, told)
     elif trust:
         use_trusted(recording, options, stack, told)
     else:

@@ -76,7 +76,7 @@ def use_trusted(
         raise RecordingError(
             f"{recording.path}: the scene {shown(script)} does not exist any more; give a scene: --scene PATH"
         )
-    _show(script, options, inside, told)
+    show_trusted(script, options, inside, told)
 
 
 def take_trusted_options(recording: Recording, options: RunOptions) -> None:
@@ -152,18 +152,30 @@ def _is_scene(source: bytes) -> bool:
     return any(module == "morse.builder" or module.startswith("morse.builder.") for module in modules)
 
 
-def _show(recorded: str, options: RunOptions, inside: bool, told: Callable[[str], object]) -> None:
+def show_trusted(recorded: str, options: RunOptions, inside: bool, told: Callable[[str], object]) -> None:
+    """Show the script, the arguments and the folders that are about to be used.
+
+    Args:
+        recorded: path of the script in the recording.
+        inside: whether the script is that inside the recording.
+    """
     arguments = f"with the arguments {shown(options.arguments, 1000)}" if options.arguments else "without arguments"
     if inside:
         told(f"{escaped(recorded)} is missing or has changed since the run was recorded: the recorded script is used.")
     what = f"the script inside the recording ({options.script})" if inside else escaped(options.script)
-    told(f"--trust: executes {what} {arguments}. It begins with:")
-    if Path(options.script).suffix.lower() in SUFFIXES:
-        return
-    lines = Path(options.script).read_bytes().decode("utf-8", "replace").splitlines()
-    for line in lines[:_SHOWN_LINES]:
-        told(f"  | {escaped(line[:_SHOWN_LENGTH])}")
-    if len(lines) > _SHOWN_LINES:
-        told(f"  | ... {len(lines) - _SHOWN_LINES} more lines")
     for folder in options.source_paths:
         told(f"--trust: modules are imported from {shown(folder)}.")
+    told(f"--trust: executes {what} {arguments}. It begins with:")
+    for line in _beginning(options.script):
+        told(f"  | {line}")
+
+
+def _beginning(script: str) -> list[str]:
+    if Path(script).suffix.lower() in SUFFIXES:
+        return ["a model, which is no program"]
+    try:
+        lines = Path(script).read_bytes().decode("utf-8", "replace").splitlines()
+    except OSError as error:
+        return [f"it cannot be read: {error.strerror or error}"]
+    rest = len(lines) - _SHOWN_LINES
+    return [escaped(line[:_SHOWN_LENGTH]) for line in lines[:_SHOWN_LINES]] + [f"... {rest} more lines"] * (rest > 0)

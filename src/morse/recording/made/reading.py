@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
+#: maximum size of all meshes and images of a recording, bytes: a small file can contain as many as it wants
+_MOST_BYTES = 4 * LARGEST
+
 
 def _number(value: Any) -> float:
     if type(value) not in (int, float):
@@ -87,6 +90,7 @@ class RecordedMade:
     ) -> None:
         self._recording, self._modules, self._exact = recording, modules, exact
         self._blocks: dict[str, bytes] = {}
+        self._size = 0
         self.topics: dict[str, dict[str, Any]] = {}
         self._said: set[str] = set()
         self._descriptions: dict[int, dict[str, Description]] = {}
@@ -191,6 +195,9 @@ class RecordedMade:
             known = self._attached(f"{BLOCKS}{digest}")
             if hashlib.sha256(known).hexdigest() != digest:
                 raise RecordingError(f"{self._recording.path}: the block {digest[:80]} is damaged")
+            self._size += len(known)
+            if self._size > _MOST_BYTES:
+                raise RecordingError(f"{self._recording.path}: the meshes are larger than {_MOST_BYTES >> 20} MiB")
             self._blocks[digest] = known
         return known
 

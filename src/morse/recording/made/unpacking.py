@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-_MOST_NODES, _MOST_SLOTS = 20_000, 4096
+_MOST_PARTS, _MOST_SLOTS = 20_000, 4096
 _LONGEST_NAME = 1000
 _PICTURES = ("image/png", "image/jpeg")
 _KINDS = ("robot", "external_robot", "sensor", "actuator")
@@ -72,7 +72,9 @@ class Unpacking:
         self.replaced: list[str] = []
         try:
             found = _descriptions.decode(data)
-            _check(len(found.nodes) <= _MOST_NODES, f"{len(found.nodes)} nodes")
+            for what in ("nodes", "components", "meshes", "materials", "images"):
+                count = len(getattr(found, what))
+                _check(count <= _MOST_PARTS, f"{count} {what}, expected up to {_MOST_PARTS}")
             # the page gets them with their types
             _check(all(one.mime in _PICTURES for one in found.images), f"images that are not {' or '.join(_PICTURES)}")
             self._images = [Image(one.name, block(one.data), one.mime) for one in found.images]
