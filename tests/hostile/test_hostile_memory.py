@@ -10,6 +10,7 @@ import pytest
 
 from event_loops import run_apart
 from morse.core.budget import CLIENT_BYTES, ENTRY, PARSED, Budget, OverBudget
+from morse.core.time_share import TimeShares
 from morse.middleware.foxglove.client import FoxgloveClient
 from morse.middleware.rosbridge.client import RosbridgeClient
 from morse.middleware.web.client import WebClient
@@ -135,6 +136,7 @@ def manager(monkeypatch: pytest.MonkeyPatch) -> Any:
     manager_class = type("Manager", (WebRequestManager,), {"hub_class": None, "classpath": "x"})
     scene = SimpleNamespace(settings=SimpleNamespace(node_name="morse"), manager_options={})
     context: Any = SimpleNamespace(scene=scene, journal=SimpleNamespace(note=lambda *_: None), wake=lambda: None)
+    context.time_shares = TimeShares()
     context.network = SimpleNamespace(post=lambda function, *args: function(*args))
     return manager_class(context)
 

@@ -20,6 +20,7 @@ from websockets.server import ServerProtocol
 from event_loops import run_apart
 from morse.core.arrivals import Arrivals, Sender
 from morse.core.network import Network
+from morse.core.time_share import TimeShare, TimeShares
 from morse.core.validation import ClientCommands
 from morse.core.web_connection import PacedConnection
 from morse.middleware.ros2.cdr import CdrError, encode
@@ -163,7 +164,9 @@ def open_websocket(cost: float, *, polite: bool = True) -> tuple[PacedConnection
             """Read nothing."""
 
         server: Any = SimpleNamespace(handler=handler, handler_tasks=set())
-        made = PacedConnection(Arrivals(processor, lambda: 0.0), ServerProtocol(), server, max_queue=4)
+        made = PacedConnection(
+            Arrivals(processor, lambda: 10.0 if transport.is_open else 0.0), ServerProtocol(), server, max_queue=4
+        )
         made.guest = SimpleNamespace(begin=lambda _: None, stage=0, keeps_place=False)  # type: ignore[assignment]
         made.connection_made(transport)  # type: ignore[arg-type] # a stand-in
         made.data_received(HANDSHAKE)
@@ -215,6 +218,37 @@ def test_a_full_queue_of_messages_stops_the_processing_of_bytes_that_have_arrive
     assert not transport.reads
     assert len(connection.recv_messages.frames) < 1000
     assert not rests.end()
+
+
+def test_connections_that_are_opened_again_and_again_get_the_part_of_one_client() -> None:
+    """Each of them sends one request."""
+    clock = Clock()
+    arrivals = clock.arrivals()
+
+    async def run() -> tuple[int, int]:
+        async def handler(_: Any) -> None:
+            """Answer nothing."""
+
+        server: Any = SimpleNamespace(handler=handler, handler_tasks=set())
+        connections, rests = [], Rests()
+        for _ in range(200):
+            made = PacedConnection(arrivals, ServerProtocol(), server)
+            made.loop = rests  # type: ignore[assignment] # a stand-in
+            rests.create_task = asyncio.ensure_future  # type: ignore[attr-defined]
+            made.guest = SimpleNamespace(begin=lambda _: None, stage=0, keeps_place=False)  # type: ignore[assignment]
+            made.connection_made(Transport(polite=True))  # type: ignore[arg-type] # a stand-in
+            made.data_received(HANDSHAKE)
+            connections.append(made)
+        at_once = sum(one.request is not None for one in connections)
+        while any(one.request is None for one in connections):
+            clock.wall += 0.001
+            assert clock.wall < 10.0
+            rests.end()
+        return at_once, round(clock.wall / 0.001)
+
+    at_once, milliseconds = run_apart(run())
+    assert at_once < 20
+    assert 200 / 0.4 < milliseconds < 200 / 0.1
 
 
 # sockets --------------------------------------------------------------------------------------
@@ -368,6 +402,29 @@ def test_names_of_joints_are_limited_and_those_of_any_robot_fit() -> None:
     check_size(kind, encode(kind, {"name": joints, "position": [0.0] * 1000}))
     with pytest.raises(CdrError, match="at most"):
         check_size(kind, encode(kind, {"name": ["joint"] * 300_000}))
+
+
+# services in a tick ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("floods", [1, 2, 5])
+def test_floods_of_several_middlewares_get_the_share_of_one(floods: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [100.0]
+    monkeypatch.setattr("morse.core.time_share.perf_counter", lambda: now[0])
+    together = TimeShares()
+    shares, spent = [TimeShare(together) for _ in range(floods)], [0.0] * floods
+    while now[0] < 130.0:
+        now[0] += 1 / 60
+        for number, share in enumerate(shares):
+            if not share.begin():
+                continue
+            while True:
+                now[0] += 0.003
+                spent[number] += 0.003
+                if share.end_request():
+                    break
+    assert 0.2 < sum(spent) / 30.0 < 0.4
+    assert min(spent) > 0.5 * max(spent)
 
 
 # commands in a tick ---------------------------------------------------------------------------

@@ -9,6 +9,7 @@ import pytest
 
 import morse
 from morse.core.request_manager import OfferedService
+from morse.core.time_share import TimeShares
 from morse.middleware.rosbridge.request_manager import RosbridgeRequestManager
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def offer(manager: Any, served: list[Any]) -> None:
 def context() -> Any:
     scene = SimpleNamespace(settings=SimpleNamespace(node_name="morse"), manager_options={})
     journal = SimpleNamespace(note=lambda *_: None)
-    return SimpleNamespace(scene=scene, journal=journal, wake=lambda: None, clock=None)
+    return SimpleNamespace(scene=scene, journal=journal, wake=lambda: None, clock=None, time_shares=TimeShares())
 
 
 def yarp(served: list[Any]) -> Any:

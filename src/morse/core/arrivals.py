@@ -29,6 +29,10 @@ class Arrivals:
     Args:
         processor: processor time of the calling thread, s.
         wall: wall-clock time, s.
+
+    Attributes:
+        newcomers: the account of all connections that are not open yet: they get the part of one client, because a
+            client may connect again and again.
     """
 
     def __init__(
@@ -40,6 +44,7 @@ class Arrivals:
         self._last = wall()
         self._active: dict[Sender, float] = {}
         self._threads = threading.local()
+        self.newcomers = Sender(self)
 
     def spend(self, sender: Sender, seconds: float, now: float) -> bool:
         """Count processor time of a client; whether all of them together use more than the share. Under `lock`."""
@@ -131,9 +136,17 @@ class Sender:
     @property
     def rests(self) -> bool:
         """Whether a rest that `rest_if_due` has begun lasts."""
-        if self._until is not None and self._arrivals.wall() >= self._until:
+        return self.remaining > 0.0
+
+    @property
+    def remaining(self) -> float:
+        """The rest that is left, s."""
+        if self._until is None:
+            return 0.0
+        left = self._until - self._arrivals.wall()
+        if left <= 0.0:
             self._until = None
-        return self._until is not None
+        return max(0.0, left)
 
     def rest_if_due(self) -> None:
         """Begin a rest, which `rests` tells, if the client has used its time."""

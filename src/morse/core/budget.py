@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-CLIENT_BYTES = 16 << 20
+CLIENT_BYTES = 14 << 20
 """Maximum size of everything that is kept for one client: what it has sent and asked for, and what it has not read."""
 ENTRY = 512
 """Size of an entry of a table, or of a pending request, in addition to its texts."""

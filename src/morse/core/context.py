@@ -13,6 +13,7 @@ from morse.core.arrivals import Arrivals
 from morse.core.complaints import Complaints
 from morse.core.guard import Guard
 from morse.core.journal import Journal
+from morse.core.time_share import TimeShares
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -77,6 +78,7 @@ class Context:
         paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
         arrivals: the share of the time for what clients send.
+        time_shares: the shares of the time of the ticks for services.
         complaints: warnings of components that clients may cause any number of times, by commands or by resets.
     """
 
@@ -104,6 +106,7 @@ class Context:
     paused: Any = _not_stopping
     paced: Any = _not_stopping
     complaints: Complaints = field(default_factory=lambda: Complaints(logger))
+    time_shares: TimeShares = field(default_factory=TimeShares)
     _servers: dict[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -6,8 +6,23 @@ from time import perf_counter
 
 #: share of the wall-clock time for services if clients request more
 _SHARE = 1 / 3
+#: wall-clock seconds after its last request for which a middleware counts when the share is divided
+_ACTIVE = 0.5
 #: minimum and maximum time for services in each tick, s
 _LEAST, _MOST = 0.0003, 0.05
+
+
+class TimeShares:
+    """The shares of the middlewares of a simulation: together they get as much as one alone."""
+
+    def __init__(self) -> None:
+        self._active: dict[TimeShare, float] = {}
+
+    def part(self, share: TimeShare, now: float) -> float:
+        """The part of a middleware that has requests."""
+        self._active[share] = now
+        self._active = {one: last for one, last in self._active.items() if now - last < _ACTIVE}
+        return _SHARE / len(self._active)
 
 
 class TimeShare:
@@ -15,9 +30,13 @@ class TimeShare:
 
     A tick serves requests until its share is used. A request is never interrupted; if it takes longer than the share,
     the next requests wait: after 20 ms for a request, for about 60 ms.
+
+    Args:
+        shares: those of all middlewares of the simulation.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, shares: TimeShares | None = None) -> None:
+        self._shares = TimeShares() if shares is None else shares
         self._debt = 0.0
         self._rested = self._allowed = perf_counter()
 
@@ -30,11 +49,11 @@ class TimeShare:
         """Return whether requests may be served in this tick."""
         now = perf_counter()
         idle, self._rested = now - self._rested, now
-        self._debt -= _SHARE * idle
-        if self._debt > 0.0:
+        credit = self._shares.part(self, now) * idle - self._debt
+        self._debt = max(0.0, -credit)
+        if credit < 0.0:
             return False
-        self._debt = 0.0
-        self._allowed = now + max(_LEAST, min(_MOST, _SHARE * idle))
+        self._allowed = now + max(_LEAST, min(_MOST, credit))
         return True
 
     def spend(self) -> float:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from websockets.protocol import State
+
 from morse.core.web_crowd import Connection
 
 if TYPE_CHECKING:
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 
     from morse.core.arrivals import Arrivals, Sender
 
+#: processor time of the answer to a request or a handshake, s
+_HANDSHAKE = 1e-3
 #: bytes that are processed at once: the time of some hundred pings
 _PIECE = 1 << 12
 #: unsent bytes of answers to pings; a client that does not read them is not read, either
@@ -56,6 +60,7 @@ class PacedConnection(Connection):
     def __init__(self, arrivals: Arrivals, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self.sender = arrivals.sender()
+        self._newcomers = arrivals.newcomers
         self._unprocessed = bytearray()
         self._answers = 0
         self._has_ended = self._is_busy = False
@@ -90,6 +95,8 @@ class PacedConnection(Connection):
         """Process the bytes that have arrived, until the client has to rest or the queue is full."""
         if self._is_busy or self._resting is not None:
             return
+        if self.protocol.state is State.CONNECTING and self._unprocessed and self._must_wait():
+            return
         self._is_busy = True
         try:
             while self._unprocessed and not self._valve.is_full and self._resting is None:
@@ -104,11 +111,22 @@ class PacedConnection(Connection):
         elif not self._valve.is_full:
             self._valve._transport.resume_reading()
 
+    def _must_wait(self) -> bool:
+        """Whether those who connect have used their time; the connection is processed later."""
+        if self._newcomers.rests:
+            self._rest(self._newcomers.remaining)
+            self._valve._transport.pause_reading()
+            return True
+        self._newcomers.spend(_HANDSHAKE)
+        self._newcomers.rest_if_due()
+        return False
+
     def _process(self) -> None:
         piece = bytes(self._unprocessed[:_PIECE])
         del self._unprocessed[:_PIECE]
         unsent = self._valve.get_write_buffer_size()
-        with self.sender.measured():
+        account = self._newcomers if self.protocol.state is State.CONNECTING else self.sender
+        with account.measured():
             super().data_received(piece)
         grown = self._valve.get_write_buffer_size() - unsent
         self._answers = self._answers + max(0, grown) if unsent or grown > 0 else 0

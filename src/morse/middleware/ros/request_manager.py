@@ -59,7 +59,7 @@ class RosRequestManager(AnsweredRequests):
         self._servers: dict[tuple[str, str], Any] = {}
         self._actions: dict[tuple[str, str], ActionServer] = {}
         self._queue: deque[_Waiting] = deque()
-        self._share = TimeShare()
+        self._share = TimeShare(context.time_shares)
         self._closed = False
 
     def initialization(self) -> bool:

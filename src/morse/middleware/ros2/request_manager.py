@@ -52,7 +52,7 @@ class Ros2RequestManager(AnsweredRequests):
         self._offers: dict[tuple[str, str], _Offer] = {}
         self._typed: dict[tuple[str, str], Any] = {}
         self._actions: dict[tuple[str, str], Any] = {}
-        self._share = TimeShare()
+        self._share = TimeShare(context.time_shares)
         self._turn = self._next_offer = 0
         self._backend: Backend | None = None
         self._simulation: SimulationInterfaces | None = None

@@ -76,7 +76,7 @@ class SocketRequestManager(RequestManager):
         self._server: LineServer | None = None
         self._local: tuple[LineServer, str] | None = None
         self._complaints = Complaints(logger)
-        self._share = TimeShare()
+        self._share = TimeShare(context.time_shares)
         self.port = 0
 
     def initialization(self) -> bool:

@@ -55,7 +55,7 @@ class WebRequestManager(RequestManager):
         #: component and service by name; replaced, never modified, because the network thread reads it
         self.paths: dict[str, tuple[str, str]] = {}
         self._inbox: Turns[HubClient, tuple[Any, str, bytes]] = Turns()
-        self._share = TimeShare()
+        self._share = TimeShare(context.time_shares)
         self._gone: deque[HubClient] = deque()
         self._cancelled: deque[tuple[HubClient, Any]] = deque()
         self._outbox: list[_Answer] = []

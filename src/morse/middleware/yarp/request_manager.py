@@ -44,7 +44,7 @@ class YarpRequestManager(AnsweredRequests):
         self._arrived: WaitingBottles[tuple[str, list[Any]]] = WaitingBottles(
             _MOST_WAITING, self._complaints, "yarp: service calls"
         )
-        self._share = TimeShare()
+        self._share = TimeShare(context.time_shares)
 
     def initialization(self) -> bool:
         """Share the ports of the simulation."""
