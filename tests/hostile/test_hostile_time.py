@@ -105,6 +105,27 @@ def test_a_busy_client_never_rests_while_all_together_use_less_than_the_share() 
             assert not sender.must_rest
 
 
+def test_messages_that_have_arrived_let_others_run_although_their_client_need_not_rest() -> None:
+    """The processor time may be that of a machine that gives the thread little of it."""
+
+    async def run() -> list[str]:
+        sender, order = Arrivals(lambda: 0.0).sender(), []
+
+        async def client() -> None:
+            for _ in range(3):
+                with sender.measured():
+                    order.append("message")
+                await sender.rest()
+
+        async def other() -> None:
+            order.append("other")
+
+        await asyncio.gather(client(), other())
+        return order
+
+    assert run_apart(run())[1] == "other"
+
+
 # WebSockets -----------------------------------------------------------------------------------
 
 
@@ -193,7 +214,9 @@ def test_pings_rest_like_messages_and_all_are_answered() -> None:
         pass
     assert transport.written == 2 * count
     assert transport.reads
-    assert sum(rests.durations) == pytest.approx(3 * 0.005 * len(rests.durations))
+    long = [duration for duration in rests.durations if duration]
+    assert len(long) > 20
+    assert long == pytest.approx([0.015] * len(long))
 
 
 def test_a_client_with_few_bytes_is_answered_at_once() -> None:
@@ -215,9 +238,10 @@ def test_pings_of_a_client_that_reads_no_answers_take_no_memory() -> None:
 def test_a_full_queue_of_messages_stops_the_processing_of_bytes_that_have_arrived() -> None:
     connection, transport, rests = open_websocket(0.0)
     connection.data_received(b"\x81\x80\0\0\0\0" * 40_000)  # empty messages
+    while rests.end():  # it lets others run
+        pass
     assert not transport.reads
     assert len(connection.recv_messages.frames) < 1000
-    assert not rests.end()
 
 
 def test_connections_that_are_opened_again_and_again_get_the_part_of_one_client() -> None:

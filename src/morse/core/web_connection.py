@@ -6,6 +6,7 @@ measured where bytes arrive.
 
 from __future__ import annotations
 
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from websockets.protocol import State
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 _HANDSHAKE = 1e-3
 #: bytes that are processed at once: the time of some hundred pings
 _PIECE = 1 << 12
+#: wall-clock seconds after which others run, also if the client need not rest
+_TURN = 0.002
 #: unsent bytes of answers to pings; a client that does not read them is not read, either
 _MOST_UNSENT = 1 << 16
 #: wall-clock seconds between two checks whether it has read them
@@ -98,9 +101,12 @@ class PacedConnection(Connection):
         if self.protocol.state is State.CONNECTING and self._unprocessed and self._must_wait():
             return
         self._is_busy = True
+        end = perf_counter() + _TURN
         try:
             while self._unprocessed and not self._valve.is_full and self._resting is None:
                 self._process()
+                if self._unprocessed and self._resting is None and perf_counter() > end:
+                    self._rest(0.0)  # let others run
         finally:
             self._is_busy = False
         if self._resting is not None or self._unprocessed:
