@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 from limited import call, connect, eventually, is_closed, limited_run, reset, told_once
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect as websocket
 
 if TYPE_CHECKING:
     import socket
@@ -141,3 +143,24 @@ def test_silent_connections_give_way_one_by_one(tmp_path: Path, port: str) -> No
         assert told_once(run.log, "to make room")
         for sock in crowd:
             sock.close()
+
+
+def test_a_websocket_without_a_message_gives_way_and_one_with_a_message_stays(tmp_path: Path) -> None:
+    scene = _SCENE.replace('"rosbridge", port=0', '"rosbridge", port=0, most_clients=2')
+    advertisement = '{"op": "advertise", "topic": "/robot/motion", "type": "geometry_msgs/msg/Twist"}'
+    with limited_run(scene, tmp_path, 256, "--headless") as run, contextlib.ExitStack() as stack:
+        address = f"ws://127.0.0.1:{run.port(_BRIDGE)}"
+        silent = [stack.enter_context(websocket(address)) for _ in range(2)]
+        speaking = []
+        for _ in range(2):
+            speaking.append(stack.enter_context(websocket(address)))
+            speaking[-1].send(advertisement)
+            # answered after the message before it
+            speaking[-1].ping().wait(60.0)
+        for one in silent:
+            with pytest.raises(ConnectionClosed):
+                one.recv(timeout=60.0)
+        with pytest.raises(InvalidStatus, match="503"), websocket(address):
+            pass
+        for one in speaking:
+            one.ping().wait(60.0)

@@ -363,7 +363,7 @@ def test_a_service_that_breaks_down_again_and_again_is_logged_once(
 ) -> None:
     client.send(b"1 robot1.motion break_down\n" * 300)
     bench.tick_until(lambda: len(client.lines()) == 300)
-    assert caplog.text.count("a mistake of the user") == 1
+    assert caplog.text.count("the service break_down of robot1.motion failed") == 1
 
 
 @pytest.mark.parametrize("evil", ["\n[ERROR][MORSE] forged", "\x1b[2J", "\r[ERROR][MORSE] forged", "\u2028", "\ud800"])
