@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import ast
+import importlib
+import io
 import subprocess
 import sys
+from array import array
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -170,4 +175,40 @@ def test_a_cache_that_cannot_be_written_costs_nothing_else(tmp_path: Path, monke
     (tmp_path / "file").touch()
     monkeypatch.setenv("MORSE_CACHE", str(tmp_path / "file"))
     body = "import numpy; numpy.savez(result, **{'0_matrix': numpy.eye(4)})"
-    assert read_blend(mirrored(tmp_path), blender=program(tmp_path, body)).warnings == []
+    (warning,) = read_blend(mirrored(tmp_path), blender=program(tmp_path, body)).warnings
+    assert "object 'half': Blender evaluated no surface" in warning, "a result without the object is not passed over"
+
+
+# --- the script inside Blender, whose Python may have no numpy -----------------------------------
+
+
+@pytest.fixture
+def export(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """The script, with an empty module in place of Blender's."""
+    monkeypatch.setitem(sys.modules, "bpy", ModuleType("bpy"))
+    return importlib.reload(importlib.import_module("morse.assets.blend.blend_export"))
+
+
+def test_the_script_needs_nothing_but_blender(export: ModuleType) -> None:
+    tree = ast.parse(Path(str(export.__file__)).read_text(encoding="utf-8"))
+    imported = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    imported |= {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert {name.partition(".")[0] for name in imported} - set(sys.stdlib_module_names) == {"bpy"}
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers", "width"),
+    [
+        ("d", [0.5, -1e300, 3.0, 4.0], 2),
+        ("f", [1.5] * 300, 3),
+        ("i", [7, -1, 1 << 30], 1),
+        ("b", [1, 0, 1], 1),
+        ("f", [], 3),
+    ],
+)
+def test_arrays_are_those_of_numpy(export: ModuleType, kind: str, numbers: list[float], width: int) -> None:
+    found = np.load(io.BytesIO(export.encoded(array(kind, numbers), width)), allow_pickle=False)
+    assert found.ndim == (1 if width == 1 else 2)
+    assert found.shape[0] == len(numbers) // width
+    assert found.ravel().tolist() == numbers
+    assert found.dtype == {"b": np.dtype(bool)}.get(kind, np.dtype(kind))

@@ -1,17 +1,20 @@
 """Runs inside Blender: evaluates meshes and poses of some objects and writes them as arrays.
 
 ``blender -b --python blend_export.py -- source.blend result.npz names.json``. It imports nothing but Blender's own
-module, numpy and the standard library, and runs in a process of its own.
+module and the standard library, and runs in a process of its own: the Blender of Debian has no numpy unless the package
+``python3-numpy`` is installed.
 """
 
 from __future__ import annotations
 
 import json
+import struct
 import sys
+import zipfile
+from array import array
 from typing import TYPE_CHECKING, Any
 
 import bpy  # type: ignore[import-not-found]
-import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -37,14 +40,17 @@ def main(source: str, result: str, names: str) -> None:
             limit_subdivision(objects[name])
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    arrays: dict[str, Any] = {}
+    arrays: dict[str, bytes] = {}
     for number, name in enumerate(wanted):
         if name in objects:
             evaluated = objects[name].evaluated_get(depsgraph)
-            arrays[f"{number}_matrix"] = np.array(evaluated.matrix_world, dtype=np.float64)
+            matrix = array("d", [value for row in evaluated.matrix_world for value in row])
+            arrays[f"{number}_matrix"] = encoded(matrix, 4)
             for key, value in surface(evaluated).items():
                 arrays[f"{number}_{key}"] = value
-    np.savez(result, **arrays)
+    with zipfile.ZipFile(result, "w") as archive:
+        for key, data in arrays.items():
+            archive.writestr(f"{key}.npy", data)
 
 
 def reveal(objects: Iterable[Any]) -> None:
@@ -74,8 +80,8 @@ def limit_subdivision(obj: Any) -> None:
             polygons *= 4**modifier.levels
 
 
-def surface(evaluated: Any) -> dict[str, Any]:
-    """The polygons of an evaluated object; empty if it has none."""
+def surface(evaluated: Any) -> dict[str, bytes]:
+    """The polygons of an evaluated object as encoded arrays; empty if it has none."""
     if evaluated.type not in ("MESH", "CURVE", "SURFACE", "FONT", "META"):
         return {}
     mesh = evaluated.to_mesh()
@@ -83,10 +89,10 @@ def surface(evaluated: Any) -> dict[str, Any]:
         return {}
     found = {
         "vertices": values(mesh.vertices, "co", 3),
-        "corners": values(mesh.loops, "vertex_index", 1, np.int32),
-        "sizes": values(mesh.polygons, "loop_total", 1, np.int32),
-        "materials": values(mesh.polygons, "material_index", 1, np.int32),
-        "smooth": values(mesh.polygons, "use_smooth", 1, bool),
+        "corners": values(mesh.loops, "vertex_index", 1, "i"),
+        "sizes": values(mesh.polygons, "loop_total", 1, "i"),
+        "materials": values(mesh.polygons, "material_index", 1, "i"),
+        "smooth": values(mesh.polygons, "use_smooth", 1, "b"),
     }
     if hasattr(mesh, "corner_normals"):
         found["normals"] = values(mesh.corner_normals, "vector", 3)
@@ -100,11 +106,32 @@ def surface(evaluated: Any) -> dict[str, Any]:
     return found
 
 
-def values(items: Any, name: str, width: int, kind: Any = np.float32) -> Any:
-    """Return one attribute of many items as an array."""
-    found = np.empty(len(items) * width, dtype=kind)
+def values(items: Any, name: str, width: int, kind: str = "f") -> bytes:
+    """One attribute of many items as an encoded array.
+
+    Args:
+        width: number of values of each item.
+        kind: type code of the module ``array``: ``f``, ``i`` or ``b`` for truth values.
+    """
+    found = array(kind, bytes(len(items) * width * array(kind).itemsize))
     items.foreach_get(name, found)
-    return found if width == 1 else found.reshape(-1, width)
+    return encoded(found, width)
+
+
+#: types of numpy for the type codes of the module ``array``
+_TYPES = {"d": "f8", "f": "f4", "i": "i4", "b": "b1"}
+
+
+def encoded(numbers: array[Any], width: int) -> bytes:
+    """An array in the format .npy (version 1.0) of numpy; with one column, it has one dimension."""
+    rows = len(numbers) // width
+    shape = f"({rows},)" if width == 1 else f"({rows}, {width})"
+    order = "|" if numbers.itemsize == 1 else "<" if sys.byteorder == "little" else ">"
+    header = f"{{'descr': '{order}{_TYPES[numbers.typecode]}', 'fortran_order': False, 'shape': {shape}, }}"
+    # the data begin at a multiple of 64 bytes
+    padding = -(10 + len(header) + 1) % 64
+    text = f"{header}{' ' * padding}\n".encode("latin1")
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text + numbers.tobytes()
 
 
 if __name__ == "__main__":

@@ -46,9 +46,13 @@ def complete(path: Path, file: BlendFile, objects: Objects, blender: str | None)
     try:
         arrays = evaluate(path, [node.name for node in nodes], program)
         surfaces = _Surfaces(objects, arrays)
-        for number, (address, need) in enumerate(wanted.items()):
-            if need.mesh:
-                surfaces.show(address, f"{number}_")
+        empty = [
+            nodes[number]
+            for number, (address, need) in enumerate(wanted.items())
+            if need.mesh and not surfaces.show(address, f"{number}_")
+        ]
+        if empty:
+            file.warn(f"{_listed(empty)}: Blender evaluated no surface; shown as stored in the file")
         moved = [number for number, need in enumerate(wanted.values()) if need.pose]
         # parents before their children
         for number in sorted(moved, key=lambda number: len(list(nodes[number].ancestors()))):
@@ -70,17 +74,18 @@ class _Surfaces:
         self._arrays = arrays
         self._known: dict[tuple[object, ...], Mesh] = {}
 
-    def show(self, address: int, prefix: str) -> None:
-        """Set the mesh of an object."""
+    def show(self, address: int, prefix: str) -> bool:
+        """Set the mesh of an object; False if it has no surface."""
         own = {key: self._arrays[prefix + key] for key in _KEYS if prefix + key in self._arrays}
         if "vertices" not in own:
-            return
+            return False
         node = self._objects.nodes[address]
         slots = tuple(self._objects.slots(self._objects.records[address]))
         key = (slots, *(hashlib.blake2b(value.tobytes()).digest() for value in own.values()))
         if key not in self._known:
             self._known[key] = _mesh(node.name, own, slots)
         node.kind, node.mesh, node.materials = NodeKind.MESH, self._known[key], []
+        return True
 
 
 def _mesh(name: str, own: Arrays, slots: tuple[Material | None, ...]) -> Mesh:
