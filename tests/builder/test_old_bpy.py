@@ -192,3 +192,23 @@ def test_an_installed_bpy_is_not_hidden(load: Load, tmp_path: object, monkeypatc
     (folder / "bpy.py").write_text("real = True\n")
     monkeypatch.syspath_prepend(str(folder))
     load("from morse.builder import *\nimport bpy\nassert bpy.real\n" + END)
+
+
+def test_copies_of_objects(load: Load) -> None:
+    scene = load(
+        HEAD
+        + "bpy.ops.mesh.primitive_cube_add(location=(1, 2, 3))\n"
+        + "first = bpy.context.object\n"
+        + "first.name = 'first'\n"
+        + "second = first.copy()\n"
+        + "second.data = first.data.copy()\n"
+        + "bpy.context.scene.objects.link(second)\n"
+        + "second.name = 'second'\n"
+        + "second.location = (4, 5, 6)\n"
+        + "second.game.mass = 7\n"
+        + "assert sorted(tuple(corner) for corner in second.bound_box)[0] == (-1.0, -1.0, -1.0)\n"
+        + END
+    )
+    first, second = node_of(scene, "first"), node_of(scene, "second")
+    assert (first.location, second.location) == ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0])
+    assert (first.body.mass, second.body.mass) == (1.0, 7.0), "copies do not share their physics"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -107,6 +108,23 @@ class Workspace:
         self.selection = [other for other in self.selection if other is not node]
         if self.selected is node:
             self.selected = None
+
+    def duplicate(self, node: Node) -> Node:
+        """A copy of a node in the same place, without the nodes below it."""
+        twin = copy.copy(node)
+        twin.children, twin.parent = [], None
+        twin.location, twin.rotation_euler, twin.scale = (
+            list(node.location),
+            list(node.rotation_euler),
+            list(node.scale),
+        )
+        twin.materials, twin.properties = list(node.materials), dict(node.properties)
+        twin.body, twin.light, twin.camera = copy.copy(node.body), copy.copy(node.light), copy.copy(node.camera)
+        self.add(twin)
+        if node.parent is not None:
+            self.attach(node.parent, twin)
+            twin.parent_inverse = node.parent_inverse
+        return twin
 
     def find(self, name: str) -> Node | None:
         """The node of that name, or None."""

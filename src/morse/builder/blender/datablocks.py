@@ -104,6 +104,11 @@ class MeshData(Facade):
         axes = zip(*points, strict=True)
         return Vector([(max(a) - min(a)) * scale for a, scale in zip(axes, self._node.scale, strict=True)])
 
+    def corners(self) -> list[Vector]:
+        """The corners of the box around it, without a scale, m."""
+        axes = [(min(a), max(a)) for a in zip(*self._points(), strict=True)] or [(0.0, 0.0)] * 3
+        return [Vector((x, y, z)) for x in axes[0] for y in axes[1] for z in axes[2]]
+
     def _points(self) -> list[list[float]]:
         mesh = self._node.mesh
         return [] if mesh is None else [[float(x) for x in point] for point in mesh.vertices]
@@ -122,6 +127,10 @@ class MeshData(Facade):
         """Accepted for old scripts: there is nothing to compute."""
 
     validate = update
+
+    def copy(self) -> MeshData:
+        """The mesh itself: what a script changes of an object does not change others."""
+        return self
 
 
 class Vertex:
@@ -237,6 +246,16 @@ class CameraData(Facade):
     @lens.setter
     def lens(self, value: float) -> None:
         self._set("focal_length", "cam_focal", value)
+
+
+def take_data(node: Node, block: MeshData | CameraData | LampData) -> None:
+    """Give a node the mesh, lamp or lens of ``object.data``."""
+    if not isinstance(block, (MeshData, CameraData, LampData)):
+        raise TypeError(f"object.data takes a mesh, lamp or camera of bpy.data, got {checks.shown(block)}")
+    source = block._node
+    if source is not node:
+        node.kind, node.mesh, node.light, node.camera = source.kind, source.mesh, source.light, source.camera
+        node.materials, node.shapes = list(source.materials), None
 
 
 #: the class of ``object.data`` by the type of the object

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.builder import workspace
-from morse.builder.blender.datablocks import DATA, MeshData, kind_of
+from morse.builder.blender.datablocks import DATA, MeshData, kind_of, take_data
 from morse.builder.blender.game import GameSettings, checked_property
 from morse.builder.blender.materials import MaterialSlot, ObjectMaterial, SharedMaterial, material_slots
 from morse.builder.blender.named import NamedList
@@ -30,11 +30,12 @@ if TYPE_CHECKING:
 
 #: settings of objects in Blender that neither physics nor pictures of MORSE use
 _WITHOUT_EFFECT = (
-    "animation_data", "color", "constraints", "delta_location", "draw_bounds_type", "draw_type", "dupli_type",
-    "empty_draw_size", "empty_draw_type", "field", "hide_select", "layers", "lock_location", "lock_rotation",
-    "lock_scale", "lod_levels", "modifiers", "parent_bone", "parent_type", "pass_index", "rotation_mode", "show_axis",
-    "show_bounds", "show_name", "show_texture_space", "show_transparent", "show_wire", "show_x_ray", "track_axis",
-    "up_axis", "vertex_groups",
+    "animation_data", "animation_data_clear", "animation_data_create", "color", "constraints", "delta_location",
+    "draw_bounds_type", "draw_type", "dupli_type", "empty_draw_size", "empty_draw_type", "field", "hide_select",
+    "keyframe_insert", "layers", "lock_location", "lock_rotation", "lock_scale", "lod_levels", "modifiers",
+    "parent_bone", "parent_type", "pass_index", "rotation_mode", "show_axis", "show_bounds", "show_name",
+    "show_texture_space", "show_transparent", "show_wire", "show_x_ray", "track_axis", "up_axis", "update_tag",
+    "vertex_groups",
 )  # fmt: skip
 
 
@@ -146,6 +147,19 @@ class SceneObject:
         """The mesh, lamp or camera; None for an object without one."""
         block = DATA.get(self.type)
         return None if block is None else block(self.node)
+
+    @data.setter
+    def data(self, block: MeshData | CameraData | LampData) -> None:
+        take_data(self.node, block)
+
+    def copy(self) -> SceneObject:
+        """A copy in the same place, without the objects below it."""
+        return SceneObject(workspace.current().duplicate(self.node))
+
+    @property
+    def bound_box(self) -> list[Vector]:
+        """The eight corners of the box around its mesh, in its own frame without its scale, m."""
+        return MeshData(self.node).corners()
 
     @property
     def active_material(self) -> ObjectMaterial | None:

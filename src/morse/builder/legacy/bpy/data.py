@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from morse.builder import bpymorse, workspace
-from morse.builder.blender.datablocks import CameraData, LampData, MeshData, kind_of
+from morse.builder.blender.datablocks import CameraData, LampData, MeshData, kind_of, take_data
 from morse.builder.blender.materials import SharedMaterial, all_materials
 from morse.builder.blender.named import NamedList
 from morse.builder.blender.objects import SceneObject
@@ -45,10 +45,8 @@ class Objects(NamedList[Any]):
         """
         node = Node(checks.text(name, "bpy.data.objects.new(name)"))
         if object_data is not None:
-            source = object_data._node
-            node.kind, node.mesh, node.light, node.camera = source.kind, source.mesh, source.light, source.camera
-            node.materials = list(source.materials)
-            node.body.type = source.body.type
+            node.body.type = object_data._node.body.type
+            take_data(node, object_data)
             # the data belong to the object from now on
             object_data._node = node
         workspace.current().add(node)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +19,6 @@ from morse.mathutils import Matrix, Vector
 from morse.scene import Camera, Light, Material, Node, NodeKind
 
 if TYPE_CHECKING:
-    from morse.builder.workspace import Workspace
     from morse.scene import Mesh
 
 _FINISHED = {"FINISHED"}
@@ -179,7 +177,7 @@ class ObjectOperators(Facade):
     def duplicate(self, **_: Any) -> set[str]:
         """Copy the selected objects, without those below them; the copies are selected."""
         scene = workspace.current()
-        copies = [_copied(scene, node) for node in _selected()]
+        copies = [scene.duplicate(node) for node in _selected()]
         scene.selection = copies
         return _FINISHED
 
@@ -233,22 +231,8 @@ class ObjectOperators(Facade):
         """Accepted for old scripts: it only matters in the window of Blender."""
         return _FINISHED
 
-    mode_set = shade_smooth = shade_flat = material_slot_add = editmode_toggle = _nothing
+    transform_apply = origin_set = mode_set = shade_smooth = shade_flat = material_slot_add = editmode_toggle = _nothing
     move_to_layer = make_single_user = origin_clear = _nothing
-
-
-def _copied(scene: Workspace, node: Node) -> Node:
-    twin = copy.copy(node)
-    twin.children, twin.parent = [], None
-    for name in ("location", "rotation_euler", "scale", "materials"):
-        setattr(twin, name, list(getattr(node, name)))
-    twin.properties, twin.body = dict(node.properties), copy.copy(node.body)
-    scene.add(twin)
-    if node.parent is not None:
-        inverse = node.parent_inverse
-        scene.attach(node.parent, twin)
-        twin.parent_inverse = inverse
-    return twin
 
 
 class TransformOperators(Facade):
