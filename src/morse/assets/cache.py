@@ -9,6 +9,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from morse.system import variables
+
 #: flags for opening files that may be anything; Windows has neither
 _CAREFUL = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
@@ -82,7 +84,7 @@ class Cache:
                 os.unlink(path)
 
     def _folder(self) -> Path | None:
-        given = os.environ.get("MORSE_CACHE", "")
+        given = variables.text("MORSE_CACHE")
         if given == "off":
             return None
         try:

@@ -8,7 +8,15 @@ import numpy as np
 
 from morse.assets import kept_shapes
 from morse.assets.known_shapes import KnownShapes, content
-from morse.assets.shapes import ConvexPart, Primitive, convex_parts, detect_primitive, fit_bounds, thickened
+from morse.assets.shapes import (
+    DEFAULT_LIMIT,
+    ConvexPart,
+    Primitive,
+    convex_parts,
+    detect_primitive,
+    fit_bounds,
+    thickened,
+)
 from morse.mathutils.portable import det, eigh, matmul
 from morse.scene import Bounds, CollisionShape, PhysicsType, ShapeKind
 from morse.scene.frames import rigid_frame
@@ -28,6 +36,13 @@ _LEAST, _ROUNDING = 1e-4, 4e-6
 #: points whose second moment, m^2, about a plane is smaller have no volume
 _FLAT = 1e-8
 
+#: parts of all meshes of a scene together; the first parts of a mesh do not count, and each mesh may have as many
+_MOST_PARTS, _FREE_PARTS = 16_384, 64
+#: triangles of meshes that are shown with further scales, for each of which their parts are computed again
+_MOST_SCALED = 1_000_000
+#: shapes of a scene: the engine takes 0.1 ms and 2 kB for each
+_MOST_SHAPES = 50_000
+
 _Key = tuple[int, tuple[float, ...], Bounds | None]
 
 _EARLIER = KnownShapes()
@@ -38,41 +53,91 @@ def resolve_shapes(scene: Scene) -> list[str]:
 
     Returns:
         Warnings about meshes that are too complex for exact collision shapes.
+
+    Raises:
+        ValueError: the scene has too many shapes, or too many scaled copies of large meshes.
     """
-    known: dict[_Key, list[CollisionShape]] = {}
-    warnings: list[str] = []
+    resolving = _Resolving()
+    count = 0
     for node in scene.nodes():
         if node.shapes is None:
-            node.shapes = _shapes_of(node, known, warnings)
-    return warnings
+            node.shapes = resolving.shapes_of(node)
+        count += len(node.shapes)
+        if count > _MOST_SHAPES:
+            raise ValueError(
+                f"{_place(node)}: with it, the scene has more than {_MOST_SHAPES:,} collision shapes; join objects, give "
+                "detailed ones a simple shape (bounds), or exclude them from collision"
+            )
+    return resolving.warnings
 
 
-def _shapes_of(node: Node, known: dict[_Key, list[CollisionShape]], warnings: list[str]) -> list[CollisionShape]:
-    if not (node.body.moves or node.body.type in _SOLID):
-        return []
-    if node.mesh is None:
-        return _without_mesh(node)
-    stretch = rigid_frame(node).stretch
-    numbers = tuple(round(value, 9) for row in stretch for value in row)
-    key = (id(node.mesh), numbers, node.body.bounds)
-    if key not in known:
-        shapes, found = _shapes_of_mesh(node.mesh, numbers, node.body.bounds)
-        known[key] = list(shapes)
-        warnings += [f"'{node.name}': {text}" for text in found]
-    return known[key]
+class _Resolving:
+    """Computes the shapes of a scene, those of equal meshes once.
+
+    Attributes:
+        warnings: about meshes that are too complex.
+    """
+
+    def __init__(self) -> None:
+        self.warnings: list[str] = []
+        self._known: dict[_Key, list[CollisionShape]] = {}
+        self._contents: dict[int, bytes] = {}
+        self._parts = self._scaled = 0
+
+    def shapes_of(self, node: Node) -> list[CollisionShape]:
+        if not (node.body.moves or node.body.type in _SOLID):
+            return []
+        if node.mesh is None:
+            return _without_mesh(node)
+        stretch = rigid_frame(node).stretch
+        numbers = tuple(round(value, 9) for row in stretch for value in row)
+        key = (id(node.mesh), numbers, node.body.bounds)
+        if key not in self._known:
+            # further meshes are divided into few parts when there are very many already
+            limit = min(DEFAULT_LIMIT, max(_MOST_PARTS - self._parts, _FREE_PARTS))
+            shapes, found = _shapes_of_mesh(self._content(node), node.mesh, numbers, node.body.bounds, limit)
+            self._known[key] = list(shapes)
+            self._parts += max(len(shapes) - _FREE_PARTS, 0)
+            self.warnings += [f"'{node.name}': {text}" for text in found]
+        return self._known[key]
+
+    def _content(self, node: Node) -> bytes:
+        """The digest of the mesh of a node; a mesh whose shapes are computed again counts.
+
+        Raises:
+            ValueError: there are too many of these.
+        """
+        mesh = node.mesh
+        assert mesh is not None
+        if id(mesh) in self._contents:
+            self._scaled += len(mesh.triangles)
+            if self._scaled > _MOST_SCALED:
+                raise ValueError(
+                    f"{_place(node)}: collision shapes would be computed for more than {_MOST_SCALED:,} triangles of "
+                    f"scaled copies; use fewer different scales of '{mesh.name}', give it a simple shape (bounds), or "
+                    "exclude the copies from collision"
+                )
+        else:
+            self._contents[id(mesh)] = content(mesh)
+        return self._contents[id(mesh)]
+
+
+def _place(node: Node) -> str:
+    return f"the object '{node.name:.80}'"
 
 
 def _shapes_of_mesh(
-    mesh: Mesh, stretch: tuple[float, ...], bounds: Bounds | None
+    digest: bytes, mesh: Mesh, stretch: tuple[float, ...], bounds: Bounds | None, limit: int
 ) -> tuple[tuple[CollisionShape, ...], tuple[str, ...]]:
     """The shapes of a stretched mesh, in its rigid frame, and warnings."""
-    key = content(mesh), stretch, bounds
+    # with another limit, a mesh has other shapes
+    key = digest + (b"" if limit == DEFAULT_LIMIT else limit.to_bytes(4, "big")), stretch, bounds
     found = _EARLIER.get(key)
     if found is None:
         simple = bounds in _FITTED
         found = None if simple else kept_shapes.get(key)
         if found is None:
-            parts, warnings = _parts(mesh, np.reshape(stretch, (3, 3)), bounds)
+            parts, warnings = _parts(mesh, np.reshape(stretch, (3, 3)), bounds, limit)
             found = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
             if not simple:
                 kept_shapes.put(key, found)
@@ -91,7 +156,7 @@ def _without_mesh(node: Node) -> list[CollisionShape]:
 
 
 def _parts(
-    mesh: Mesh, stretch: NDArray[np.float64], bounds: Bounds | None
+    mesh: Mesh, stretch: NDArray[np.float64], bounds: Bounds | None, limit: int
 ) -> tuple[Sequence[Primitive | ConvexPart], list[str]]:
     vertices = matmul(np.asarray(mesh.vertices, dtype=np.float64), stretch.T)
     if len(vertices) == 0 or len(mesh.triangles) == 0:
@@ -100,13 +165,10 @@ def _parts(
         return [fit_bounds(vertices, bounds)], []
     # mirroring flips the triangles
     triangles = mesh.triangles if det(stretch) >= 0.0 else mesh.triangles[:, ::-1]
-    primitive = detect_primitive(vertices, triangles)
-    if primitive is not None:
-        return [primitive], []
     if bounds is Bounds.CONVEX_HULL:
-        return [_hull(vertices)], []
+        return [detect_primitive(vertices, triangles) or _hull(vertices)], []
     warnings: list[str] = []
-    return convex_parts(vertices, triangles, warnings=warnings), warnings
+    return convex_parts(vertices, triangles, limit=limit, warnings=warnings), warnings
 
 
 def _hull(vertices: NDArray[np.float64]) -> Primitive | ConvexPart:

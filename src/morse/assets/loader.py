@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import logging
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.formats import reader_of
 from morse.assets.triangle_limit import check_triangles
+from morse.system.regular_files import open_regular
 
 if TYPE_CHECKING:
     from morse.scene import Library, Node
@@ -25,13 +27,14 @@ def load(path: str | Path) -> Library:
     The library is shared: take copies of its nodes (`instantiate`).
 
     Raises:
-        OSError: the file is missing or cannot be read.
+        OSError: the file is missing, cannot be read, or is a pipe or a device.
         UnsupportedFormatError: there is no reader for this kind of file.
         ValueError: the file is damaged, or has too many triangles (the readers have their own subclasses).
     """
     path = Path(path).absolute()
     read = reader_of(path)
-    status = path.stat()
+    with open_regular(path) as file:
+        status = os.fstat(file.fileno())
     stamp = (status.st_mtime_ns, status.st_size)
     cached = _cache.get(path)
     if cached is not None and cached[0] == stamp:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets.formats import SUFFIXES
 from morse.core.plugins import entry_points
+from morse.system import variables
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -57,7 +58,7 @@ def component_dirs() -> list[Path]:
     directories = [Path(MORSE_COMPONENTS)]
     for point in entry_points("morse.assets"):
         directories += _package_dirs(point.value)
-    if root := os.environ.get("MORSE_ROOT"):
+    if root := variables.text("MORSE_ROOT"):
         directories.append(Path(root) / "share" / "morse" / "data")
     return directories
 
@@ -78,8 +79,7 @@ def _package_dirs(package: str) -> list[Path]:
 
 def resource_dirs() -> list[Path]:
     """Return the directories of projects: those of the running scene, then ``MORSE_RESOURCE_PATH``."""
-    listed = os.environ.get("MORSE_RESOURCE_PATH", "").split(os.pathsep)
-    return [*_project_dirs, *(Path(directory) for directory in listed if directory)]
+    return [*_project_dirs, *map(Path, variables.paths("MORSE_RESOURCE_PATH"))]
 
 
 def find(name: str, category: str = "") -> Path:

@@ -1,4 +1,4 @@
-"""The largest number of triangles in a model file."""
+"""The largest numbers of triangles and of parts in a model file."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 #: collision shapes, rays and images take about 1 kB for each
 MOST_TRIANGLES = 5_000_000
+#: nodes, and meshes with one material; each takes about 0.7 ms
+MOST_PARTS = 5_000
 #: bytes of a binary STL file: before its triangles, and of each of them
 _STL_HEADER, _STL_TRIANGLE = 84, 50
 
@@ -35,13 +37,39 @@ def check_triangles(path: str | Path, counts: Iterable[int]) -> None:
         )
 
 
+def check_parts(path: str | Path, count: int, what: str) -> None:
+    """Refuse a file with too many parts.
+
+    Raises:
+        AssetError: they exceed `MOST_PARTS`.
+    """
+    if count > MOST_PARTS:
+        number = str(count) if count < 1000 * MOST_PARTS else "millions of"
+        raise AssetError(path, f"it has {number} {what}, at most {MOST_PARTS} can be read: join some of them")
+
+
 def check_stl(path: Path) -> None:
-    """Refuse a binary STL file with too many triangles before it is read; see `check_triangles`."""
+    """Refuse a binary STL file with too many triangles, or of another length, before it is read.
+
+    Raises:
+        AssetError: the number in its header is too large, or does not match its size.
+    """
+    size = path.stat().st_size
     with path.open("rb") as file:
         header = file.read(_STL_HEADER)
     if len(header) < _STL_HEADER:
+        if not _is_text(header):
+            raise AssetError(path, f"it is cut off: a binary STL file has at least {_STL_HEADER} bytes, it has {size}")
         return
     (count,) = struct.unpack("<I", header[-4:])
-    # other files with this ending are text, and the number means nothing
-    if path.stat().st_size == _STL_HEADER + _STL_TRIANGLE * count:
+    if size == _STL_HEADER + _STL_TRIANGLE * count:
         check_triangles(path, [count])
+    elif not _is_text(header):
+        room = (size - _STL_HEADER) // _STL_TRIANGLE
+        raise AssetError(
+            path, f"its header states {count:,} triangles, its {size:,} bytes have room for {room:,}: export it again"
+        )
+
+
+def _is_text(header: bytes) -> bool:
+    return header.lstrip().startswith(b"solid") and b"\0" not in header

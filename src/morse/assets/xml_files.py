@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from morse.assets.errors import AssetError
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,7 +26,7 @@ def read_xml(path: Path) -> ElementTree.Element:
     """
     if path.stat().st_size > MOST_BYTES:
         raise AssetError(path, f"it is larger than {MOST_BYTES >> 20} MB")
-    return parse_xml(path.read_bytes(), path)
+    return parse_xml(read_regular(path, MOST_BYTES), path)
 
 
 def parse_xml(data: bytes, path: Path) -> ElementTree.Element:
@@ -59,5 +60,7 @@ def _check(data: bytes, path: Path) -> None:
     parser.StartElementHandler, parser.EndElementHandler = begin, end
     try:
         parser.Parse(data, True)
+    except AssetError:
+        raise
     except (expat.ExpatError, ValueError, LookupError) as error:
         raise AssetError(path, f"it is not XML: {error}") from None

@@ -23,6 +23,7 @@ from morse.builder.legacy.modules import OldModules
 from morse.builder.libraries import LibrariesFirst
 from morse.builder.names.places import resource_folders, source_folders
 from morse.core.project_imports import ProjectImports
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -132,7 +133,7 @@ def _lacks(name: str) -> bool:
 
 def _run(script: Path, project: ProjectImports, code: CodeType | None) -> None:
     if code is None:
-        code = compile(script.read_bytes(), str(script), "exec", dont_inherit=True)
+        code = compile(read_regular(script), str(script), "exec", dont_inherit=True)
     module = ModuleType("__main__")
     module.__file__ = str(script)
     project.prepare(module)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
+
+from morse.system import variables
 
 INSTALL = "sudo apt-get install blender, or https://www.blender.org/download; then set MORSE_BLENDER if not on the PATH"
 
@@ -15,7 +16,7 @@ def find() -> tuple[str | None, str]:
     Returns:
         The path of the program and its origin; or None and the reason.
     """
-    if given := os.environ.get("MORSE_BLENDER"):
+    if given := variables.text("MORSE_BLENDER"):
         path = shutil.which(given)
         return (path, "$MORSE_BLENDER") if path else (None, f"MORSE_BLENDER is '{given}', which is not a program")
     path = shutil.which("blender")

@@ -14,6 +14,7 @@ from morse.cli import blender
 from morse.cli.messages import CommandError, say
 from morse.cli.run import check_geometry
 from morse.cli.scenes import resolve
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from morse.cli.scenes import ResolvedScene
@@ -91,8 +92,8 @@ def _world(script: Path) -> Path:
 def _environment_name(script: Path) -> str | None:
     """The name in the first ``Environment('name')`` of a script; the script is parsed, but not executed."""
     try:
-        tree = ast.parse(script.read_bytes(), str(script))
-    except (SyntaxError, ValueError) as error:
+        tree = ast.parse(read_regular(script), str(script))
+    except (OSError, SyntaxError, ValueError) as error:
         raise CommandError(f"{script} is not valid Python: {error}.") from None
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Environment":

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder.names.project_files import project_files
 from morse.cli.messages import CommandError, warn
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -79,7 +80,7 @@ def _reads_arguments(script: Path, directories: list[str]) -> bool:
     """Whether a script, or a module that it imports from its project, may read the command line."""
     if script.suffix != ".blend":
         try:
-            ast.parse(script.read_bytes())
+            ast.parse(read_regular(script))
         except (OSError, SyntaxError, ValueError):
             return True  # the error is reported when the script is executed
     return any(

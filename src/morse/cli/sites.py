@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from morse.cli.locks import exclusive
 from morse.cli.messages import CommandError, nearest
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -56,11 +57,12 @@ class Sites:
     def _read(self) -> configparser.ConfigParser:
         config = configparser.ConfigParser(interpolation=None)
         try:
-            config.read_string(os.fsdecode(self.path.read_bytes()), str(self.path))
+            content = b"" if str(self.path) == os.devnull else read_regular(self.path)
+            config.read_string(os.fsdecode(content), str(self.path))
         except FileNotFoundError:
             pass
         except (configparser.Error, UnicodeDecodeError, OSError) as error:
-            reason = str(error).splitlines()[0]
+            reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
             raise CommandError(
                 f"{self.path} is not a valid configuration file ({reason}). "
                 "Correct it, or remove it and register your environments again with `morse import PATH`."

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
 from morse.core.local_data import LocalData
 from morse.core.sensor import Sensor
+from morse.system import variables
 
 if TYPE_CHECKING:
     from morse.core.object import Object
@@ -20,7 +20,7 @@ _ALONE = ("action", "default_action", "measure", "report", "sensor_setup", "upda
 
 def are_allowed() -> bool:
     """Whether components act together; the environment variable ``MORSE_FLEETS=off`` disables it."""
-    return os.environ.get(VARIABLE, "").strip().lower() != "off"
+    return variables.word(VARIABLE) != "off"
 
 
 def has_group_action(cls: Any) -> bool:

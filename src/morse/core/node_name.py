@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import socket
+
+from morse.system import variables
 
 
 def node_name() -> str:
@@ -11,4 +12,4 @@ def node_name() -> str:
 
     ``morse run`` writes its option to ``$MORSE_NODE``.
     """
-    return os.environ.get("MORSE_NODE") or socket.gethostname()
+    return variables.text("MORSE_NODE") or socket.gethostname()

@@ -18,6 +18,8 @@ from contextlib import contextmanager
 from importlib.machinery import PathFinder
 from typing import TYPE_CHECKING, Any
 
+from morse.system.regular_files import read_regular
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
     from importlib.machinery import ModuleSpec
@@ -285,10 +287,11 @@ class _Loader:
     def exec_module(self, module: ModuleType) -> None:
         """See `importlib.abc.Loader`."""
         module.__dict__["__builtins__"] = self._names
-        path = getattr(self._loader, "path", "")
-        if self._from_source and str(path).endswith(".py"):
+        path = str(getattr(self._loader, "path", ""))
+        # checked, because a saved file may have become a pipe, which the loaders of Python would wait for
+        source = read_regular(path) if path.endswith(".py") else None
+        if self._from_source and source is not None:
             # a cached compiled file is only compared with its source by the second of modification
-            source = self._loader.get_data(path)
             exec(compile(source, path, "exec", dont_inherit=True), module.__dict__)
         else:
             self._loader.exec_module(module)

@@ -41,16 +41,27 @@ def build(target: targets.Target, folder: Path = targets.FOLDER) -> list[Path]:
         RuntimeError: the compiler reported an error.
     """
     state = _state(target)
-    stamp = folder / f"{_STAMP}-{target}"
     libraries = [folder / target.file_name(level) for level in target.levels]
-    if stamp.is_file() and stamp.read_text() == state and all(path.is_file() for path in libraries):
+    if is_current(target, folder):
         return libraries
     folder.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor() as pool:
         for done in [pool.submit(_compile, target, level, folder) for level in target.levels]:
             done.result()
-    stamp.write_text(state)
+    stamp(target, folder).write_text(state)
     return libraries
+
+
+def stamp(target: targets.Target, folder: Path = targets.FOLDER) -> Path:
+    """The file with the state of the sources from which the libraries of a platform were compiled."""
+    return folder / f"{_STAMP}-{target}"
+
+
+def is_current(target: targets.Target, folder: Path = targets.FOLDER) -> bool:
+    """Whether the libraries of a platform were compiled from the present sources."""
+    file = stamp(target, folder)
+    libraries = [folder / target.file_name(level) for level in target.levels]
+    return file.is_file() and file.read_text() == _state(target) and all(path.is_file() for path in libraries)
 
 
 def _state(target: targets.Target) -> str:

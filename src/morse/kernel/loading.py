@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import ctypes
 import logging
-import os
 from functools import cache
+from pathlib import Path
 
 from morse.kernel import targets
+from morse.system import variables
 
 logger = logging.getLogger(__name__)
 
 #: the version of structures and signatures that Python expects; see ``c/processor.c``
 INTERFACE = 23
 VARIABLE = "MORSE_KERNEL"
+_SOURCES = Path(__file__).parent / "c"
 
 
 @cache
@@ -23,7 +25,7 @@ def library() -> ctypes.CDLL | None:
     The environment variable ``MORSE_KERNEL`` selects: ``off`` for numpy, ``v2`` or ``v3`` for a level of the
     instruction set; by default, the highest level that the processor supports.
     """
-    wanted = os.environ.get(VARIABLE, "").strip().lower()
+    wanted = variables.word(VARIABLE)
     if wanted == "off":
         return None
     target = targets.host()
@@ -33,8 +35,11 @@ def library() -> ctypes.CDLL | None:
         )
         return None
     known = {f"v{level}": level for level in target.levels if level}
-    if wanted not in known and wanted not in ("", "on"):
-        logger.warning("%s=%r is none of %s and is ignored", VARIABLE, wanted, ", ".join(["off", "on", *known]))
+    if is_stale(target):
+        logger.warning(
+            "The native kernel was compiled from other sources than those of this checkout: run python -m "
+            "morse.kernel.build"
+        )
     try:
         return load(target, known[wanted]) if wanted in known else _best(target)
     except OSError as error:
@@ -43,6 +48,21 @@ def library() -> ctypes.CDLL | None:
             error,
         )
         return None
+
+
+def is_stale(target: targets.Target) -> bool:
+    """Whether a source of an editable installation was saved after the library was compiled, and has changed."""
+    path = targets.FOLDER / target.file_name(target.levels[0])
+    try:
+        compiled = path.stat().st_mtime_ns
+        if all(source.stat().st_mtime_ns <= compiled for source in _SOURCES.iterdir()):
+            return False
+        # imported only now, because it takes longer than the check
+        from morse.kernel import build
+
+        return build.stamp(target).is_file() and not build.is_current(target)
+    except OSError:
+        return False
 
 
 def load(target: targets.Target, level: int) -> ctypes.CDLL:

@@ -7,6 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import TYPE_CHECKING
 
+from morse.system import variables
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -18,9 +20,9 @@ VARIABLE = "MORSE_THREADS"
 @cache
 def count() -> int:
     """Number of threads: one for each processor, at most eight, or the value of ``MORSE_THREADS``."""
-    given = os.environ.get(VARIABLE, "")
-    if given.isdecimal() and int(given) > 0:
-        return int(given)
+    wanted = variables.whole(VARIABLE)
+    if wanted is not None:
+        return wanted
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(usable, _MOST)
 

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.hints import nearest
 from morse.core.quoting import quoted
+from morse.kernel import loading, threads
 from morse.scene import Scene
 from morse.simulation.options import RunOptions
+from morse.system import variables
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -172,6 +174,7 @@ def start(scene: Scene, options: RunOptions) -> Simulation:
     """
     from morse.simulation.simulation import Simulation
 
+    review_settings()
     resolve(scene)
     simulation = Simulation(scene, options)
     try:
@@ -180,6 +183,14 @@ def start(scene: Scene, options: RunOptions) -> Simulation:
         simulation.close()
         raise
     return simulation
+
+
+def review_settings() -> None:
+    """Log a warning for each environment variable of MORSE that is misspelt or has an invalid value."""
+    variables.review()
+    # both warn about their own variables, when they are first called
+    threads.count()
+    loading.library()
 
 
 def resolve(scene: Scene) -> None:

@@ -18,6 +18,7 @@ from morse.core.faults import describe
 from morse.core.log import endsection, section, set_level
 from morse.core.project_imports import ProjectImports
 from morse.launch.ending_signals import ending_signals
+from morse.launch.load import review_settings
 from morse.launch.stamps import script_stamp, source_stamps
 from morse.launch.stuck_ticks import StuckTicks
 from morse.simulation.summary import summary
@@ -52,6 +53,7 @@ def run(options: RunOptions, ready: Callable[[Simulation], object] | None = None
     logger.info("MORSE %s, Python %s", __version__, platform.python_version())
     logger.info("PID: %d", os.getpid())
     simulation: Simulation | None = None
+    review_settings()
     try:
         loaded = script_stamp(options)
         next_scene = _load_scene(options)

@@ -13,6 +13,7 @@ from morse.core.journal import COMMAND, RESTORE, SPAWN, Entry
 from morse.core.state import Reader, StateError, Writer
 from morse.simulation.own_state import InputsState
 from morse.simulation.state import State
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -72,7 +73,7 @@ class InputRecording:
         file = Path(path)
         if file.stat().st_size > _LARGEST:
             raise StateError(f"{file} is too large for a recording of inputs")
-        content = file.read_bytes()
+        content = read_regular(file, _LARGEST)
         if not content.startswith(_HEAD):
             raise StateError(f"{file} is not a recording of inputs, or has another version")
         try:

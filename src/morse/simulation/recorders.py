@@ -10,7 +10,6 @@ import platform
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.core.hints import nearest
@@ -27,6 +26,7 @@ from morse.recording.mcap.writer import McapWriter
 from morse.recording.recorder import BEGINNING, END, MEDIA_TYPE, Beginning, Recorder
 from morse.simulation.input_recording import entry_to_bytes, waiting_to_bytes
 from morse.simulation.own_state import InputsState
+from morse.system.regular_files import read_regular
 from morse.version import __version__
 
 if TYPE_CHECKING:
@@ -162,9 +162,8 @@ def _ending(simulation: Running) -> dict[str, str]:
 
 def _source(name: str, path: str) -> dict[str, bytes]:
     """A file by its name in the recording; nothing if it can no longer be read."""
-    file = Path(path)
     try:
-        return {name: file.read_bytes()} if file.stat().st_size <= _LARGEST else {}
+        return {name: read_regular(path, _LARGEST)}
     except OSError:
         return {}
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from morse.core.state import StateError
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -113,4 +114,4 @@ class State:
         file = Path(path)
         if file.stat().st_size > _LARGEST:
             raise StateError(f"{file} is too large for a saved state")
-        return cls.from_bytes(file.read_bytes())
+        return cls.from_bytes(read_regular(file, _LARGEST))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from morse.assets.blend.errors import Damage
 from morse.assets.cache import Cache
+from morse.system import variables
 
 Arrays = dict[str, NDArray[np.generic]]
 
@@ -30,7 +31,7 @@ _MAX_RESULT = 1 << 30
 
 def find_blender(given: str | None = None) -> str | None:
     """The Blender program: the given one, that of MORSE_BLENDER, or `blender` on the PATH; None if not found."""
-    wanted = given or os.environ.get("MORSE_BLENDER") or "blender"
+    wanted = given or variables.text("MORSE_BLENDER") or "blender"
     return shutil.which(wanted)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import stat
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,8 @@ from morse.assets import search, targa
 from morse.assets.blend.errors import Damage
 from morse.assets.blend.record import datablock_name
 from morse.scene import Image
+from morse.system import variables
+from morse.system.regular_files import open_regular
 
 if TYPE_CHECKING:
     from morse.assets.blend.record import Record
@@ -93,12 +94,7 @@ class Images:
                 f".blend file, or list the image's folder in the environment variable {PATH_VARIABLE}"
             )
         try:
-            status = path.stat()
-            if not stat.S_ISREG(status.st_mode):
-                raise Damage(f"'{path}' is not a file")
-            if status.st_size > _MAX_BYTES:
-                raise Damage(f"'{path}' is larger than {_MAX_BYTES >> 20} MiB")
-            with path.open("rb") as file:
+            with open_regular(path, _MAX_BYTES) as file:
                 # checks the first bytes, so that only images are read
                 head = file.read(targa.HEADER_SIZE)
                 known = any(head.startswith(signature) for signature in _SIGNATURES)
@@ -107,7 +103,10 @@ class Images:
                     return head[:_SIGNATURE]
                 return head + file.read(_MAX_BYTES)
         except (OSError, ValueError) as error:
-            raise Damage(f"its file '{path}' cannot be read; put it there or pack it into the .blend file") from error
+            reason = f" ({error.strerror})" if isinstance(error, OSError) and path.exists() else ""
+            raise Damage(
+                f"its file '{path}' cannot be read{reason}; put it there or pack it into the .blend file"
+            ) from error
 
 
 def _listed(names: list[str]) -> str:
@@ -124,8 +123,7 @@ def _converted(data: bytes) -> bytes:
 
 def _is_allowed(path: Path, folder: Path) -> bool:
     """Whether a model may read an image; an untrusted model must not read other files of the user."""
-    listed = os.environ.get(PATH_VARIABLE, "").split(os.pathsep)
-    folders = [folder, *search.resource_dirs(), *search.component_dirs(), *(Path(entry) for entry in listed if entry)]
+    folders = [folder, *search.resource_dirs(), *search.component_dirs(), *map(Path, variables.paths(PATH_VARIABLE))]
     try:
         # symbolic links are resolved, because a link inside the directory may point out of it
         real = Path(os.path.realpath(path))

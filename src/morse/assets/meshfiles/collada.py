@@ -7,6 +7,7 @@ import math
 from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
+from morse.assets.meshfiles.collada_counts import check_instances
 from morse.assets.xml_files import read_xml
 
 if TYPE_CHECKING:
@@ -17,13 +18,14 @@ def collada_unit(path: Path) -> float:
     """Return the unit of a COLLADA file, m.
 
     Raises:
-        AssetError: it is not COLLADA, or the package that reads such files is not installed.
+        AssetError: it is not COLLADA, shows too much, or the package that reads such files is not installed.
     """
     root = read_xml(path)
     if root.tag.rpartition("}")[2] != "COLLADA":
         raise AssetError(path, f"it is not COLLADA: it begins with <{root.tag:.60}>")
     if importlib.util.find_spec("collada") is None:
         raise AssetError(path, "COLLADA files need another package: pip install 'morse-simulator[collada]'")
+    check_instances(path, root)
     given = root.find("./{*}asset/{*}unit")
     text = "1" if given is None else given.get("meter", "1")
     try:

@@ -1,102 +1,85 @@
-"""Refuses mesh files with counts that would take excessive time or memory, before they are read."""
+"""Refuses mesh files that would take excessive time or memory, before they are read."""
 
 from __future__ import annotations
 
-import json
 import re
-import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
+from morse.assets.meshfiles.gltf_counts import check_gltf
+from morse.assets.triangle_limit import check_parts, check_triangles
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: maximum number of nodes, and of meshes with one material; a file with more takes minutes
-_MOST_PARTS = 10_000
-#: maximum number of nodes above a node
-_DEEPEST = 500
-#: maximum number of items of arrays of a glTF file that are not in the file: arrays of zeros, and arrays with few other
-#: values
-_MOST_IMPLIED = 10_000_000
-_GLB = struct.Struct("<4sIIII")
-#: lines of OBJ files that begin an object, a group or a material
+#: lines of OBJ files that begin an object, a group or a material; faces; vertices
 _OBJ_PARTS = re.compile(rb"^[ \t]*(?:o|g|usemtl)[ \t]", re.MULTILINE)
+_OBJ_FACES = re.compile(rb"^[ \t]*f[ \t].*$", re.MULTILINE)
+_OBJ_VERTICES = re.compile(rb"^[ \t]*v[ \t]", re.MULTILINE)
+#: maximum product of the parts of an OBJ file and its vertices: the reader marks for each part which it uses
+_MOST_MARKS = 300_000_000
+#: bytes of the header of a PLY file, and elements that it defines
+_PLY_HEADER, _PLY_ELEMENTS = 1 << 16, 100
+_PLY_ELEMENT = re.compile(rb"^\s*element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
+#: maximum number of corners of a polygon
+_MOST_CORNERS = 10_000
 
 
 def check_counts(path: Path) -> None:
-    """Check the counts of a glTF or OBJ file.
+    """Check the counts of a glTF, OBJ or PLY file.
 
     Raises:
-        AssetError: there are too many parts, or an array is too large.
+        AssetError: there are too many parts, triangles or corners, or an array is too large.
     """
     suffix = path.suffix.lower()
     if suffix == ".obj":
-        _refuse_many(path, sum(1 for _ in _OBJ_PARTS.finditer(path.read_bytes())), "objects, groups and materials")
-    elif suffix in (".gltf", ".glb") and isinstance(tree := _tree(path, suffix), dict):
-        _check_gltf(path, tree)
-
-
-def _tree(path: Path, suffix: str) -> Any:
-    """The JSON part of a glTF file; None if it is broken, which its reader reports."""
-    try:
-        if suffix == ".gltf":
-            return json.loads(path.read_bytes())
+        _check_obj(path, path.read_bytes())
+    elif suffix == ".ply":
         with path.open("rb") as file:
-            _, _, _, size, _ = _GLB.unpack(file.read(_GLB.size))
-            return json.loads(file.read(size))
-    except (ValueError, struct.error, RecursionError):
-        return None
+            _check_ply(path, file.read(_PLY_HEADER), path.stat().st_size)
+    elif suffix in (".gltf", ".glb"):
+        check_gltf(path)
 
 
-def _check_gltf(path: Path, tree: dict[str, Any]) -> None:
-    nodes = _objects(tree, "nodes")
-    _refuse_many(path, len(nodes), "nodes")
-    uses = [node.get("mesh") for node in nodes]
-    primitives = [len(_objects(mesh, "primitives")) for mesh in _objects(tree, "meshes")]
-    _refuse_many(path, sum(primitives), "meshes")
-    shown = sum(primitives[use] for use in uses if isinstance(use, int) and 0 <= use < len(primitives))
-    _refuse_many(path, shown, "meshes that its nodes show")
-    _refuse_deep(path, nodes)
-    implied = sum(_count(accessor) for accessor in _objects(tree, "accessors") if _is_implied(accessor))
-    if implied > _MOST_IMPLIED:
-        raise AssetError(path, f"it has arrays of {implied} items that are not in the file")
+def _check_obj(path: Path, text: bytes) -> None:
+    text = text.replace(b"\r\n", b"\n").replace(b"\\\n", b"")
+    parts = sum(1 for _ in _OBJ_PARTS.finditer(text))
+    check_parts(path, parts, "objects, groups and materials")
+    vertices = sum(1 for _ in _OBJ_VERTICES.finditer(text))
+    if parts * vertices > _MOST_MARKS:
+        raise AssetError(
+            path, f"its {parts:,} objects, groups and materials share {vertices:,} vertices: join some of the parts, or "
+            "divide the file",
+        )  # fmt: skip
+    triangles = 0
+    for face in _OBJ_FACES.finditer(text):
+        corners = len(face[0].split()) - 1
+        _check_corners(path, corners)
+        triangles += max(corners - 2, 0)
+    check_triangles(path, [triangles])
 
 
-def _objects(table: dict[str, Any], name: str) -> list[dict[str, Any]]:
-    given = table.get(name)
-    return [one for one in given if isinstance(one, dict)] if isinstance(given, list) else []
+def _check_corners(path: Path, corners: int) -> None:
+    if corners > _MOST_CORNERS:
+        raise AssetError(
+            path, f"it has a polygon of {corners:,} corners, at most {_MOST_CORNERS:,} can be read: divide it into "
+            "triangles",
+        )  # fmt: skip
 
 
-def _is_implied(accessor: dict[str, Any]) -> bool:
-    return "bufferView" not in accessor or "sparse" in accessor
-
-
-def _count(accessor: dict[str, Any]) -> int:
-    count = accessor.get("count")
-    return count if isinstance(count, int) and count > 0 else 0
-
-
-def _refuse_many(path: Path, count: int, what: str) -> None:
-    if count > _MOST_PARTS:
-        raise AssetError(path, f"it has {count} {what}, at most {_MOST_PARTS} can be read: join some of them")
-
-
-def _refuse_deep(path: Path, nodes: list[dict[str, Any]]) -> None:
-    above: dict[int, int] = {}
-    for number, node in enumerate(nodes):
-        children = node.get("children")
-        for child in children if isinstance(children, list) else ():
-            if isinstance(child, int):
-                above.setdefault(child, number)
-    depth: dict[int, int] = {}
-    for start in above:
-        chain: list[int] = []
-        number = start
-        while number in above and number not in depth and len(chain) <= _DEEPEST:
-            chain.append(number)
-            number = above[number]
-        for below, one in enumerate(reversed(chain), 1):
-            depth[one] = depth.get(number, 0) + below
-            if depth[one] > _DEEPEST:
-                raise AssetError(path, f"its nodes are nested more than {_DEEPEST} deep, or are parts of themselves")
+def _check_ply(path: Path, header: bytes, size: int) -> None:
+    begin, end, _ = header.partition(b"end_header")
+    if not end:
+        raise AssetError(path, f"its header does not end within {_PLY_HEADER} bytes")
+    elements = _PLY_ELEMENT.findall(begin)
+    if len(elements) > _PLY_ELEMENTS:
+        raise AssetError(path, f"its header defines {len(elements)} elements, at most {_PLY_ELEMENTS} can be read")
+    for name, number in elements:
+        # an element takes a byte at least
+        if int(number[:20]) > size:
+            shown = name.decode("ascii", "replace")
+            raise AssetError(
+                path, f"its header states {int(number[:20]):,} of '{shown:.40}', its size is {size:,} bytes"
+            )
+        if name == b"face":
+            check_triangles(path, [int(number)])

@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING
 
 from morse.assets.meshfiles.pictures import is_picture, mistake_in
 from morse.assets.stand_in import chequered
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: maximum size of a file, bytes
+#: maximum size of a model, and of all files together that it refers to, bytes
 SIZE_LIMIT = 512 << 20
+#: files of text whose encoding is not defined
+_TEXTS = (".mtl", ".obj")
 
 
 class Below:
@@ -28,17 +31,21 @@ class Below:
         self._folder = Path(os.path.realpath(folder))
         self.refused: list[str] = []
         self.unusable: dict[str, str] = {}
+        self._files: dict[Path, bytes] = {}
+        self._mistakes: dict[Path, str] = {}
+        self._bytes = 0
 
     def get(self, name: str) -> bytes:
         """The content of a file; a chequered pattern for a picture that cannot be used.
 
         Raises:
-            FileNotFoundError: it is no picture, and is outside of the folder, is missing or is too large.
+            FileNotFoundError: it is no picture, and is outside of the folder, is missing or is too large, together with
+                the files before.
         """
         try:
             path = Path(os.path.realpath(self._folder / str(name).strip().replace("\\", "/")))
-            if path.is_relative_to(self._folder) and path.is_file() and path.stat().st_size <= SIZE_LIMIT:
-                return self._checked(str(name), path.read_bytes())
+            if path.is_relative_to(self._folder):
+                return self._checked(str(name), path, self._content(path))
         except (OSError, ValueError):
             pass
         if is_picture(str(name)):
@@ -47,9 +54,20 @@ class Below:
         self.refused.append(str(name))
         raise FileNotFoundError(f"'{name!s:.200}' cannot be read from the folder of the model")
 
-    def _checked(self, name: str, data: bytes) -> bytes:
-        if is_picture(name) and (mistake := mistake_in(data)):
-            self.unusable[name] = mistake
+    def _content(self, path: Path) -> bytes:
+        """The content of a file, which is read once."""
+        if path not in self._files:
+            self._files[path] = readable(path, read_regular(path, SIZE_LIMIT - self._bytes))
+            self._bytes += len(self._files[path])
+        return self._files[path]
+
+    def _checked(self, name: str, path: Path, data: bytes) -> bytes:
+        if not is_picture(name):
+            return data
+        if path not in self._mistakes:
+            self._mistakes[path] = mistake_in(data)
+        if self._mistakes[path]:
+            self.unusable[name] = self._mistakes[path]
             return chequered()
         return data
 
@@ -70,3 +88,14 @@ class Below:
     def namespaced(self, namespace: str) -> Below:
         """Access to the files of a subfolder."""
         return Below(self._folder / namespace)
+
+
+def readable(path: Path, data: bytes) -> bytes:
+    """The content of a model or a list of materials, in UTF-8 if it is text: other programs also write Latin-1."""
+    if path.suffix.lower() not in _TEXTS:
+        return data
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return data.decode("latin-1").encode()
+    return data

@@ -1,15 +1,26 @@
-"""Examines the pictures of a model before their pixels are decoded."""
+"""The pictures of a model: examined before their pixels are decoded, decoded once."""
 
 from __future__ import annotations
 
+import hashlib
 import io
 import os
 import warnings
 from typing import Any
 
-#: pixels of a picture; its file may be a thousand times smaller than its pixels
-MOST_PIXELS = 1 << 26
+from morse.assets.stand_in import chequered
+from morse.scene import Image
+
+#: pixels of a picture, and of all pictures of a model; a file may be a thousand times smaller than its pixels
+MOST_PIXELS, MOST_PIXELS_TOGETHER = 1 << 26, 1 << 28
 _SUFFIXES = (".bmp", ".dds", ".gif", ".jpeg", ".jpg", ".ktx2", ".png", ".tga", ".tif", ".tiff", ".webp")
+#: formats and modes that need not be converted for browsers
+_SHOWN = {"PNG": "image/png", "JPEG": "image/jpeg"}
+_MODES = ("1", "L", "LA", "P", "RGB", "RGBA")
+#: tag of the orientation of a picture, which programs treat differently
+_ORIENTATION = 0x0112
+#: the conversion of a pixel takes as long as decoding so many pixels
+_CONVERSION = 8
 
 
 def is_picture(name: str) -> bool:
@@ -19,21 +30,91 @@ def is_picture(name: str) -> bool:
 
 def mistake_in(data: bytes) -> str:
     """Return why a file is no picture that can be used; empty if it can be used."""
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image as Pillow
+    from PIL import UnidentifiedImageError
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            with Image.open(io.BytesIO(data)) as picture:
-                return too_large(picture)
+            warnings.simplefilter("ignore", Pillow.DecompressionBombWarning)
+            with Pillow.open(io.BytesIO(data)) as picture:
+                return _too_large(picture)
     except UnidentifiedImageError:
         return "it is not a picture, or of an unknown format"
     except Exception as error:  # Pillow's readers raise many kinds of errors for damaged files
         return f"{error!s:.100}"
 
 
-def too_large(picture: Any) -> str:
-    """Return a text if a picture has too many pixels, else an empty one."""
+def _too_large(picture: Any) -> str:
     if picture.width * picture.height <= MOST_PIXELS:
         return ""
     return f"it has {picture.width} x {picture.height} pixels, more than {MOST_PIXELS}"
+
+
+class Pictures:
+    """Converts the pictures of a model; equal ones, whatever their names, become one image.
+
+    Attributes:
+        warnings: pictures that a chequered pattern replaces.
+    """
+
+    def __init__(self) -> None:
+        self._images: dict[bytes, Image] = {}
+        self._pixels = 0
+        self.warnings: list[str] = []
+
+    def image(self, name: str, picture: Any) -> Image:
+        """The image of a picture of Pillow; a chequered pattern if it is damaged or too large.
+
+        Args:
+            name: name of the material.
+            picture: its pixels are not decoded yet.
+        """
+        data = _encoded(picture)
+        key = hashlib.blake2b(data, digest_size=16).digest() if data else id(picture).to_bytes(16, "big")
+        if key not in self._images:
+            self._images[key] = self._converted(name, picture, data)
+        return self._images[key]
+
+    def _converted(self, name: str, picture: Any, data: bytes) -> Image:
+        mime = _SHOWN.get(str(picture.format), "") if data and picture.mode in _MODES else ""
+        mistake = _too_large(picture)
+        pixels = picture.width * picture.height * (1 if mime else _CONVERSION)
+        if not mistake and self._pixels + pixels > MOST_PIXELS_TOGETHER:
+            mistake = (
+                f"with it, the pictures of the model have more than {MOST_PIXELS_TOGETHER} pixels together (a pixel of a "
+                f"file that is neither PNG nor JPEG counts {_CONVERSION} times)"
+            )
+        if not mistake:
+            self._pixels += pixels
+            try:
+                # a copy is decoded, so that the pixels do not stay in memory
+                picture = _opened(data) if data else picture
+                picture.load()
+                if mime and _is_plain(picture):
+                    return Image(name, data, mime)
+                encoded = io.BytesIO()
+                picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(encoded, "PNG", compress_level=1)
+                return Image(name, encoded.getvalue(), "image/png")
+            except Exception as error:  # Pillow's readers raise many kinds of errors for damaged pictures
+                mistake = f"{error!s:.100}"
+        self.warnings.append(f"the picture of the material '{name:.80}' is replaced by a chequered pattern: {mistake}")
+        return Image(name, chequered(), "image/png")
+
+
+def _opened(data: bytes) -> Any:
+    from PIL import Image as Pillow
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", Pillow.DecompressionBombWarning)
+        return Pillow.open(io.BytesIO(data))
+
+
+def _encoded(picture: Any) -> bytes:
+    """The file of a picture; empty if it is not known."""
+    file = getattr(picture, "fp", None)
+    return file.getvalue() if isinstance(file, io.BytesIO) else b""
+
+
+def _is_plain(picture: Any) -> bool:
+    """Whether browsers show a decoded picture as other programs do: without a colour profile or an orientation."""
+    return "icc_profile" not in picture.info and picture.getexif().get(_ORIENTATION, 1) == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import warnings
 from pathlib import Path
@@ -12,16 +13,19 @@ import numpy as np
 from morse.assets.errors import AssetError
 from morse.assets.meshfiles.collada import collada_unit
 from morse.assets.meshfiles.counts import check_counts
-from morse.assets.meshfiles.files import SIZE_LIMIT, Below
+from morse.assets.meshfiles.files import SIZE_LIMIT, Below, readable
 from morse.assets.meshfiles.surfaces import Surfaces
 from morse.assets.triangle_limit import check_stl, check_triangles
 from morse.mathutils import Matrix
 from morse.mathutils.portable import det, matmul, nearest_rotation
 from morse.scene import Library, Node, NodeKind, PhysicsType
+from morse.system.regular_files import read_regular
 
 #: glTF models face +Z with +Y up; models of MORSE face +X with +Z up
 _FROM_GLTF = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 _GLTF = (".gltf", ".glb")
+#: largest number in a pose
+_FARTHEST = 1e9
 #: relative tolerance for parts of a matrix other than rotation and scale
 _SHEAR = 1e-3
 
@@ -76,7 +80,8 @@ def _loaded(path: Path, below: Any) -> Any:
     level = quiet.level
     quiet.setLevel(logging.CRITICAL)
     try:
-        with path.open("rb") as file, warnings.catch_warnings():
+        content = io.BytesIO(readable(path, read_regular(path, SIZE_LIMIT)))
+        with content as file, warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return trimesh.load_scene(
                 file, file_type=path.suffix.lower().lstrip("."), resolver=below, process=False, allow_remote=False
@@ -154,8 +159,10 @@ class _Reading:
         return unique
 
     def _place(self, node: Node, matrix: Any) -> None:
-        if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-            raise AssetError(self._path, f"the pose of '{node.name}' is not a matrix of finite numbers")
+        if matrix.shape != (4, 4) or not (np.abs(matrix) <= _FARTHEST).all():
+            raise AssetError(
+                self._path, f"the pose of '{node.name:.80}' is not a matrix of numbers up to {_FARTHEST:g}"
+            )
         # the axes of each node are rotated in the same way as the axes of its mesh
         turn = matmul(matmul(self._turn, matrix[:3, :3]), self._turn.T)
         scale = np.linalg.norm(turn, axis=0)

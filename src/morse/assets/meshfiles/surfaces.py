@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 import numpy as np
 
 from morse.assets.blend.normals import corner_normals
 from morse.assets.blend.polygons import Polygons
-from morse.assets.meshfiles.pictures import too_large
-from morse.assets.stand_in import chequered
+from morse.assets.meshfiles.pictures import Pictures
+from morse.assets.shapes.surface import without_equal_triangles
 from morse.mathutils.light import linear_light
 from morse.mathutils.portable import matmul
 from morse.scene import Image, Material, Mesh
 
+#: triangles per vertex of a closed surface: with more, some may be equal
+_USUAL = 2
 #: rad; edges with a larger angle are shown as creases
 _CREASE = 0.7
 
@@ -26,8 +27,7 @@ class Surfaces:
         turn: (3, 3) rotation from the axes of the file to those of MORSE.
 
     Attributes:
-        images: by name of the material.
-        warnings: pictures that a chequered pattern replaces.
+        images: by name of the first material that shows them.
     """
 
     def __init__(self, turn: Any) -> None:
@@ -35,7 +35,12 @@ class Surfaces:
         self._meshes: dict[int, Mesh] = {}
         self._materials: dict[int, Material] = {}
         self.images: dict[str, Image] = {}
-        self.warnings: list[str] = []
+        self._pictures = Pictures()
+
+    @property
+    def warnings(self) -> list[str]:
+        """Pictures that a chequered pattern replaces."""
+        return self._pictures.warnings
 
     def mesh(self, name: str, given: Any) -> Mesh:
         """Triangles with normals and texture coordinates.
@@ -57,6 +62,8 @@ class Surfaces:
             raise ValueError(f"the mesh '{name}' has triangles whose corners are missing")
         a, b, c = triangles.T
         triangles = triangles[(a != b) & (b != c) & (a != c)]
+        if len(triangles) > _USUAL * len(vertices):
+            triangles = without_equal_triangles(triangles)
         uvs = getattr(given.visual, "uv", None)
         if uvs is not None:
             uvs = np.asarray(uvs, dtype=np.float32)
@@ -108,19 +115,8 @@ class Surfaces:
         )
 
     def _image(self, name: str, picture: Any) -> Image:
-        mistake = too_large(picture)
-        encoded = io.BytesIO()
-        if not mistake:
-            try:
-                picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(encoded, "PNG", compress_level=1)
-            except Exception as error:  # Pillow's readers raise many kinds of errors for damaged pictures
-                mistake = f"{error!s:.100}"
-        if mistake:
-            self.warnings.append(
-                f"the picture of the material '{name:.80}' is replaced by a chequered pattern: {mistake}"
-            )
-        image = Image(name, chequered() if mistake else encoded.getvalue(), "image/png")
-        self.images.setdefault(name, image)
+        image = self._pictures.image(name, picture)
+        self.images.setdefault(image.name, image)
         return image
 
 

@@ -13,15 +13,22 @@ from morse.scene import Mesh
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: points of a height field
-MOST_POINTS = 1 << 22
+#: points of the height fields of a file, which become two triangles each, and of one whose heights are not in a file
+MOST_POINTS, _MOST_IMPLIED = 2_500_000, 1 << 19
 _PNG = b"\x89PNG\r\n\x1a\n"
 
 
-def check_points(rows: float, columns: float) -> None:
-    """Raise FileRefusedError if a height field has too many points."""
+def check_points(rows: float, columns: float) -> float:
+    """Return the number of points of a height field; raise FileRefusedError if there are too many."""
     if not rows * columns <= MOST_POINTS:
         raise FileRefusedError(f"it has {rows:.6g} x {columns:.6g} points, more than {MOST_POINTS}")
+    return rows * columns
+
+
+def check_implied(rows: float, columns: float) -> None:
+    """Raise FileRefusedError if a height field without a file has too many points."""
+    if not rows * columns <= _MOST_IMPLIED:
+        raise FileRefusedError(f"it has {rows:.6g} x {columns:.6g} points without a file, more than {_MOST_IMPLIED}")
 
 
 def suffix_of(content: bytes) -> str:

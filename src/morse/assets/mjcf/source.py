@@ -7,14 +7,17 @@ requests. The text that it receives from here names no files, and has no element
 from __future__ import annotations
 
 import math
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
-from morse.assets.mjcf.heights import check_points, suffix_of
+from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, suffix_of
 from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.assets.triangle_limit import check_parts
 from morse.assets.xml_files import read_xml
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -122,6 +125,10 @@ class Source:
             copies *= max([1.0, *_numbers(element.get("count", "1"))])
             if copies > _MOST_COPIES:
                 raise self._fail(f"<replicate> makes more than {_MOST_COPIES} copies")
+        counts: Counter[str] = Counter()
+        _count(root, 1, counts)
+        for tag, count in counts.items():
+            check_parts(self.path, count, f"elements <{tag:.40}>")
 
     def _reduce(self, root: ElementTree.Element) -> None:
         for child in list(root):
@@ -158,6 +165,8 @@ class Source:
 
     def _take_meshes(self, root: ElementTree.Element) -> None:
         lost: set[str] = set()
+        # by everything that a mesh has except its name: equal ones are compiled once
+        first: dict[tuple[tuple[str, str], ...], str] = {}
         for assets in root.iter("asset"):
             for mesh in list(assets.iter("mesh")):
                 file = mesh.get("file")
@@ -166,6 +175,12 @@ class Source:
                     raise self._fail(f"the mesh '{name:.60}' has the parameters {mesh.get('params', '')[:60]!r}")
                 if file is None:
                     continue
+                content = tuple(sorted((key, value) for key, value in mesh.items() if key != "name"))
+                if content in first:
+                    _rename(root, "mesh", name, first[content])
+                    assets.remove(mesh)
+                    continue
+                first[content] = name
                 mesh.set("name", name)
                 try:
                     mesh.set("file", self._content(file))
@@ -177,6 +192,7 @@ class Source:
 
     def _take_heights(self, root: ElementTree.Element) -> None:
         lost: set[str] = set()
+        points = 0.0
         for assets in root.iter("asset"):
             for field in list(assets.iter("hfield")):
                 file = field.get("file")
@@ -186,7 +202,11 @@ class Source:
                 field.attrib.pop("content_type", None)
                 try:
                     rows, columns = ([*_numbers(field.get(word, "0")), 0.0][0] for word in ("nrow", "ncol"))
-                    check_points(rows, columns)
+                    points += check_points(rows, columns)
+                    if not file:
+                        check_implied(rows, columns)
+                    if points > MOST_POINTS:
+                        raise FileRefusedError(f"all height fields together have more than {MOST_POINTS} points")
                     if file is not None:
                         field.set("file", self._heights(file))
                 except (FileRefusedError, OSError) as error:
@@ -196,7 +216,7 @@ class Source:
         _remove_shapes(root, "hfield", lost)
 
     def _heights(self, file: str) -> str:
-        content = self._file(file).read_bytes()
+        content = read_regular(self._file(file), _MOST_MESH_BYTES)
         key = f"heights{len(self.meshes)}{suffix_of(content)}"
         self.meshes[key] = content
         return key
@@ -215,7 +235,7 @@ class Source:
         if suffix not in (".stl", ".obj", ".msh"):
             raise FileRefusedError(f"files of type '{suffix}' cannot be read; supported: .msh, .obj, .stl")
         key = f"mesh{len(self.meshes)}{suffix}"
-        self.meshes[key] = self._file(file).read_bytes()
+        self.meshes[key] = read_regular(self._file(file), _MOST_MESH_BYTES)
         return key
 
 
@@ -225,6 +245,15 @@ def _is_left_out(parent: ElementTree.Element, child: ElementTree.Element) -> boo
         return child.get("type") == "sdf"
     is_picture = (parent.tag, child.tag) in (("asset", "texture"), ("material", "layer"))
     return child.tag in _UNSUPPORTED or is_picture
+
+
+def _count(element: ElementTree.Element, copies: int, counts: Counter[str]) -> None:
+    """Add the numbers of elements of each kind, with the copies that ``replicate`` makes of them."""
+    counts[element.tag] += copies
+    if element.tag == "replicate":
+        copies *= int(max([1.0, *_numbers(element.get("count", "1"))]))
+    for child in element:
+        _count(child, copies, counts)
 
 
 def _numbers(text: str) -> Iterator[float]:
@@ -241,6 +270,13 @@ def _asset_name(asset: ElementTree.Element) -> str:
     """The name of an asset, which is by default that of its file."""
     file = asset.get("file")
     return asset.get("name") or (Path(file.replace("\\", "/")).stem if file else "")
+
+
+def _rename(root: ElementTree.Element, attribute: str, name: str, other: str) -> None:
+    """Use another asset in place of one that is removed."""
+    for element in root.iter():
+        if element.get(attribute) == name:
+            element.set(attribute, other)
 
 
 def _remove_shapes(root: ElementTree.Element, attribute: str, names: set[str]) -> None:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 DEFAULT_LIMIT = 4096
 """Maximum number of parts of a mesh: the engine compiles that many static parts in about 0.2 s."""
 
+_FEWEST = 4  # triangles of a solid: fewer have no volume
 _FLAT = Flatness(angle=0.02, distance=2e-3)
 _FLAT_SHARE = 5e-4  # share of the diagonal: the same for small pieces
 _COARSER = 1.4
@@ -55,29 +56,28 @@ def convex_parts(
     if limit < 1:
         raise ValueError(f"convex_parts needs a limit of at least 1, given {limit}")
     surface = clean_surface(vertices, triangles)
-    pieces = [surface.part(piece) for piece in components(surface)]
-    pieces = [piece for piece in pieces if piece.areas.any()]
+    pieces = [piece for piece in components(surface) if surface.areas[piece].any()]
     if not pieces:
         return []
-    alone = pieces[: limit // 2] if len(pieces) > limit else pieces
-    rest = pieces[len(alone) :]
+    count = limit // 2 if len(pieces) > limit else len(pieces)
+    # there may be a hundred thousand others: no surface of its own is made for each of them
+    alone, rest = [surface.part(piece) for piece in pieces[:count]], pieces[count:]
     groups = min(len(rest), limit - len(alone))
-    hollow = _hollow(pieces)
+    hollow = _hollow(alone)
     parts: list[Part] = []
     losses = Losses()
     for index, piece in enumerate(alone):
         budget = limit - len(parts) - groups - (len(alone) - index - 1)
         parts += _parts_of(piece, budget, hollow[index], losses)
     if rest:
-        losses.grouped = [piece.diagonal for piece in rest]
-        parts += _hulls_of_groups(rest, groups)
+        parts += _hulls_of_groups(surface, rest, groups, losses)
     if warnings is not None:
         warnings += losses.told(limit)
     return parts
 
 
 def _parts_of(piece: Surface, budget: int, hollow: bool, losses: Losses) -> list[Part]:
-    if not hollow:
+    if not hollow and len(piece.triangles) >= _FEWEST:
         primitive = primitive_of(piece)
         if primitive is not None:
             return [primitive]
@@ -116,9 +116,17 @@ def _hollow(pieces: list[Surface]) -> list[bool]:
     return hollow.tolist()
 
 
-def _hulls_of_groups(pieces: list[Surface], groups: int) -> list[Part]:
+def _hulls_of_groups(surface: Surface, pieces: list[Ints], groups: int, losses: Losses) -> list[Part]:
     """The convex hulls of the given number of groups of neighbouring pieces."""
-    centres = np.array([piece.vertices.mean(axis=0) for piece in pieces])
+    corners = surface.triangles[np.concatenate(pieces)]
+    owners = np.repeat(np.arange(len(pieces)), [3 * len(piece) for piece in pieces])
+    # each vertex once for each piece: those of a piece are neighbours
+    pairs = np.sort(owners * len(surface.vertices) + corners.ravel())
+    owners, used = np.divmod(pairs[np.append(True, pairs[1:] != pairs[:-1])], len(surface.vertices))
+    points, starts = surface.vertices[used], np.searchsorted(owners, np.arange(len(pieces)))
+    spans = np.maximum.reduceat(points, starts) - np.minimum.reduceat(points, starts)
+    losses.grouped = np.linalg.norm(spans, axis=1).tolist()
+    centres = np.add.reduceat(points, starts) / np.bincount(owners)[:, None]
     clusters = [np.arange(len(pieces))]
     while len(clusters) < groups:
         clusters.sort(key=len)
@@ -126,4 +134,9 @@ def _hulls_of_groups(pieces: list[Surface], groups: int) -> list[Part]:
         axis = int(np.ptp(centres[widest], axis=0).argmax())
         order = widest[np.argsort(centres[widest, axis], kind="stable")]
         clusters += [order[: len(order) // 2], order[len(order) // 2 :]]
-    return [hull_part(np.vstack([pieces[i].vertices for i in cluster])) for cluster in clusters]
+    cluster_of = np.empty(len(pieces), dtype=np.int64)
+    for number, cluster in enumerate(clusters):
+        cluster_of[cluster] = number
+    owners = cluster_of[owners]
+    points = points[np.argsort(owners, kind="stable")]
+    return [hull_part(some) for some in np.split(points, np.cumsum(np.bincount(owners))[:-1])]

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     Ints = NDArray[np.int64]
 
 
+#: number of triangles whose neighbours are examined together
+_AHEAD = 1024
+
+
 @dataclass(frozen=True, slots=True)
 class Flatness:
     """The tolerances for triangles of a flat patch.
@@ -61,7 +65,10 @@ def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch
     seeds = np.argsort(-surface.areas, kind="stable")
     offsets = np.einsum("ij,ij->i", surface.normals, surface.vertices[surface.triangles[:, 0]])
     found: list[int] = []
-    for seed in seeds.tolist():
+    grows = _Growing(surface, across, flatness, offsets)
+    for place, seed in enumerate(seeds.tolist()):
+        if place % _AHEAD == 0:
+            grows.look(seeds[place : place + _AHEAD])
         if label[seed] != -1:
             continue
         if len(found) == limit:
@@ -69,7 +76,9 @@ def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch
         normal, offset = surface.normals[seed], offsets[seed]
         number = len(found)
         label[seed] = number
-        front = np.array([seed])
+        found.append(seed)
+        # most patches of a surface that is nowhere flat have one triangle
+        front = np.array([seed] if grows.seeds[place % _AHEAD] else [], dtype=np.int64)
         while front.size:
             near = across[front].ravel()
             near = np.unique(near[near >= 0])
@@ -79,7 +88,6 @@ def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch
             heights = matmul(surface.vertices[surface.triangles[near]], normal) - offset
             front = near[(np.abs(heights) <= flatness.distance).all(axis=1)]
             label[front] = number
-        found.append(seed)
     order = np.argsort(label, kind="stable")
     order = order[label[order] >= 0]
     groups = np.split(order, np.flatnonzero(np.diff(label[order])) + 1) if found else []
@@ -88,6 +96,30 @@ def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch
         Patch(group, surface.normals[seed], float(offsets[seed]), planes)
         for group, seed, planes in zip(groups, found, acute, strict=True)
     ]
+
+
+class _Growing:
+    """Finds out for many triangles at once whether one of their neighbours may belong to the same patch.
+
+    Attributes:
+        seeds: for each of the triangles that `look` was given.
+    """
+
+    def __init__(self, surface: Surface, across: Ints, flatness: Flatness, offsets: Floats) -> None:
+        self._surface, self._across, self._offsets = surface, across, offsets
+        # wider by the rounding of the sums: what belongs to the patch is decided when it grows
+        self._slope = math.cos(flatness.angle) - 1e-9
+        self._distance = flatness.distance + 1e-9 * (surface.diagonal + float(np.abs(offsets).max(initial=0.0)))
+        self.seeds: list[bool] = []
+
+    def look(self, seeds: Ints) -> None:
+        surface, near = self._surface, self._across[seeds]
+        normals = surface.normals[seeds]
+        alike = np.einsum("sj,snj->sn", normals, surface.normals[near]) >= self._slope
+        corners = surface.vertices[surface.triangles[near]]
+        heights = np.einsum("sj,sncj->snc", normals, corners) - self._offsets[seeds][:, None, None]
+        close = (np.abs(heights) <= self._distance).all(axis=2)
+        self.seeds = ((near >= 0) & alike & close).any(axis=1).tolist()
 
 
 def _acute_neighbours(surface: Surface, across: Ints, label: Ints, seeds: Ints, offsets: Floats) -> list[Floats]:

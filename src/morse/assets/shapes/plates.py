@@ -41,6 +41,8 @@ def plates(surface: Surface, patches: list[Patch], limit: int) -> list[Part] | N
 
 def _polygons(surface: Surface, patch: Patch) -> list[Floats]:
     """The patch as convex polygons (N, 3), counter-clockwise seen from outside."""
+    if len(patch.triangles) == 1:
+        return [surface.vertices[surface.triangles[patch.triangles[0]]]]
     used, triangles = np.unique(surface.triangles[patch.triangles], return_inverse=True)
     points = surface.vertices[used]
     place = {vertex: index for index, vertex in enumerate(used.tolist())}

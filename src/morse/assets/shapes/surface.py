@@ -89,7 +89,7 @@ def open_edges(triangles: Ints, count: int) -> tuple[Ints, Ints]:
 def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
     """Create a surface from the valid triangles of a mesh.
 
-    Triangles with missing, infinite or equal corners are left out. Coincident corners are welded only at open edges, so
+    Triangles with missing, infinite or equal corners are left out, and all but one of equal triangles. Coincident corners are welded only at open edges, so
     that two closed solids that touch stay separate.
 
     Args:
@@ -111,9 +111,23 @@ def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
     points, faces = points[used], faces.reshape(-1, 3)
     if len(faces):
         faces = with_three_corners(_weld_borders(points, faces)[faces])
+        faces = without_equal_triangles(faces)
         used, faces = np.unique(faces, return_inverse=True)
         points, faces = points[used], faces.reshape(-1, 3)
     return measured(points, faces)
+
+
+def without_equal_triangles(faces: NDArray[Any]) -> NDArray[Any]:
+    """Triangles (T, 3), without those with the corners and the orientation of an earlier one."""
+    first = faces.argmin(axis=1)[:, None]
+    rows = np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)
+    order = np.lexsort(rows.T[::-1])
+    ordered = rows[order]
+    again = (ordered[1:] == ordered[:-1]).all(axis=1)
+    if not again.any():
+        return faces
+    # the sort is stable: the first of equal triangles stays
+    return np.delete(faces, order[1:][again], axis=0)
 
 
 def rows_of_three(values: ArrayLike, what: str) -> NDArray[Any]:
@@ -153,7 +167,10 @@ def measured(points: Floats, faces: Ints) -> Surface:
 
 def _weld_borders(points: Floats, faces: Ints) -> Ints:
     """(V,) new index of each vertex: the same index for vertices of open edges at the same position."""
-    border = np.unique(np.concatenate(open_edges(faces, len(points))))
+    is_open = np.zeros(len(points), dtype=bool)
+    for ends in open_edges(faces, len(points)):
+        is_open[ends] = True
+    border = np.flatnonzero(is_open)
     merged = np.arange(len(points))
     if len(border) == 0:
         return merged

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
 from morse.assets.inertial import inertial_of
+from morse.assets.triangle_limit import check_parts
 from morse.assets.urdf.sensors import sensors_of
 from morse.assets.xml_files import read_xml
 from morse.mathutils import Euler, Matrix
@@ -25,6 +26,8 @@ _FARTHEST = 1e6
 _MOST_LINKS, _DEEPEST = 2000, 200
 #: rad or m, for joints without limits
 _ENDLESS = 1e4
+#: elements whose number is limited
+_COUNTED = ("link", "joint", "visual", "collision", "material", "sensor", "gazebo", "transmission")
 _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 
 #: joints that move in several directions
@@ -271,6 +274,8 @@ def parse(path: Path) -> Document:
     if robot.tag != "robot":
         hint = "; run it through xacro first" if path.suffix == ".xacro" else ""
         raise parser.fail(f"it is not URDF: it begins with <{str(robot.tag)[:60]}>, expected <robot>{hint}")
+    for tag in _COUNTED:
+        check_parts(path, sum(1 for _ in robot.iter(tag)), f"elements <{tag}>")
     for material in robot.findall("material"):
         parser.define(material)
     links = {link.name: link for link in map(parser.link, robot.findall("link"))}
@@ -331,8 +336,9 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
             depth[joint.child] = depth[link] + 1
     if len(ordered) != len(joints):
         raise parser.fail("its joints form a cycle")
+    named = {joint.name: joint for joint in ordered}
     for joint in ordered:
-        leader = next((one for one in ordered if joint.mimic and one.name == joint.mimic[0]), None)
+        leader = named.get(joint.mimic[0]) if joint.mimic else None
         if joint.mimic and (leader is None or leader.mimic or not leader.has_value or not joint.has_value):
             parser.warnings.append(f"the joint '{joint.name}' cannot follow '{joint.mimic[0]}'; it moves by itself")
             joint.mimic = None

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from morse.assets import solids
 from morse.assets.errors import AssetError
 from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.assets.triangle_limit import check_parts
 from morse.assets.urdf.document import WORLD, Joint, Link, Shape, parse
 from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix, Vector
@@ -66,6 +67,7 @@ class _Reader:
         self.warnings = list(self.document.warnings)
         self._libraries: dict[Path, Library] = {}
         self._told: set[str] = set()
+        self._parts = 0
 
     def library(self) -> Library:
         document = self.document
@@ -174,6 +176,8 @@ class _Reader:
         if shape.kind == "mesh":
             for part in self._mesh(shape):
                 node.attach(part)
+            self._parts += sum(1 for _ in node.walk())
+            check_parts(self.path, self._parts, "nodes of meshes in its links")
             node.scale = list(shape.size)
         else:
             node.kind = NodeKind.MESH

@@ -6,6 +6,7 @@ import ast
 from typing import TYPE_CHECKING
 
 from morse.builder.names.project_files import project_files
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -35,7 +36,7 @@ def argv(script: Path, arguments: Sequence[str], directories: Iterable[str]) -> 
 def _is_written_in(script: Path) -> bool:
     """Whether a script that cannot be parsed contains the word."""
     try:
-        source = script.read_bytes()
+        source = read_regular(script)
         ast.parse(source)
     except OSError:
         return False

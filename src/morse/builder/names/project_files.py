@@ -6,6 +6,8 @@ import ast
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.system.regular_files import read_regular
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -24,7 +26,7 @@ def project_files(script: Path, directories: Iterable[str]) -> Iterator[ast.Modu
             continue
         seen.add(file)
         try:
-            tree = ast.parse(file.read_bytes())
+            tree = ast.parse(read_regular(file))
         except (OSError, SyntaxError, ValueError):
             continue
         yield tree

@@ -8,6 +8,7 @@ import socket
 import stat
 
 from morse.core.exceptions import MorseMiddlewareError
+from morse.system import variables
 
 #: the environment variable with its path; without it there is none
 PATH_VARIABLE = "MORSE_SOCKET_PATH"
@@ -17,7 +18,7 @@ _MODE = 0o600
 
 def wanted_path() -> str | None:
     """The path in the environment variable, or None."""
-    return os.environ.get(PATH_VARIABLE) or None
+    return variables.text(PATH_VARIABLE) or None
 
 
 def listen_locally(path: str) -> socket.socket:

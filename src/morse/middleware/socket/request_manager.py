@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +18,7 @@ from morse.middleware.socket.protocol import MalformedRequest, format_failure, f
 from morse.middleware.socket.server import LineServer
 from morse.middleware.socket.service_client import ServiceClient
 from morse.middleware.socket.turns import Turns
+from morse.system import variables
 
 if TYPE_CHECKING:
     import uuid
@@ -261,7 +261,8 @@ class SocketRequestManager(RequestManager):
 
 
 def _wanted_port() -> int:
-    text = os.environ.get(_PORT_VARIABLE, str(PORT))
-    if not text.isdecimal() or int(text) > 65535:
-        raise MorseMiddlewareError(f"{_PORT_VARIABLE} is a port number from 0 to 65535, not '{text}'")
-    return int(text)
+    text = variables.text(_PORT_VARIABLE)
+    try:
+        return variables.checked_whole(_PORT_VARIABLE, text) if text else PORT
+    except ValueError as error:
+        raise MorseMiddlewareError(str(error)) from None

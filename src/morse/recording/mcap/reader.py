@@ -12,6 +12,7 @@ from morse.recording.errors import RecordingError
 from morse.recording.mcap import records
 from morse.recording.mcap.fields import Fields
 from morse.recording.mcap.records import Message
+from morse.system.regular_files import open_regular
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
@@ -104,7 +105,7 @@ class McapFile:
         self.chunks: list[Chunk] = []
         self._attachments: dict[str, tuple[int, int]] = {}
         self._tables = 0
-        self._file = open(self.path, "rb")  # noqa: SIM115 (closed by `close`)
+        self._file = open_regular(self.path)
         try:
             self._scan(os.fstat(self._file.fileno()).st_size)
         except BaseException:

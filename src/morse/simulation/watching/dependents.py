@@ -6,6 +6,8 @@ import ast
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.system.regular_files import read_regular
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
@@ -41,7 +43,7 @@ def _reached(first: Iterable[str], ways: Mapping[str, set[str]]) -> set[str]:
 def _imports(module: str, path: Path, known: Mapping[str, str]) -> Iterator[str]:
     """Iterate over the known modules that a file imports, at any place in the file."""
     package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
-    for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
+    for node in ast.walk(ast.parse(read_regular(path), str(path))):
         names = []
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]

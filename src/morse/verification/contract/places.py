@@ -9,6 +9,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.system.regular_files import read_regular
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
@@ -69,7 +71,7 @@ def _definition(cls: type, file: str) -> ast.ClassDef | None:
 
 @lru_cache(maxsize=_KEPT)
 def _parsed(file: str, _modified: float) -> tuple[ast.ClassDef, ...]:
-    tree = ast.parse(Path(file).read_bytes(), file)
+    tree = ast.parse(read_regular(file), file)
     return tuple(node for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
 
 

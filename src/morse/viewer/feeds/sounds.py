@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from morse.actuators.sound import Sound
 from morse.core.quoting import shown
+from morse.system.regular_files import read_regular
 from morse.viewer.view_messages import SoundState
 
 if TYPE_CHECKING:
@@ -107,10 +108,7 @@ def read_sound(path: Path) -> tuple[str, bytes]:
     """
     if not path.is_file():
         raise ValueError("there is no such file")
-    with path.open("rb") as file:
-        data = file.read(LARGEST + 1)
-    if len(data) > LARGEST:
-        raise ValueError(f"the file is larger than {LARGEST >> 20} MiB")
+    data = read_regular(path, LARGEST)
     for offset, beginning, kind in _BEGINNINGS:
         if data[offset : offset + len(beginning)] == beginning:
             return kind, data

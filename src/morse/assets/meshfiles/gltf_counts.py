@@ -1,0 +1,147 @@
+"""Refuses glTF files that would take excessive time or memory, before they are read."""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import TYPE_CHECKING, Any
+
+from morse.assets.errors import AssetError
+from morse.assets.triangle_limit import check_parts, check_triangles
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+#: maximum number of nodes above a node
+_DEEPEST = 500
+#: maximum number of items of arrays of a glTF file that are not in the file: arrays of zeros, arrays with few other
+#: values, and arrays that are used again
+_MOST_IMPLIED = 1_000_000
+#: maximum size of all buffers together, and of all arrays relative to the buffers
+_MOST_BYTES, _OVERLAP = 512 << 20, 4
+_GLB = struct.Struct("<4sIIII")
+_SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+
+
+def check_gltf(path: Path) -> None:
+    """Check the counts of a file; a broken one is left to its reader.
+
+    Raises:
+        AssetError: there are too many parts or triangles, or the arrays are too large.
+    """
+    tree = _tree(path)
+    if not isinstance(tree, dict):
+        return
+    nodes = _objects(tree, "nodes")
+    check_parts(path, len(nodes), "nodes")
+    uses = [node.get("mesh") for node in nodes]
+    primitives = [_objects(mesh, "primitives") for mesh in _objects(tree, "meshes")]
+    check_parts(path, sum(map(len, primitives)), "meshes")
+    shown = sum(len(primitives[use]) for use in uses if isinstance(use, int) and 0 <= use < len(primitives))
+    check_parts(path, shown, "meshes that its nodes show")
+    for name in ("accessors", "bufferViews", "materials", "textures", "images"):
+        check_parts(path, len(_objects(tree, name)), name)
+    _refuse_deep(path, nodes)
+    _check_arrays(path, tree)
+    _check_uses(path, tree, [primitive for some in primitives for primitive in some])
+
+
+def _tree(path: Path) -> Any:
+    """The JSON part of a file; None if it has none, which its reader reports.
+
+    Raises:
+        AssetError: it is damaged.
+    """
+    try:
+        if path.suffix.lower() == ".gltf":
+            return json.loads(path.read_bytes())
+        with path.open("rb") as file:
+            _, _, _, size, _ = _GLB.unpack(file.read(_GLB.size))
+            return json.loads(file.read(size))
+    except struct.error:
+        return None
+    except RecursionError:
+        raise AssetError(path, "its JSON is nested too deeply") from None
+    except ValueError as error:
+        raise AssetError(path, f"its JSON is damaged: {error!s:.100}") from None
+
+
+def _check_arrays(path: Path, tree: dict[str, Any]) -> None:
+    implied = sum(_count(accessor) for accessor in _objects(tree, "accessors") if _is_implied(accessor))
+    if implied > _MOST_IMPLIED:
+        raise AssetError(path, f"it has arrays of {implied} items that are not in the file, at most {_MOST_IMPLIED}")
+    buffers = sum(_count(buffer, "byteLength") for buffer in _objects(tree, "buffers"))
+    if buffers > _MOST_BYTES:
+        raise AssetError(
+            path, f"its buffers have {buffers:,} bytes together, at most {_MOST_BYTES:,} are read: divide the model into "
+            "several files",
+        )  # fmt: skip
+    views = sum(_count(view, "byteLength") for view in _objects(tree, "bufferViews"))
+    arrays = sum(_bytes(accessor) for accessor in _objects(tree, "accessors") if "bufferView" in accessor)
+    for what, size in (("buffer views", views), ("arrays", arrays)):
+        if size > _OVERLAP * max(buffers, _MOST_IMPLIED):
+            raise AssetError(path, f"its {what} have {size:,} bytes, its buffers {buffers:,}: they overlap too much")
+
+
+def _check_uses(path: Path, tree: dict[str, Any], primitives: list[dict[str, Any]]) -> None:
+    """Refuse primitives that use arrays again and again: each use becomes a mesh of its own."""
+    counts = [_count(accessor) for accessor in _objects(tree, "accessors")]
+    corners = again = 0
+    used: set[int] = set()
+    for primitive in primitives:
+        attributes = primitive.get("attributes")
+        places = attributes.get("POSITION") if isinstance(attributes, dict) else None
+        order = primitive.get("indices", places)
+        for number in {places, order}:
+            if isinstance(number, int) and 0 <= number < len(counts):
+                again += counts[number] if number in used else 0
+                used.add(number)
+        if isinstance(order, int) and 0 <= order < len(counts):
+            corners += counts[order]
+    check_triangles(path, [corners // 3])
+    if again > _MOST_IMPLIED:
+        raise AssetError(
+            path, f"its meshes use {again:,} items of arrays again, at most {_MOST_IMPLIED:,}: show one mesh with several "
+            "nodes instead",
+        )  # fmt: skip
+
+
+def _objects(table: dict[str, Any], name: str) -> list[dict[str, Any]]:
+    given = table.get(name)
+    return [one for one in given if isinstance(one, dict)] if isinstance(given, list) else []
+
+
+def _is_implied(accessor: dict[str, Any]) -> bool:
+    return "bufferView" not in accessor or "sparse" in accessor
+
+
+def _count(table: dict[str, Any], name: str = "count") -> int:
+    count = table.get(name)
+    return count if isinstance(count, int) and count > 0 else 0
+
+
+def _bytes(accessor: dict[str, Any]) -> int:
+    kind, shape = accessor.get("componentType"), accessor.get("type")
+    size = _SIZES.get(kind, 4) if isinstance(kind, int) else 4
+    return _count(accessor) * size * (_WIDTHS.get(shape, 16) if isinstance(shape, str) else 16)
+
+
+def _refuse_deep(path: Path, nodes: list[dict[str, Any]]) -> None:
+    above: dict[int, int] = {}
+    for number, node in enumerate(nodes):
+        children = node.get("children")
+        for child in children if isinstance(children, list) else ():
+            if isinstance(child, int):
+                above.setdefault(child, number)
+    depth: dict[int, int] = {}
+    for start in above:
+        chain: list[int] = []
+        number = start
+        while number in above and number not in depth and len(chain) <= _DEEPEST:
+            chain.append(number)
+            number = above[number]
+        for below, one in enumerate(reversed(chain), 1):
+            depth[one] = depth.get(number, 0) + below
+            if depth[one] > _DEEPEST:
+                raise AssetError(path, f"its nodes are nested more than {_DEEPEST} deep, or are parts of themselves")
