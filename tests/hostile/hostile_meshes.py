@@ -161,8 +161,8 @@ def collada(scene: str, *, nodes: str = "", geometry: str = "", unit: str = "1")
     return (
         '<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>'
         f'<unit meter="{unit}"/><up_axis>Z_UP</up_axis></asset><library_geometries>{geometry or _geometry()}'
-        f'</library_geometries><library_nodes>{nodes}</library_nodes><library_visual_scenes><visual_scene id="s">{scene}'
-        '</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>'
+        f'</library_geometries><library_nodes>{nodes}</library_nodes><library_visual_scenes><visual_scene id="s">'
+        f'{scene}</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>'
     )
 
 

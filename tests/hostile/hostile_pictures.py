@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import base64
 import gzip
 import json
 import struct
 import sys
 import zlib
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import zstandard
-from hostile_meshes import late, soup, text
+from hostile_meshes import gltf, late, soup, text
 
 sys.path.append(str(Path(__file__).parents[1] / "assets" / "blend"))
 from blend_writer import BlendWriter

@@ -7,7 +7,6 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -22,6 +21,7 @@ from morse.viewer.feeds.sounds import read_sound
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with names")
 
@@ -38,7 +38,7 @@ class Eye(Sensor):
 """
 SCENE = """
 from morse.builder import *
-from pipes.sensors.eye import Eye
+from shop.sensors.eye import Eye
 robot = ATRV()
 eye = Eye()
 robot.append(eye)
@@ -127,7 +127,7 @@ def test_states_and_sounds(tmp_path: Path, what: str) -> None:
 @pytest.mark.parametrize("what", REPLACED)
 def test_the_class_of_a_running_component(tmp_path: Path, what: str, caplog: pytest.LogCaptureFixture) -> None:
     """The simulation goes on with the old class, and the log says what the file is."""
-    source, script = tmp_path / "src" / "pipes" / "sensors" / "eye.py", tmp_path / "scene.py"
+    source, script = tmp_path / "src" / "shop" / "sensors" / "eye.py", tmp_path / "scene.py"
     source.parent.mkdir(parents=True)
     source.write_text(SENSOR.replace("VALUE", "1"))
     script.write_text(SCENE)
@@ -141,9 +141,9 @@ def test_the_class_of_a_running_component(tmp_path: Path, what: str, caplog: pyt
             simulation.step()
             time.sleep(0.02)
         assert what in caplog.text
-        before = simulation.time
+        before = simulation.ticks
         simulation.step(3)
-        assert simulation.time > before
+        assert simulation.ticks == before + 3
         assert simulation.context.component("robot.eye").local_data["seen"] == 1
 
 

@@ -65,8 +65,8 @@ def resolve_shapes(scene: Scene) -> list[str]:
         count += len(node.shapes)
         if count > _MOST_SHAPES:
             raise ValueError(
-                f"{_place(node)}: with it, the scene has more than {_MOST_SHAPES:,} collision shapes; join objects, give "
-                "detailed ones a simple shape (bounds), or exclude them from collision"
+                f"{_place(node)}: with it, the scene has more than {_MOST_SHAPES:,} collision shapes; join objects, "
+                "give detailed ones a simple shape (bounds), or exclude them from collision"
             )
     return resolving.warnings
 

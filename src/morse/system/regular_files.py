@@ -19,6 +19,13 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 _UNITS = ((1 << 20, "MiB"), (1 << 10, "KiB"), (1, "bytes"))
 
 
+class RefusedFileError(OSError):
+    """A file is not read; the message contains its path and the reason."""
+
+    def __str__(self) -> str:
+        return f"{self.filename}: {self.strerror}"
+
+
 def open_regular(path: str | Path, most: int = sys.maxsize) -> BinaryIO:
     """Open a regular file for reading, without waiting.
 
@@ -59,7 +66,7 @@ def _check(path: str | Path, status: stat_result, most: int) -> None:
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, "it is a directory", str(path))
     if not is_regular(status):
-        raise OSError(errno.EINVAL, f"it is {_kind(status.st_mode)}, expected a regular file", str(path))
+        raise RefusedFileError(errno.EINVAL, f"it is {_kind(status.st_mode)}, expected a regular file", str(path))
     if status.st_size > most:
         raise _too_large(path, most)
 
@@ -72,4 +79,4 @@ def _kind(mode: int) -> str:
 
 def _too_large(path: str | Path, most: int) -> OSError:
     size, unit = next((size, unit) for size, unit in _UNITS if most >= size)
-    return OSError(errno.EFBIG, f"it is larger than {most // size} {unit}", str(path))
+    return RefusedFileError(errno.EFBIG, f"it is larger than {most // size} {unit}", str(path))

@@ -103,10 +103,9 @@ class Images:
                     return head[:_SIGNATURE]
                 return head + file.read(_MAX_BYTES)
         except (OSError, ValueError) as error:
-            reason = f" ({error.strerror})" if isinstance(error, OSError) and path.exists() else ""
-            raise Damage(
-                f"its file '{path}' cannot be read{reason}; put it there or pack it into the .blend file"
-            ) from error
+            if isinstance(error, OSError) and os.path.exists(path):
+                raise Damage(f"'{path}' is not a file that can be read: {error.strerror}") from error
+            raise Damage(f"its file '{path}' cannot be read; put it there or pack it into the .blend file") from error
 
 
 def _listed(names: list[str]) -> str:

@@ -48,8 +48,8 @@ def _check_obj(path: Path, text: bytes) -> None:
     vertices = sum(1 for _ in _OBJ_VERTICES.finditer(text))
     if parts * vertices > _MOST_MARKS:
         raise AssetError(
-            path, f"its {parts:,} objects, groups and materials share {vertices:,} vertices: join some of the parts, or "
-            "divide the file",
+            path, f"its {parts:,} objects, groups and materials share {vertices:,} vertices: join some of the parts, "
+            "or divide the file",
         )  # fmt: skip
     triangles = 0
     for face in _OBJ_FACES.finditer(text):

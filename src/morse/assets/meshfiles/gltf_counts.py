@@ -74,8 +74,8 @@ def _check_arrays(path: Path, tree: dict[str, Any]) -> None:
     buffers = sum(_count(buffer, "byteLength") for buffer in _objects(tree, "buffers"))
     if buffers > _MOST_BYTES:
         raise AssetError(
-            path, f"its buffers have {buffers:,} bytes together, at most {_MOST_BYTES:,} are read: divide the model into "
-            "several files",
+            path, f"its buffers have {buffers:,} bytes together, at most {_MOST_BYTES:,} are read: divide the model "
+            "into several files",
         )  # fmt: skip
     views = sum(_count(view, "byteLength") for view in _objects(tree, "bufferViews"))
     arrays = sum(_bytes(accessor) for accessor in _objects(tree, "accessors") if "bufferView" in accessor)
@@ -102,8 +102,8 @@ def _check_uses(path: Path, tree: dict[str, Any], primitives: list[dict[str, Any
     check_triangles(path, [corners // 3])
     if again > _MOST_IMPLIED:
         raise AssetError(
-            path, f"its meshes use {again:,} items of arrays again, at most {_MOST_IMPLIED:,}: show one mesh with several "
-            "nodes instead",
+            path, f"its meshes use {again:,} items of arrays again, at most {_MOST_IMPLIED:,}: show one mesh with "
+            "several nodes instead",
         )  # fmt: skip
 
 

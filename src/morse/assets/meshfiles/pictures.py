@@ -81,8 +81,8 @@ class Pictures:
         pixels = picture.width * picture.height * (1 if mime else _CONVERSION)
         if not mistake and self._pixels + pixels > MOST_PIXELS_TOGETHER:
             mistake = (
-                f"with it, the pictures of the model have more than {MOST_PIXELS_TOGETHER} pixels together (a pixel of a "
-                f"file that is neither PNG nor JPEG counts {_CONVERSION} times)"
+                f"with it, the pictures of the model have more than {MOST_PIXELS_TOGETHER} pixels together (a pixel "
+                f"of a file that is neither PNG nor JPEG counts {_CONVERSION} times)"
             )
         if not mistake:
             self._pixels += pixels

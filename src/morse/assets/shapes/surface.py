@@ -89,8 +89,8 @@ def open_edges(triangles: Ints, count: int) -> tuple[Ints, Ints]:
 def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
     """Create a surface from the valid triangles of a mesh.
 
-    Triangles with missing, infinite or equal corners are left out, and all but one of equal triangles. Coincident corners are welded only at open edges, so
-    that two closed solids that touch stay separate.
+    Triangles with missing, infinite or equal corners are left out, and all but one of equal triangles. Coincident
+    corners are welded only at open edges, so that two closed solids that touch stay separate.
 
     Args:
         vertices: (V, 3) metres.
