@@ -105,7 +105,7 @@ def ast_of_script(path: Path) -> object:
     from morse.builder.script import _run
     from morse.core.project_imports import ProjectImports
 
-    return _run(path, ProjectImports())
+    return _run(path, ProjectImports(), None)
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".obj", ".stl", ".ply", ".dae", ".urdf", ".xml", ".blend"])
