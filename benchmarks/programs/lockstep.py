@@ -132,11 +132,10 @@ def with_pymorse_exchange() -> Iterator[Callable[[], _Pose]]:
     from pymorse import Morse
 
     with _server("benchmarks.programs.serve") as (services, *_), Morse(port=int(services)) as simu:
-        robot = simu.r0
-        command = {robot.motion0: {"v": work.SPEED, "w": work.RATE}}
+        command, pose = {"r0.motion0": {"v": work.SPEED, "w": work.RATE}}, "r0.pose0"
 
         def once() -> _Pose:
-            return dict(simu.exchange(command, [robot.pose0])[robot.pose0])
+            return dict(simu.exchange(command, [pose])[pose])
 
         yield once
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import threading
 from typing import TYPE_CHECKING, Any
@@ -28,8 +29,11 @@ class Component:
 
     Its services are methods that return a `MorseFuture`; the components mounted on it are attributes. A sensor has
     ``get(timeout=None)``, ``last(n=1)``, ``subscribe(callback)`` and ``unsubscribe(callback)``, an actuator
-    ``publish(data)``: see `pymorse.messages.Messages`. The connection is opened when one of these methods is used for
-    the first time.
+    ``publish(data)``: see `pymorse.messages.Messages`.
+
+    The connection is opened when the component is read as an attribute of its robot (``simu.robot.pose``), so that a
+    sensor receives all messages from then on. As an item (``simu.robot["pose"]``), it is opened when one of these
+    methods is used.
 
     Args:
         name: name of the attribute of the robot.
@@ -73,6 +77,13 @@ class Component:
                 self._stream = self._morse._open_stream(self.fqn, self._port, sends="OUT" in self._directions)
             return self._stream
 
+    def _ready(self) -> Component:
+        """Return the component with its stream open, if it has one; after the end of the simulation, without."""
+        if self._port is not None and self._stream is None:
+            with contextlib.suppress(OSError):
+                _ = self.stream
+        return self
+
     def _part(self, name: str) -> Component | None:
         """The part of that name, if there is one."""
         return self._parts.get(name)
@@ -99,9 +110,11 @@ class Component:
         if name.startswith("_"):
             raise AttributeError(name)
         if name in self._parts:
-            return self._parts[name]
+            return self._parts[name]._ready()
         if name in self._services:
             return self._method(name)
+        if name in _WRITING:
+            self._morse._check_open()
         if (name in _READING and "OUT" in self._directions) or (name in _WRITING and "IN" in self._directions):
             return getattr(self.stream, name)
         raise self._missing(name)

@@ -238,7 +238,7 @@ class Morse:
 
         The method has the effect of `publish`, `step` and ``last()`` in half the time, and does not use streams::
 
-            pose = simu.exchange({simu.robot.motion: {"v": 1.0}}, [simu.robot.pose])[simu.robot.pose]
+            pose = simu.exchange({"robot.motion": {"v": 1.0}}, ["robot.pose"])["robot.pose"]
 
         Args:
             commands: fields of actuators, by the component or its full name.

@@ -105,6 +105,7 @@ def stepping() -> Iterator[Bench]:
     bench = Bench()
     asked = threading.Event()
     bench.context.wake = asked.set
+    bench.context.paused = lambda: True
     bench.sensor("robot1.pose", port=0)
     bench.actuator("robot1.motion", port=0)
     pose, motion = bench.components

@@ -259,6 +259,34 @@ def test_modifiers_run_only_when_something_arrived(bench: Bench) -> None:
     client.close()
 
 
+def test_the_first_command_acts_one_tick_after_its_connection(bench: Bench) -> None:
+    motion = bench.actuator(port=0)
+    inbox = bench.streams._servers["robot1.motion"].inbox
+    client = bench.connect("robot1.motion")
+    client.send(b'{"v": 1.0}\n')
+    wait_until(lambda: inbox)
+    bench.tick()
+    assert motion.local_data["v"] == 0.0
+    bench.tick()
+    assert motion.local_data["v"] == 1.0
+    client.send(b'{"v": 2.0}\n')
+    wait_until(lambda: inbox)
+    bench.tick()
+    assert motion.local_data["v"] == 2.0
+    client.close()
+
+
+def test_a_client_that_steps_the_simulation_need_not_wait_for_its_first_command(bench: Bench) -> None:
+    bench.context.paused = lambda: True
+    motion = bench.actuator(port=0)
+    client = bench.connect("robot1.motion")
+    client.send(b'{"v": 1.0}\n')
+    wait_until(lambda: bench.streams._servers["robot1.motion"].inbox)
+    bench.tick()
+    assert motion.local_data["v"] == 1.0
+    client.close()
+
+
 def test_several_clients_write_and_the_last_one_wins(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
     motion = bench.actuator(port=0)
     first = bench.connect("robot1.motion")
@@ -311,6 +339,17 @@ class TestInbox:
         inbox.put(b"2")
         assert inbox
         assert inbox.take() == ([b"1", b"2"], 0)
+        assert not inbox
+
+    def test_what_follows_an_early_message_waits_with_it(self) -> None:
+        inbox = Inbox()
+        inbox.put(b"1")
+        inbox.put(b"2", early=True)
+        inbox.put(b"3")
+        assert inbox.take() == ([b"1"], 0)
+        assert inbox
+        inbox.put(b"4")
+        assert inbox.take() == ([b"2", b"3", b"4"], 0)
         assert not inbox
 
     def test_gives_up_the_oldest_of_too_many(self) -> None:

@@ -129,10 +129,11 @@ def test_a_result_that_is_false_is_not_on_the_wire(simulation: ScriptedSimulatio
 def test_a_sensor_is_read_and_an_actuator_is_written(simulation: ScriptedSimulation) -> None:
     line = b'{"timestamp": 1.14, "x": 2.5, "y": 1.0, "z": 0.0, "yaw": 0.0, "pitch": 0.0, "roll": 0.0}\n'
     with Morse("127.0.0.1", simulation.port) as simu:
-        pose = simu.robot1.pose
-        assert simulation.streams["robot1.pose"].accepted == 0, "no connection before the first use"
-        assert pose.last() is None
+        pose = simu.robot1["pose"]
+        assert simulation.streams["robot1.pose"].accepted == 0, "an item has no connection before its first use"
+        assert pose is simu.robot1.pose
         wait_until(lambda: simulation.streams["robot1.pose"].accepted)
+        assert pose.last() is None
         simulation.streams["robot1.pose"].send(line)
         expected = {"timestamp": 1.14, "x": 2.5, "y": 1.0, "z": 0.0, "yaw": 0.0, "pitch": 0.0, "roll": 0.0}
         assert wait_until(pose.last) == expected

@@ -276,6 +276,10 @@ def _result(service: Callable[..., Any], *arguments: Any) -> Any:
         raise RuntimeError(summary(error)).with_traceback(error.__traceback__) from error
 
 
+def _answer(manager: RequestManager) -> None:
+    manager.answer()
+
+
 def _update(manager: RequestManager) -> None:
     manager.update()
 
@@ -364,6 +368,11 @@ class MorseServices:
             component: [name for name in names if name in self._managers] for component, names in self._mapping.items()
         }
         guard.run(manager.finalization, lambda again: guard.failed(manager, who, "is left as it is", again))
+
+    def answer(self) -> None:
+        """Send the outcomes of the calls that have ended in this tick."""
+        if self.guard is not None:
+            self.guard.each(list(self._managers.values()), _answer, self._stop)
 
     def preempt(self, spared: Collection[AbstractObject]) -> None:
         """Interrupt every running asynchronous call except those of the ``spared`` objects."""

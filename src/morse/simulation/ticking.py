@@ -63,7 +63,8 @@ class Ticker:
         self._watched = -1
         self._review_at, self._has_changed = 0, True
         self.separate()
-        self._actuators: Schedule[Any] = Schedule(arranged(loaded.actuators, self._act), frequency)
+        # in reverse order, as in 1.4: of several actuators of a robot, the one created first has the last word
+        self._actuators: Schedule[Any] = Schedule(arranged(loaded.actuators[::-1], self._act), frequency)
         self._sensors: Schedule[Any] = Schedule(arranged(loaded.sensors, self._act), frequency, _phase)
         self._groups = [
             unit for units in (self._actuators, self._sensors) for unit in units if isinstance(unit, Together)
@@ -140,8 +141,6 @@ class Ticker:
         if len(objects) != self._offered:
             self._offered = len(objects)
             self._served = self._guard.those(objects, _is_busy, self._stop_serving)
-        if self._served:
-            self._guard.each(list(self._served), _act, self._stop_serving)
         self._context.services.process()
 
     def _stop_serving(self, part: AbstractObject, error: BaseException) -> None:
@@ -162,6 +161,10 @@ class Ticker:
         self._clock.advance()
         if self._busy:
             self._guard.each(self._busy, _update_pose, self._guard.deactivate)
+        # before the sensors: who has slept until this time is awake when its messages arrive
+        if self._served:
+            self._guard.each(list(self._served), _act, self._stop_serving)
+        self._context.services.answer()
 
     def _remove_push(self, push: Callable[[], object], error: BaseException) -> None:
         self._guard.remove(self.before_physics, push, error)

@@ -105,7 +105,7 @@ class SocketDatastreamManager(DatastreamManager):
             stream.server.binary = self._binary.open(stream.component_name, stream.server.readers)
         if stream.direction == "IN":
             stream.server.reads = True
-            stream.server.inbox.take()  # discard messages to a former component
+            stream.server.inbox.clear()  # discard messages to a former component
 
     def left(self, name: str) -> None:
         """Close the port of a deleted component."""
@@ -128,11 +128,14 @@ class SocketDatastreamManager(DatastreamManager):
             self._next_port = port + 1
         elif hint not in (0, port):
             logger.warning("%s: port %d is in use, its stream is on port %d", name, hint, port)
-        server = StreamServer(name, listener)
+        server = StreamServer(name, listener, self._present)
         self.context.network.call(server.start(self.context.network))
         self._servers[name] = server
         self._ports[name] = port
         return server
+
+    def _present(self) -> int | None:
+        return None if self._is_awaited() else self.context.clock.tick
 
     # -- message formats ---------------------------------------------------------------------
 

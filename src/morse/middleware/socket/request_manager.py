@@ -141,9 +141,9 @@ class SocketRequestManager(RequestManager):
         self._left.append((client, broken))
         self._context.wake()
 
-    def update(self) -> None:
-        """One tick: requests, outcomes, and all replies at once to the network thread."""
-        super().update()
+    def answer(self) -> None:
+        """Send the outcomes of ended calls: all replies at once to the network thread."""
+        super().answer()
         self._hand_over()
 
     def main(self) -> None:

@@ -10,7 +10,7 @@ from morse.middleware.socket.server import LineServer
 
 if TYPE_CHECKING:
     import socket
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from morse.core.network import Network
     from morse.middleware.socket.connection import Connection
@@ -35,6 +35,7 @@ class StreamClient(LineClient):
         super().__init__(server)
         self._waiting: bytes | None = None
         self._behind = False
+        self._accepted = server.present()
         self.sent = 0
 
     def connection_made(self, transport: Connection, peer: str) -> None:
@@ -88,12 +89,15 @@ class StreamClient(LineClient):
         """A message has arrived."""
         if line.strip():
             self.is_proven = self.is_proven or line.lstrip().startswith(b"{")
-            self.server.inbox.put(line)
+            self.server.inbox.put(line, early=self._is_new())
 
     def lines(self, lines: list[bytes]) -> None:
         """Several messages have arrived at once."""
         self.is_proven = self.is_proven or any(line.lstrip().startswith(b"{") for line in lines)
-        self.server.inbox.put_all([line for line in lines if line.strip()])
+        self.server.inbox.put_all([line for line in lines if line.strip()], early=self._is_new())
+
+    def _is_new(self) -> bool:
+        return self._accepted is not None and self._accepted == self.server.present()
 
     def unfinished(self, rest: bytes) -> None:
         """The client disconnected in the middle of a message."""
@@ -109,8 +113,15 @@ class StreamClient(LineClient):
         self.server.complaints.warn(kind, f"{self.server.name}: {text}")
 
 
+def _no_tick() -> None:
+    """Without a clock, messages never wait."""
+
+
 class StreamServer(LineServer):
     """The port of one component.
+
+    Args:
+        present: function that returns the present tick, or None while clients determine when ticks happen.
 
     Attributes:
         inbox: messages of clients.
@@ -120,8 +131,9 @@ class StreamServer(LineServer):
         binary: its binary stream, if the component sends data.
     """
 
-    def __init__(self, name: str, listener: socket.socket) -> None:
+    def __init__(self, name: str, listener: socket.socket, present: Callable[[], int | None] = _no_tick) -> None:
         super().__init__(name, listener, lambda _: StreamClient(self), comes_first=True)
+        self.present = present
         self.inbox = Inbox()
         self.reads = False
         self.readers: set[object] = set()
