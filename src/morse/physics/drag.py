@@ -1,4 +1,6 @@
-"""Friction on a robot that is driven as one body, if its script sets a friction.
+"""Losses of robots that are driven as one body: friction, if their script sets a friction.
+
+If the scene has the physics of MORSE 1.4, all of them have the losses of `morse.physics.calibration` instead.
 
 A command sets the velocity of such a robot once a tick. In MORSE 1.4 friction then acted in each of the two physics
 steps of the tick, so that a robot was slower than its command: by d in the first step and 2 d in the second, with d =
@@ -13,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.physics.calibration import FLOOR, Slowdown
 from morse.physics.command import Command
 from morse.physics.kinematics import contact_pairs
 from morse.physics.layout import Motion
@@ -23,8 +26,6 @@ if TYPE_CHECKING:
     from morse.physics.compile import Slot
     from morse.physics.engine_state import EngineState
 
-#: friction of every floor in 1.4; the friction of a robot is multiplied by it
-_FLOOR = 0.5
 #: radius at which a robot without feet touches the floor, m
 _REACH = 0.3
 
@@ -35,11 +36,19 @@ class Drag:
     def __init__(self, state: EngineState) -> None:
         self._state = state
         self._rough: dict[int, tuple[float, float, list[int]]] = {}
+        self._slowdowns: dict[int, Slowdown] = {}
+        #: velocities at the end of the present tick, relative to the mean ones: linear and angular, by slot
+        self.ends: dict[int, tuple[float, float]] = {}
+        gravity = -float(state.model.opt.gravity[2])
         for index, slot in enumerate(state.slots):
-            friction = slot.frame.node.body.friction
-            if friction and slot.frame.robot is not None and slot.frame.motion is Motion.FREE:
+            body = slot.frame.node.body
+            if slot.frame.robot is None or slot.frame.motion is not Motion.FREE:
+                continue
+            if body.friction or state.physics_of_1_4:
                 geoms = [*(geom for geoms in slot.geoms.values() for geom in geoms), *slot.feet]
-                self._rough[index] = (friction, self._lever(slot), geoms)
+                self._rough[index] = (body.friction or 0.0, self._lever(slot), geoms)
+            if state.physics_of_1_4:
+                self._slowdowns[index] = Slowdown.of(body, gravity, state.period)
 
     def _lever(self, slot: Slot) -> float:
         """Return the distance from the vertical axis of a robot to its contact with the floor, m."""
@@ -54,18 +63,25 @@ class Drag:
         return self._rough.keys()
 
     def slowed(self, index: int, command: Command, touches: bool) -> Command:
-        """Return a command reduced by friction.
+        """Return a command reduced by friction, and by damping if the scene has the physics of 1.4.
 
         Args:
             touches: whether the robot is known to stand on something.
         """
         friction, lever, geoms = self._rough[index]
-        if command.shift or command.is_rest or not (touches or self._touches(geoms)):
+        if command.shift or command.is_rest:
+            return command
+        touches = touches or self._touches(geoms)
+        if index in self._slowdowns:
+            slowing = self._slowdowns[index].slow(command, touches)
+            self.ends[index] = slowing.linear, slowing.angular
+            return slowing.command
+        if not touches:
             return command
         vx, vy, vz = command.linear
         wx, wy, wz = command.angular
         slip = math.hypot(vx, vy, wz * lever)
-        loss = friction * _FLOOR * -float(self._state.model.opt.gravity[2]) * self._state.period / 2.0
+        loss = friction * FLOOR * -float(self._state.model.opt.gravity[2]) * self._state.period / 2.0
         if not slip or loss <= 0.0:
             return command
         left = (max(0.0, 1.0 - loss / slip) + max(0.0, 1.0 - 2.0 * loss / slip)) / 2.0

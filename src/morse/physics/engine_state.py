@@ -38,6 +38,7 @@ class EngineState:
         tendon_motors: the motors of tendons.
         geom_node: node of each geom.
         planes: the geoms of boxes to those of the planes at their tops.
+        physics_of_1_4: whether the losses of driven robots are those of MORSE 1.4 (`morse.physics.calibration`).
         steps: physics steps per tick.
         period: seconds per tick.
         moving: number of slots that the engine moves.
@@ -69,6 +70,7 @@ class EngineState:
         self.slots: list[Slot] = compiled.slots
         self.geom_node: list[Node] = compiled.geom_node
         self.planes: dict[int, int] = compiled.planes
+        self.physics_of_1_4 = compiled.physics_of_1_4
         self.steps = compiled.steps
         self.period = period
         self.moving = sum(1 for slot in self.slots if slot.body > 0 and slot.frame.motion is not Motion.FIXED)

@@ -24,6 +24,7 @@ import numpy as np
 
 from morse.kernel.driving import chassis
 from morse.kernel.driving.arrays import ChassisArrays
+from morse.physics.calibration import SKIDDING
 from morse.physics.kinematics import contact_pairs
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ class Traction:
             geoms,
             [slot.actuator for slot in slots],
             model.geom_size[geoms, 0],
-            -y / squares,
+            -y / squares * (SKIDDING if state.physics_of_1_4 and len(wheels) > 2 else 1.0),
             float(middle[0]),
             float(model.geom_friction[geoms, 0].mean()),
             mass * math.sqrt(squares / len(wheels)) / inertia,

@@ -67,6 +67,7 @@ class Settings:
     Attributes:
         gravity: m/s^2, downward.
         frequency: ticks per simulated second.
+        physics_of_1_4: whether friction and damping act on driven robots as in the engine of MORSE 1.4.
         physics_steps: physics steps per tick that the script asked for; the engine never
             takes longer steps than 1/240 s.
         time_scale: simulated seconds per wall-clock second.
@@ -78,6 +79,7 @@ class Settings:
     gravity: float = 9.81
     frequency: float = 60.0
     physics_steps: int = 2
+    physics_of_1_4: bool = False
     time_strategy: TimeStrategies = TimeStrategies.BestEffort
     time_scale: float = 1.0
     relative_time: bool = True

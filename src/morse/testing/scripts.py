@@ -24,7 +24,7 @@ class MyEnv():
 """
 
 
-def script_of_method(method: Callable[..., Any], time_strategy: str) -> str:
+def script_of_method(method: Callable[..., Any], time_strategy: str, *, physics_of_1_4: bool = False) -> str:
     """Return a scene script from a method that builds a scene with the names of ``morse.builder``.
 
     The source of the method is copied verbatim: it can use the names of the builder, but no names of its own module. It
@@ -32,6 +32,7 @@ def script_of_method(method: Callable[..., Any], time_strategy: str) -> str:
 
     Args:
         time_strategy: ``BestEffort`` or ``FixedSimulationStep``.
+        physics_of_1_4: whether driven robots are as slow as in MORSE 1.4.
 
     Raises:
         MorseTestingError: the source is not available.
@@ -45,8 +46,11 @@ def script_of_method(method: Callable[..., Any], time_strategy: str) -> str:
     if not source[0].isspace():
         source = textwrap.indent(source, "    ")
     text = _IMPORTS + source.rstrip() + "\n"
-    setting = f"env.set_time_strategy(TimeStrategies.{time_strategy})"
-    return f"{text}{_indentation(text)}{setting}\n\n{_instance(method)}\n"
+    settings = [f"env.set_time_strategy(TimeStrategies.{time_strategy})"]
+    if physics_of_1_4:
+        settings.append("env.use_physics_of_1_4()")
+    lines = "".join(f"{_indentation(text)}{setting}\n" for setting in settings)
+    return f"{text}{lines}\n{_instance(method)}\n"
 
 
 def _instance(method: Callable[..., Any]) -> str:

@@ -38,10 +38,13 @@ class MorseTestCase(unittest.TestCase):
 
     Attributes:
         time_mode: ``BestEffort`` or ``FixedSimulationStep``, see `main`.
+        physics_of_1_4: whether driven robots are as slow as in MORSE 1.4 (`env.use_physics_of_1_4`), because the tests
+            of 1.4 were adjusted to its engine.
         simulation: the running process.
     """
 
     time_mode = BEST_EFFORT
+    physics_of_1_4 = True
     simulation: SimulationProcess | None = None
 
     def setUpMw(self) -> None:  # noqa: N802
@@ -81,7 +84,7 @@ class MorseTestCase(unittest.TestCase):
         """Write the scene script, start the simulation and wait until it runs."""
         if type(self).setUpEnv is MorseTestCase.setUpEnv:
             MorseTestCase.setUpEnv(self)
-        scene = script_of_method(self.setUpEnv, self.time_mode)
+        scene = script_of_method(self.setUpEnv, self.time_mode, physics_of_1_4=self.physics_of_1_4)
         directory = tempfile.TemporaryDirectory(prefix="morse_")
         self.addCleanup(directory.cleanup)
         script = Path(directory.name) / "scene"

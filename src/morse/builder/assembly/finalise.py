@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from struct import pack, unpack
 from typing import TYPE_CHECKING
 
 from morse.builder.abstractcomponent import AbstractComponent
@@ -14,7 +15,11 @@ from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration, Scene, TimeStrategies, Zone
 
 if TYPE_CHECKING:
+    from morse.builder.assembly.description import EnvironmentDescription
     from morse.builder.workspace import Workspace
+
+#: properties of the world that place its origin on the Earth
+_ORIGIN = ("longitude", "latitude", "altitude")
 
 
 def build_scene(workspace: Workspace) -> Scene:
@@ -52,13 +57,23 @@ def build_scene(workspace: Workspace) -> Scene:
         zones=[Zone(c.scene_node, c.type) for c in workspace.components if isinstance(c, ZoneComponent)],
         models=list(workspace.models),
         settings=settings,
-        properties=dict(environment.environment_properties),
+        properties=_properties(environment),
         manager_options=environment._manager_options,
         simulation_managers=environment._simulation_managers,
         interfaces=list(environment._default_interfaces),
         log_levels=environment._log_levels,
         multinode=environment._multinode,
     )
+
+
+def _properties(environment: EnvironmentDescription) -> dict[str, object]:
+    """Return the properties of the world; the engine of 1.4 stored numbers in single precision."""
+    properties = dict(environment.environment_properties)
+    for name in _ORIGIN if environment.settings.physics_of_1_4 else ():
+        value = properties.get(name)
+        if isinstance(value, (int, float)):
+            properties[name] = unpack("f", pack("f", value))[0]
+    return properties
 
 
 def declare(component: AbstractComponent) -> ComponentDeclaration:

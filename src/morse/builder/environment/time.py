@@ -39,6 +39,16 @@ class TimeMethods(EnvironmentDescription):
         """Set the minimum number of physics steps per tick."""
         self.settings.physics_steps = checks.integer(step_sub, "env.set_physics_step_sub(step_sub)", minimum=1)
 
+    def use_physics_of_1_4(self, value: bool = True) -> None:
+        """Set whether driven robots are as slow as in the engine of MORSE 1.4, to which old tests were adjusted.
+
+        Friction and damping then reduce their speeds, robots on four wheels turn 2 % less, and the origin on the Earth
+        is rounded to single precision.
+        """
+        self.settings.physics_of_1_4 = checks.boolean(value, "env.use_physics_of_1_4(value)")
+        if value:
+            logger.info("%s: driven robots have the friction and damping of MORSE 1.4", frames.source_line())
+
     def set_time_strategy(self, strategy: TimeStrategies) -> None:
         """Choose how simulated time relates to the wall clock.
 
