@@ -99,27 +99,40 @@ POLAR = "env.properties(longitude=0.0, latitude=80.0, altitude=0.0)"
 
 
 @pytest.mark.parametrize(
-    ("yaw", "expected"),
-    [(EAST, (-445.9, 6627.1, -54432.3)), (NORTH, (6627.1, 445.9, -54432.3))],
+    ("yaw", "data", "field"),
+    [
+        (EAST, (6627.1, -445.9, 54432.3), (-445.9, 6627.1, -54432.3)),
+        (NORTH, (-445.9, -6627.1, 54432.3), (6627.1, 445.9, -54432.3)),
+    ],
 )
-def test_published_magnetic_field(simulate, yaw, expected):
+def test_published_magnetic_field(simulate, yaw, data, field):
     simulation = world(simulate, magnetometer(), env=POLAR, yaw=yaw)
-    data = simulation["robot.m"].local_data
-    assert (data["x"], data["y"], data["z"]) == pytest.approx(expected, abs=0.1)
-    assert bind(simulation["robot.m"])[0].gather().field == pytest.approx([v * 1e-9 for v in expected], abs=1e-10)
+    measured = simulation["robot.m"].local_data
+    # north, east and down as if they were the axes of the world
+    assert (measured["x"], measured["y"], measured["z"]) == pytest.approx(data, abs=0.1)
+    message = bind(simulation["robot.m"])[0].gather()
+    # along the axes of the sensor
+    assert message.field == pytest.approx([v * 1e-9 for v in field], abs=1e-10)
+    assert message.frame == "own"
+
+
+def test_the_covariance_of_a_noisy_magnetometer(simulate):
+    simulation = world(simulate, magnetometer(turn="m.noise(gaussian=50.0)"), env=POLAR)
+    covariance = bind(simulation["robot.m"])[0].gather().covariance
+    assert [covariance[i][i] for i in range(3)] == pytest.approx([(50e-9) ** 2] * 3)
 
 
 def test_a_magnetometer_on_its_side(simulate):
     data = world(simulate, magnetometer(turn="m.rotate(y=math.pi / 2)"), env=POLAR)["robot.m"].local_data
-    # its X axis points down
-    assert (data["x"], data["y"], data["z"]) == pytest.approx((54432.3, 6627.1, -445.9), abs=0.1)
+    # its X axis points along -Z
+    assert (data["x"], data["y"], data["z"]) == pytest.approx((-54432.3, -445.9, 6627.1), abs=0.1)
 
 
 def test_another_date_while_it_runs(simulate):
     simulation = world(simulate, magnetometer(), env=POLAR)
     simulation["robot.m"].set_property("date", 2020.0)
     data = simulation.run(0.1)["robot.m"].local_data
-    assert (data["x"], data["y"], data["z"]) == pytest.approx((-146.3, 6570.4, -54606.0), abs=0.1)
+    assert (data["x"], data["y"], data["z"]) == pytest.approx((6570.4, -146.3, 54606.0), abs=0.1)
 
 
 @pytest.mark.parametrize("date", [1999.0, 2040.0, "'today'"])

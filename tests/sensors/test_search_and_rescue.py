@@ -57,28 +57,43 @@ def test_what_is_said_of_a_victim(scene):
 
 def test_a_cone_of_sixty_degrees_and_ten_metres(scene):
     # angle (degrees) and distance (m)
-    places = {"ahead": (0, 8.5), "left": (29, 5), "right": (-31, 5), "far": (5, 10.5), "behind": (180, 3)}
+    places = {"ahead": (0, 8.5), "left": (29, 5), "right": (-38, 5), "far": (5, 10.6), "behind": (180, 3)}
     victims = "".join(
         victim(name, r * math.cos(math.radians(a)), r * math.sin(math.radians(a))) for name, (a, r) in places.items()
     )
-    # half a metre below the sensor: at a horizontal angle of 29 degrees, the angle is 29.5
     assert seen(scene(victims)) == {"ahead", "left"}
-    assert seen(scene(victims, "sar.properties(Angle=64.0, Distance=11.0)")) == {"ahead", "left", "right", "far"}
+    assert seen(scene(victims, "sar.properties(Angle=78.0, Distance=11.0)")) == {"ahead", "left", "right", "far"}
 
 
 def test_healing_takes_ten_measurements(scene):
     simulation = scene(victim("bob", 1.5, 0.0))
     healing = simulation.robot.sar.heal()
-    severities = []
-    for _ in range(10):
+    for count in range(10):
         simulation.step(10)  # six measurements per second
-        victims = simulation.robot.sar.data["victim_dict"]
-        severities.append(victims["bob"]["severity"] if victims else 0)
-        assert healing.done() == (len(severities) == 10)
-    assert severities == [9, 8, 7, 6, 5, 4, 3, 2, 1, 0]
+        assert healing.done() == (count == 9)
     assert healing.result() == "bob"
     simulation.step(20)
-    assert seen(simulation) == set()
+    # the robot has the abilities 1 and 2
+    bob = simulation.robot.sar.data["victim_dict"]["bob"]
+    assert (bob["requirements"], bob["severity"]) == ([3], 10)
+
+
+def test_a_victim_without_requirements_is_healed_and_stays_in_the_list(scene):
+    simulation = scene(victim("bob", 1.5, 0.0), "sar.properties(Abilities='3,2,1')")
+    healing = simulation.robot.sar.heal()
+    simulation.step(130)
+    assert healing.result() == "bob"
+    bob = simulation.robot.sar.data["victim_dict"]["bob"]
+    assert (bob["requirements"], bob["severity"]) == ([], 0)
+    assert simulation.context.world.game_object("bob")["Injured"] is True
+
+
+def test_a_part_of_the_shape_in_the_cone_is_enough(scene):
+    # the origin, at the feet, is below the cone; the head is inside
+    simulation = scene(victim("bob", 1.0, 0.0), "sar.translate(z=1.0)")
+    assert math.degrees(math.atan2(1.5, 1.0)) > 30.0
+    assert seen(simulation) == {"bob"}
+    assert simulation.robot.sar.data["victim_dict"]["bob"]["coordinate"]["z"] == pytest.approx(0.0, abs=0.1)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +116,7 @@ def test_healing_that_is_cancelled(scene):
     simulation.step(30)
     simulation.cancel(healing)
     simulation.step(60)
-    assert simulation.robot.sar.data["victim_dict"]["bob"]["severity"] == 7
+    assert simulation.robot.sar.data["victim_dict"]["bob"]["requirements"] == [1, 2, 3]
 
 
 def test_healing_that_loses_its_victim(scene):
@@ -144,5 +159,8 @@ def test_healing_goes_on_from_a_saved_state(scene):
     state = simulation.save()
     simulation.step(60)
     simulation.restore(state)
-    simulation.step(30)
-    assert simulation.robot.sar.data["victim_dict"]["bob"]["severity"] == 4
+    bob = simulation.context.component("robot.sar").local_data
+    simulation.step(60)
+    assert bob["victim_dict"]["bob"]["requirements"] == [1, 2, 3]
+    simulation.step(20)
+    assert bob["victim_dict"]["bob"]["requirements"] == [3]

@@ -20,8 +20,9 @@ _STILL = (0.0, 0.0, 0.0)
 class Orientation(Actuator):
     """Sets the orientation of the robot, immediately or at limited speed, without changing its position.
 
-    With a limited speed, yaw, pitch and roll each change at most at that rate, in the shorter direction, until they are
-    within the tolerance. For a ground robot, only the yaw can be controlled at limited speed.
+    With a limited speed, the robot turns about each of its axes at a rate that is proportional to the error of roll,
+    pitch or yaw, at most that speed, in the shorter direction, until the error is within the tolerance. For a ground
+    robot, only the yaw can be controlled at limited speed.
     """
 
     _name = "Orientation"
@@ -36,7 +37,7 @@ class Orientation(Actuator):
         math.inf,
         "speed",
         "float",
-        "Largest rate of each angle; infinite for an immediate change",
+        "Largest rate about each axis; infinite for an immediate change",
         unit="rad/s",
         low=0.0,
         allow=("inf",),
@@ -75,7 +76,7 @@ class Orientation(Actuator):
             self._rate(data["pitch"] - pitch),
             self._rate(data["yaw"] - yaw),
         ]
-        self.robot_parent.apply_speed(self._type, (0.0, 0.0, 0.0), _body_rates(rates, roll, pitch))
+        self.robot_parent.apply_speed(self._type, (0.0, 0.0, 0.0), rates)
 
     def _rate(self, missing: float) -> float:
         missing = math.remainder(missing, 2.0 * math.pi)
@@ -92,10 +93,3 @@ class Orientation(Actuator):
         # a robot that does not turn is not driven, so that it can come to rest
         if obj.velocity()[1] != _STILL:
             obj.set_velocity(None, (0.0, 0.0, 0.0))
-
-
-def _body_rates(rates: list[float], roll: float, pitch: float) -> tuple[float, float, float]:
-    """Return the angular velocity in body axes, rad/s, from the rates of roll, pitch and yaw."""
-    dr, dp, dy = rates
-    sr, cr, sp, cp = math.sin(roll), math.cos(roll), math.sin(pitch), math.cos(pitch)
-    return dr - sp * dy, cr * dp + sr * cp * dy, -sr * dp + cr * cp * dy

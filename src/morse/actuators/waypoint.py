@@ -132,7 +132,7 @@ class Waypoint(Going):
 
     @service
     def stop(self) -> str:
-        """Stop; a running ``goto`` waits until ``resume`` is called."""
+        """Drive no more, so that the robot rolls out; a running ``goto`` waits until ``resume`` is called."""
         data = self.local_data
         if data["speed"]:
             self._speed_before_stop = data["speed"]
@@ -192,7 +192,8 @@ class Waypoint(Going):
             else:
                 self._arrive()
         elif not data["speed"]:
-            self._halt()
+            # without a command, the robot rolls out
+            self._moving = False
         else:
             self.robot_parent.move_status = TRANSIT
             self._go_on(place, distance, data["speed"])

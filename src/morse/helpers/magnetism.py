@@ -77,6 +77,15 @@ class MagneticField:
         dx, dy, dz = turn(slope, (x - i * _CELL, y - j * _CELL, z - k * _CELL))
         return fx + dx, fy + dy, fz + dz
 
+    def north_east_down(self, position: Sequence[float]) -> Triple:
+        """Return the field towards north, east and down, nT.
+
+        Args:
+            position: position in the world, m.
+        """
+        east, north, up = self._plane.enu_of(self.at(position))
+        return north, east, -up
+
     def _worked_out(self, i: int, j: int, k: int) -> _Cell:
         """Compute the field in the centre of a cell, and its gradient, row by row."""
         x, y, z = i * _CELL, j * _CELL, k * _CELL

@@ -233,6 +233,19 @@ class Bodies:
         if angular is not None:
             _THREE.pack_into(qvel, _BYTES * (slot.dof + 3), *rigid.turn_back(state.rotations[index], angular))
 
+    def balance_spin(self, index: int, angular: Sequence[float]) -> None:
+        """Apply the torque that keeps a body turning about a commanded axis, which need not be a principal one.
+
+        Args:
+            angular: rad/s about the axes of the body.
+        """
+        body, model = self._state.slots[index].body, self._state.model
+        axes = rigid.rotation_of_quaternion(model.body_iquat[body].tolist())
+        p, q, r = rigid.turn(rigid.transpose(axes), angular)
+        a, b, c = model.body_inertia[body].tolist()
+        own = rigid.turn(axes, (q * r * (c - b), r * p * (a - c), p * q * (b - a)))
+        self.apply_wrench(index, (0.0, 0.0, 0.0), rigid.turn(self._state.rotations[index], own))
+
     def apply_wrench(self, index: int, force: Sequence[float], torque: Sequence[float]) -> None:
         """Apply a force (N) and a torque (N m) at the centre of mass during the next tick, world axes."""
         state = self._state

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.helpers.extent import corners
 from morse.mathutils.portable import matmul
 from morse.physics.articulated import Articulated, JointSlot
+from morse.physics.calibration import friction_of
 from morse.physics.couplings import CouplingBuilder, TendonSlot
-from morse.physics.feet import Stance, corners, stance, trimmed
+from morse.physics.feet import Stance, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
 from morse.physics.layout import Frame, Motion, frames_of
 from morse.physics.plane_builder import PlaneBuilder
@@ -101,6 +103,7 @@ class Compiled:
         geom_node: node of each geom.
         tendon_motors: the motors of tendons.
         planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.floor_planes`.
+        physics_of_1_4: see `morse.physics.calibration`.
     """
 
     model: mujoco.MjModel
@@ -110,6 +113,7 @@ class Compiled:
     geom_node: list[Node]
     tendon_motors: list[TendonSlot]
     planes: dict[int, int]
+    physics_of_1_4: bool = False
 
 
 def compile_scene(scene: Scene) -> Compiled:
@@ -134,6 +138,7 @@ def _compile(scene: Scene) -> Compiled:
     spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     builder = _Builder(spec, has_wheels=any(frame.motion is Motion.HINGE for frame in frames))
+    builder.physics_of_1_4 = settings.physics_of_1_4
     slots = [builder.add(frame) for frame in frames]
     builder.articulated.finish(spec.option.timestep)
     couplings = builder.couple(slots)
@@ -153,7 +158,7 @@ def _compile(scene: Scene) -> Compiled:
     geom_node = builder.resolve(model, slots)
     data = mujoco.MjData(model)
     planes = {box.id: plane.id for box, plane in builder.planes.pairs}
-    return Compiled(model, data, slots, steps, geom_node, couplings.motors, planes)
+    return Compiled(model, data, slots, steps, geom_node, couplings.motors, planes, settings.physics_of_1_4)
 
 
 def _not_moved_by_engine(frame: Frame) -> bool:
@@ -186,6 +191,7 @@ class _Builder:
         self._hulls: dict[bytes, str] = {}
         self._step = spec.option.timestep
         self._couplings: CouplingBuilder | None = None
+        self.physics_of_1_4 = False
 
     def add(self, frame: Frame) -> Slot:
         slot = Slot(frame, rigid_frame(frame.node))
@@ -227,7 +233,7 @@ class _Builder:
         total = sum(volume(shape) for node in heavy or frame.solid for shape in node.shapes or ()) or 1.0
         mass = frame.node.body.mass if frame.motion is Motion.FREE and not has_links else 0.0
         lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
-        is_robot = frame.robot is not None and frame.motion is Motion.FREE and not has_links
+        is_robot = _is_free_robot(frame) and not has_links
         gets_planes = self._has_wheels and frame.motion is Motion.FIXED
         turned = as_array(slot.pose.rotation)
         stand, floor = self._stance(frame, slot), caster_floor(frame, slot.pose)
@@ -337,6 +343,8 @@ class _Builder:
 
     def _set_surface(self, geom: Any, node: Node, frame: Frame) -> None:
         friction = node.body.friction if node.body.friction is not None else frame.node.body.friction
+        if self.physics_of_1_4 and _is_free_robot(frame):
+            friction = friction_of(node.body if node.body.friction is not None else frame.node.body)
         if friction is not None:
             geom.friction = [friction, _TORSIONAL, _ROLLING]
             # the friction of a script applies to all contacts, not only to contacts with lower friction
@@ -418,6 +426,10 @@ class _Builder:
             if slot.frame.motion is Motion.HINGE:
                 slot.actuator = model.actuator(slot.frame.node.name).id
         return geom_node
+
+
+def _is_free_robot(frame: Frame) -> bool:
+    return frame.robot is not None and frame.motion is Motion.FREE
 
 
 def _is_weightless(frame: Frame) -> bool:

@@ -59,6 +59,7 @@ class Drives:
         self._fleets.clear()
         self._state.kinematic.clear()
         self._turn_after.clear()
+        self._drag.ends.clear()
 
     def get_state(self) -> dict[str, Any]:
         """See `morse.physics.saved.SavedDrives`."""
@@ -208,6 +209,8 @@ class Drives:
             self._turn_after.append((dof, c, s, command.shift))
         if sliding and command.ground:
             self._gliding.consider(index, command)
+        elif wx or wy:
+            self._bodies.balance_spin(index, angular)
 
     def _move(self, index: int, command: Command) -> None:
         state = self._state
@@ -225,10 +228,21 @@ class Drives:
         for dof, c, s, shift in self._turn_after:
             glide_velocity.end(self._qvel, dof, c, s, shift)
         self._turn_after.clear()
+        if self._drag.ends:
+            self._slow_down()
         self._commands.clear()
         for fleet in self._fleets:
             fleet.end()
         self._fleets.clear()
+
+    def _slow_down(self) -> None:
+        """Set the velocities that losses within the tick leave at its end."""
+        for index, (linear, angular) in self._drag.ends.items():
+            dof = self._state.slots[index].dof
+            across, about = (2, 5) if self._commands[index].ground else (3, 3)
+            self._qvel[dof : dof + across] *= linear
+            self._qvel[dof + about : dof + 6] *= angular
+        self._drag.ends.clear()
 
     def _set_sliding(self, index: int, sliding: bool) -> None:
         state = self._state
@@ -242,7 +256,7 @@ class Drives:
             self._sliding.discard(index)
             self._gliding.leave(index)
             set_damping(model, slot)
-        fixed = slot.frame.node.body.friction is not None
+        fixed = slot.frame.node.body.friction is not None or state.physics_of_1_4
         for node, geoms in slot.geoms.items():
             if not is_caster(node):
                 self._set_contact(geoms, sliding, fixed or node.body.friction is not None)

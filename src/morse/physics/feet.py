@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.mathutils import portable
 from morse.mathutils.portable import matmul
 from morse.scene import CollisionShape, ShapeKind
 
@@ -115,23 +114,3 @@ def trimmed(
     moved = matmul(rotation.T, centre + np.array([0.0, 0.0, cut / 2]) - position)
     x, y, z = moved.tolist()
     return CollisionShape(shape.kind, (*shape.size[:-1], half - cut / 2), (x, y, z), shape.rotation)
-
-
-def corners(shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return points (P, 3) in the frame of the robot whose convex hull is the shape (approximately, if it is round)."""
-    if shape.kind is ShapeKind.CONVEX:
-        assert shape.vertices is not None
-        return np.asarray(matmul(shape.vertices, rotation.T) + position)
-    if shape.kind is ShapeKind.BOX:
-        signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
-        own = signs * np.asarray(shape.size)
-    elif shape.kind is ShapeKind.CYLINDER:
-        turn = np.arange(24) * (math.pi / 12)
-        ring = np.column_stack([portable.cos(turn), portable.sin(turn)]) * shape.size[0]
-        own = np.vstack([np.column_stack([ring, np.full(24, h)]) for h in (-shape.size[1], shape.size[1])])
-    else:
-        radius = shape.size[0]
-        up = radius + (shape.size[1] if shape.kind is ShapeKind.CAPSULE else 0.0)
-        own = np.array([[radius, 0, 0], [-radius, 0, 0], [0, radius, 0], [0, -radius, 0], [0, 0, up], [0, 0, -up]])
-    turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
-    return np.asarray(matmul(own, turned.T) + position + matmul(rotation, np.asarray(shape.position)))

@@ -90,9 +90,10 @@ class IMU(MotionSensor):
         "magnetic_field",
         _ZERO,
         "vec3<float>",
-        "Magnetic field; 0 if the environment does not declare its position on the earth",
+        "Magnetic field towards north, east and down, rotated as if these were the axes of the world; 0 if the "
+        "environment does not declare its position on the earth",
         unit="nT",
-        frame="own",
+        frame="ned_as_world",
         shape=3,
     )
     add_property(
@@ -178,7 +179,7 @@ class IMU(MotionSensor):
             "linear_acceleration": list(turn_back(rotation, (x, y, z + self.context.scene.settings.gravity))),
         }
         if self._field is not None:
-            felt["magnetic_field"] = list(turn_back(rotation, self._field.at(position)))
+            felt["magnetic_field"] = list(turn_back(rotation, self._field.north_east_down(position)))
         return felt
 
     # -- many of them ----------------------------------------------------------------------

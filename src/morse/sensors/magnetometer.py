@@ -37,20 +37,24 @@ def _decimal_year(seconds: float) -> float:
 
 
 class Magnetometer(Sensor):
-    """Measures the magnetic field of the earth along its axes, from the World Magnetic Model.
+    """Measures the magnetic field of the earth, from the World Magnetic Model.
+
+    The data are the field towards north, east and down, rotated into the sensor as if these were the axes of the world,
+    as in MORSE 1.4: a sensor that is not rotated has X north, Y east and Z down. Messages of the kind
+    ``magnetic_field`` contain the field along the axes of the sensor.
 
     The environment has to declare its position on the earth:
     ``env.properties(longitude=..., latitude=..., altitude=...)``.
     """
 
     _name = "Magnetometer"
-    _short_desc = "A sensor returning the magnetic field of the earth, in the axes of the sensor"
+    _short_desc = "A sensor returning the magnetic field of the earth"
     _source = "World Magnetic Model of NOAA/NCEI and BGS, 2010 to 2025; computed by pygeomag"
     _builder = BuilderDefaults(visual=Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.3, 0.9)))
 
-    add_data("x", 0.0, "float", "Field along X", unit="nT", frame="own")
-    add_data("y", 0.0, "float", "Field along Y", unit="nT", frame="own")
-    add_data("z", 0.0, "float", "Field along Z", unit="nT", frame="own")
+    add_data("x", 0.0, "float", "Field towards north, if the sensor is not rotated", unit="nT", frame="ned_as_world")
+    add_data("y", 0.0, "float", "Field towards east, if the sensor is not rotated", unit="nT", frame="ned_as_world")
+    add_data("z", 0.0, "float", "Field downwards, if the sensor is not rotated", unit="nT", frame="ned_as_world")
     add_property(
         "_date",
         None,
@@ -89,4 +93,4 @@ class Magnetometer(Sensor):
             self._take_model()
         position, rotation = self.position_3d.get_pose()
         data = self.local_data
-        data["x"], data["y"], data["z"] = turn_back(rotation, self._field.at(position))
+        data["x"], data["y"], data["z"] = turn_back(rotation, self._field.north_east_down(position))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from morse.core import status
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCInvokationError
@@ -12,18 +14,23 @@ from morse.core.sensor import Sensor
 from morse.core.services import async_service, noninterruptible, service
 from morse.core.watched_space import WatchedSpace
 from morse.helpers.components import add_data, add_property
-from morse.mathutils.rotations import turn_back
+from morse.helpers.cone import Cone
+from morse.helpers.extent import corners
+from morse.mathutils.portable import matmul
 
 #: number of measurements that healing takes
 _HEALING = 10
+_POSE = ((3,), (3, 3))
 _INJURED, _SEVERITY, _REQUIREMENTS = "Injured", "Severity", "Requirements"
 
 
 class SearchAndRescue(Sensor):
     """Finds objects with a true property ``Injured`` in a cone around its X axis, even behind walls.
 
-    Victims have the properties ``Requirements``, numbers of abilities joined by commas, and ``Severity``. The sensor
-    can heal the nearest victim, if it is near enough and one of the abilities of the robot is among its requirements.
+    An object is found if a part of its collision shape is in the cone. Victims have the properties ``Requirements``,
+    numbers of abilities joined by commas, and ``Severity``. The sensor can heal the nearest victim, if it is near
+    enough and one of the abilities of the robot is among its requirements. The victim then no longer has the
+    requirements that the robot can treat; without any, its severity is 0.
     """
 
     _name = "Search and rescue"
@@ -64,25 +71,31 @@ class SearchAndRescue(Sensor):
 
     # -- victims ---------------------------------------------------------------------------
 
-    def _distance_in_sight(self, victim: Any) -> float | None:
+    def _is_in(self, cone: Cone, victim: Any) -> bool:
+        """Whether a part of the collision shape of a victim, or else its origin, is in the cone."""
         position, rotation = self.position_3d.get_pose()
-        x, y, z = (b - a for a, b in zip(position, victim.world_pose()[0], strict=True))
-        distance = math.sqrt(x * x + y * y + z * z)
-        if distance > self._distance:
-            return None
-        forward = turn_back(rotation, (x, y, z))[0]
-        inside = distance == 0.0 or math.acos(max(-1.0, min(1.0, forward / distance))) <= math.radians(self._angle) / 2
-        return distance if inside else None
+        here, turned = np.array(position), np.reshape(rotation, (3, 3))
+        has_shape = False
+        for node in victim.node.walk():
+            part = self.context.world.find_object(node) if node.shapes else None
+            if part is None:
+                continue
+            place, own = (np.reshape(values, shape) for values, shape in zip(part.world_pose(), _POSE, strict=True))
+            for shape in node.shapes:
+                has_shape = True
+                if cone.touches(matmul(corners(shape, place, own) - here, turned)):
+                    return True
+        return not has_shape and cone.contains(matmul(np.array(victim.world_pose()[0]) - here, turned))
 
     def _victims(self) -> list[tuple[float, Any]]:
-        """Return distance and object of each victim in the cone, the nearest first."""
-        own = self.robot_parent.bge_object
-        found = []
-        for obj in self.context.world.objects():
-            if obj.properties.get(_INJURED) and obj is not own:
-                distance = self._distance_in_sight(obj)
-                if distance is not None:
-                    found.append((distance, obj))
+        """Return object and distance between the origins of each victim in the cone, the nearest first."""
+        own, cone = self.robot_parent.bge_object, Cone(0.5 * math.radians(self._angle), self._distance)
+        here = self.position_3d.get_pose()[0]
+        found = [
+            (math.dist(here, obj.world_pose()[0]), obj)
+            for obj in self.context.world.objects()
+            if obj.properties.get(_INJURED) and obj is not own and self._is_in(cone, obj)
+        ]
         return sorted(found, key=lambda item: item[0])
 
     def measure(self) -> None:
@@ -146,7 +159,6 @@ class SearchAndRescue(Sensor):
             self.completed(status.FAILED, reason)
         else:
             self._patient, self._left = victim.name, _HEALING
-            self._worst = _severity(victim)
 
     def interrupt(self) -> None:
         """Stop healing."""
@@ -161,10 +173,11 @@ class SearchAndRescue(Sensor):
             return
         victim = patient[1]
         self._left -= 1
-        victim[_SEVERITY] = math.ceil(self._worst * self._left / _HEALING)
         if self._left == 0:
-            victim[_INJURED] = False
-            victims.remove(patient)
+            left = [need for need in _numbers(victim.get(_REQUIREMENTS)) if need not in _numbers(self._abilities)]
+            victim[_REQUIREMENTS] = ",".join(map(str, left))
+            if not left:
+                victim[_SEVERITY] = 0
             self._patient = None
             self.completed(status.SUCCESS, victim.name)
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: minimum number of visible pixels of an object
 _FEWEST = 1
+#: property with the kind of an object
+_TYPE = "Type"
 
 
 def _records(camera: SemanticCamera) -> list[dict[str, Any]]:
@@ -30,7 +32,7 @@ def _records(camera: SemanticCamera) -> list[dict[str, Any]]:
 
 
 class SemanticCamera(Camera):
-    """Lists the visible objects that have a certain property.
+    """Lists the visible objects that have a certain property, or whose property ``Type`` has its name as its value.
 
     An object is visible if at least one pixel of the image shows it. With ``visibility`` ``"ray"``, it is visible as in
     MORSE 1.4: a part of its bounding box is in the field of view, and a ray from the camera to its origin hits it
@@ -46,7 +48,7 @@ class SemanticCamera(Camera):
 
     add_property("relative", False, "relative", "bool", "Poses are in the frame of the camera, not of the world")
     add_property("noocclusion", False, "noocclusion", "bool", "Ignore occlusion")
-    add_property("tag", "Object", "tag", "string", "Property that marks objects")
+    add_property("tag", "Object", "tag", "string", "Property that marks objects, or the value of their property Type")
     add_property(
         "visibility",
         "pixels",
@@ -100,7 +102,7 @@ class SemanticCamera(Camera):
     def _things(self) -> Iterator[Any]:
         for obj in self.context.world.objects():
             # a false property counts as missing
-            if obj.get(self.tag) and obj.node is not self.bge_object.node:
+            if (obj.get(self.tag) or obj.get(_TYPE) == self.tag) and obj.node is not self.bge_object.node:
                 yield obj
 
     def _is_in_sight(self, obj: Any) -> bool:
@@ -137,7 +139,7 @@ class SemanticCamera(Camera):
         return {
             "name": str(obj.get("Label", obj.name)),
             "description": str(obj.get("Description", "")),
-            "type": str(obj.get("Type", "")),
+            "type": str(obj.get(_TYPE, "")),
             "position": [float(value) for value in position],
             "orientation": matrix.to_quaternion(),
         }

@@ -24,6 +24,7 @@ FRAMES: dict[str, str] = {
     "optical": "of a camera: X right, Y down, Z forward",
     "enu": "of the world, X east, Y north, Z up",
     "ned": "of the world, X north, Y east, Z down",
+    "ned_as_world": "of the component, if north, east and down were the axes X, Y and Z of the world",
     "frd": "of the component: X forward, Y right, Z down",
     "earth": "of the earth (ECEF): origin in its centre, X to 0° N 0° E, Z to the north pole",
     "utm": "UTM grid: X east, Y north, Z up",

@@ -15,7 +15,7 @@ from morse.core.kinds.message import Message
 from morse.core.kinds.replaced import uses_after_modifiers
 from morse.core.kinds.sources import Among, FromData, as_slot, source_of
 from morse.core.kinds.table import GENERAL
-from morse.core.kinds.turning import TURNABLE, turned
+from morse.core.kinds.turning import NED_AS_WORLD, TURNABLE, turned
 from morse.core.quoting import shown
 from morse.core.validation.errors import CommandError
 
@@ -92,7 +92,7 @@ class BoundKind:
         used = {name for _, source in self._sources for name in source.fields}
         self.rest = tuple(name for name in fields if name not in used and name != "timestamp")
         self._turns = self._find_turns()
-        self.frame = next((s.frame or slot.frame for slot, s in self._sources if slot.frame), "own")
+        self.frame = next((_frame_in_message(slot, s) for slot, s in self._sources if slot.frame), "own")
         self._covariances = covariances(component, self.kind, self._sources, fields)
 
     def _find_turns(self) -> dict[str, tuple[str, str]]:
@@ -101,7 +101,7 @@ class BoundKind:
         turns = {}
         for slot, source in self._sources:
             frame = source.frame or slot.frame
-            wanted = leading.setdefault(slot.frame, frame)
+            wanted = leading.setdefault(slot.frame, _frame_in_message(slot, source))
             if not slot.moves or frame == wanted:
                 continue
             if frame not in TURNABLE or wanted not in TURNABLE:
@@ -234,6 +234,11 @@ class BoundKind:
         if slot.moves == ORIENTATION and not any(value):
             return value
         return turned(value, slot.moves, given, wanted, self.component)
+
+
+def _frame_in_message(slot: Slot, source: Source) -> str:
+    """Return the frame of a slot in messages, if it is the first slot: that of its field."""
+    return slot.frame if source.frame == NED_AS_WORLD else source.frame or slot.frame
 
 
 def _checked_array(slot: Slot, value: Any) -> Any:

@@ -15,12 +15,14 @@ from morse.mathutils.rotations import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from morse.mathutils.rotations import Quaternion4, Rotation9
 
 #: frames between which the values of a component can always be converted
-TURNABLE = ("own", "frd", "robot", "world", "earth")
+TURNABLE = ("own", "frd", "robot", "world", "earth", "ned_as_world")
+#: the frame of magnetic fields in MORSE 1.4, which no message has
+NED_AS_WORLD = "ned_as_world"
 _SHORTEST = 1e-9
 
 
@@ -81,6 +83,15 @@ def _between(given: str, wanted: str, component: Any) -> tuple[tuple[float, ...]
     return origin, product(inverse, a)
 
 
+def _north_east_down(properties: Mapping[str, Any]) -> Rotation9:
+    """Return the rotation of the axes north, east and down in the world."""
+    from morse.helpers.geodesy import angle_against_north
+
+    angle = angle_against_north(properties)
+    c, s = math.cos(angle), math.sin(angle)
+    return (s, c, 0.0, c, -s, 0.0, 0.0, 0.0, -1.0)
+
+
 def _pose(frame: str, component: Any) -> tuple[tuple[float, ...], Rotation9]:
     if frame == "world":
         return (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
@@ -94,4 +105,6 @@ def _pose(frame: str, component: Any) -> tuple[tuple[float, ...], Rotation9]:
     if frame == "frd":
         a, b, c, d, e, f, g, h, i = rotation
         rotation = (a, -b, -c, d, -e, -f, g, -h, -i)
+    elif frame == NED_AS_WORLD:
+        rotation = product(_north_east_down(component.context.scene.properties), rotation)
     return (pose.x, pose.y, pose.z), rotation
