@@ -286,7 +286,7 @@ class LaserScanner(LaserSensorWithArc):
     ) -> None: ...
 
 class Magnetometer(SensorCreator):
-    """A sensor returning the magnetic field of the earth, in the axes of the sensor"""
+    """A sensor returning the magnetic field of the earth"""
     def properties(
         self,
         *,

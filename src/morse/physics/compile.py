@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
-from morse.helpers.extent import corners
 from morse.mathutils.portable import matmul
 from morse.physics.articulated import Articulated, JointSlot
 from morse.physics.calibration import friction_of
@@ -24,6 +23,7 @@ from morse.physics.unusable_hulls import replace_unusable_hulls
 from morse.physics.wheel_casters import caster_floor, is_caster, rise
 from morse.physics.wheel_shapes import wheel_axis, wheel_size
 from morse.scene import PhysicsType, ShapeKind
+from morse.scene.corners import corners
 from morse.scene.frames import RigidFrame, rigid_frame
 
 if TYPE_CHECKING:

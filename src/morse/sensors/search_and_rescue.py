@@ -15,8 +15,8 @@ from morse.core.services import async_service, noninterruptible, service
 from morse.core.watched_space import WatchedSpace
 from morse.helpers.components import add_data, add_property
 from morse.helpers.cone import Cone
-from morse.helpers.extent import corners
 from morse.mathutils.portable import matmul
+from morse.scene.corners import corners
 
 #: number of measurements that healing takes
 _HEALING = 10
