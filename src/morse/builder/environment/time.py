@@ -11,6 +11,7 @@ from morse.builder.components.interfaces import Interfaces
 from morse.builder.errors import checks
 from morse.builder.errors.options import manager_options
 from morse.builder.legacy.notices import notice
+from morse.builder.names import frames
 from morse.core import log
 from morse.core.clock import SLOWEST
 from morse.middleware import registry
