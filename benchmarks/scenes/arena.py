@@ -11,7 +11,7 @@ from morse.builder import *
 from morse.builder.creator import SensorCreator
 
 ASKED = {"count": "1", "drive": "planar", "sensors": "pose", "port": ""}
-ASKED.update(argument.split("=") for argument in sys.argv[1:])
+ASKED.update(word.split("=") for word in sys.argv[1:] if "=" in word)
 
 
 class Panorama(SensorCreator):

@@ -8,7 +8,7 @@ import sys
 from morse.builder import *
 
 ASKED = {"count": "1000", "visible": "no"}
-ASKED.update(argument.split("=") for argument in sys.argv[1:])
+ASKED.update(word.split("=") for word in sys.argv[1:] if "=" in word)
 
 side = int(int(ASKED["count"]) ** 0.5) + 1
 for number in range(int(ASKED["count"])):

@@ -4,7 +4,7 @@ import sys
 
 from morse.builder import *
 
-NAMES = dict(argument.split("=") for argument in sys.argv[1:])
+NAMES = dict(word.split("=") for word in sys.argv[1:] if "=" in word)
 MIDDLEWARE = NAMES["with"]
 
 robot = Robot(name="robot")

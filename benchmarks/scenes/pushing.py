@@ -6,7 +6,7 @@ from benchmarks import work
 from morse.builder import *
 
 ASKED = {"count": "50"}
-ASKED.update(argument.split("=") for argument in sys.argv[1:])
+ASKED.update(word.split("=") for word in sys.argv[1:] if "=" in word)
 
 
 def movable(made):

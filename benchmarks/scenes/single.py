@@ -6,7 +6,7 @@ import morse.builder
 from morse.builder import *
 from morse.builder.creator import SensorCreator
 
-ARGUMENTS = dict(argument.split("=") for argument in sys.argv[1:])
+ARGUMENTS = dict(word.split("=") for word in sys.argv[1:] if "=" in word)
 NAME, CARRIES = ARGUMENTS["class"], ARGUMENTS["carries"] == "True"
 WHEELED, FLYING = ("MotionVWDiff", "WheelEncoders"), ("Quadrotor", "Rotorcraft", "StabilizedQuadrotor")
 HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
