@@ -51,6 +51,15 @@ def test_modules_of_1_4(load: Load, statement: str) -> None:
     load(f"{statement}\n{HEAD}{END}")
 
 
+def test_old_modules_are_named_in_every_script_and_stay_in_none(load: Load, caplog: pytest.LogCaptureFixture) -> None:
+    for _ in range(2):
+        caplog.clear()
+        load(f"from morse.builder.robots.pr2 import NavPR2\n{HEAD}{END}")
+        assert any("scene.py:1: " in text and "write morse.builder.robots" in text for text in warnings(caplog))
+    with pytest.raises(ModuleNotFoundError):
+        importlib.import_module("morse.builder.robots.pr2")
+
+
 def test_methods_of_earlier_versions(load: Load, caplog: pytest.LogCaptureFixture) -> None:
     scene = load(
         HEAD

@@ -61,9 +61,8 @@ def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None
     resources = list(dict.fromkeys([*options.resource_paths, *resource_folders(script)]))
     libraries = LibrariesFirst(script.stem, directories)
     words = argv(script, options.arguments, directories)
-    project = ProjectImports(
-        directories, words, [libraries, OldModules()], from_source=anew, as_imported=removed.as_imported
-    )
+    old = OldModules()
+    project = ProjectImports(directories, words, [libraries, old], from_source=anew, as_imported=removed.as_imported)
     if _lacks("mathutils"):
         project.offer("mathutils", mathutils)
     if _lacks(bpy.NAME):
@@ -75,8 +74,11 @@ def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None
         else:
             _run(script, project, code)
 
-    with project:
-        scene = build(describe, str(script), resources, options.interfaces)
+    try:
+        with project:
+            scene = build(describe, str(script), resources, options.interfaces)
+    finally:
+        old.forget()
     scene.project = project
     return scene
 

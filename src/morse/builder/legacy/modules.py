@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import sys
 from importlib.machinery import ModuleSpec
 from typing import TYPE_CHECKING
 
@@ -30,11 +31,24 @@ OLD_MODULES = {
 class OldModules:
     """Finds these modules, and those of the stand-in for ``bpy``, for the code of a scene script and its project."""
 
+    def __init__(self) -> None:
+        self._names: list[str] = []
+
+    def forget(self) -> None:
+        """Leave none of these modules to other programs and scripts of the process."""
+        for name in self._names:
+            sys.modules.pop(name, None)
+            parent, _, last = name.rpartition(".")
+            if parent in sys.modules:
+                vars(sys.modules[parent]).pop(last, None)
+        self._names.clear()
+
     def find_spec(self, name: str, path: Sequence[str] | None, _target: object = None) -> ModuleSpec | None:
         """See `importlib.abc.MetaPathFinder`."""
         # the stand-in has no folders; the folders of an installed bpy have other submodules
         if name not in OLD_MODULES and (path or not name.startswith(f"{bpy.NAME}.")):
             return None
+        self._names.append(name)
         return ModuleSpec(name, _Loader(), is_package=True)  # type: ignore[arg-type] # importlib.abc costs time
 
 
