@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import os
 import re
 import socket
+import sys
 from datetime import date
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -163,6 +165,15 @@ def command(
     return _simulate(options)
 
 
+def _leave(status: int) -> None:
+    """End the process at once, without waiting for threads that do not end."""
+    logging.shutdown()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(status)
+
+
 def _options(context: typer.Context) -> list[Any]:
     return [parameter for parameter in context.command.params if parameter.param_type_name == "option"]
 
@@ -170,9 +181,12 @@ def _options(context: typer.Context) -> list[Any]:
 def _simulate(options: RunOptions) -> int:
     # imported only now: other commands, and errors on this command line, should not wait for the simulator to load
     from morse.launch.run import run
+    from morse.simulation.ending import threads_left
 
     try:
-        return run(options)
+        status = run(options, leave=_leave)
+        threads_left(status, _leave)
+        return status
     except Exception:
         # programs that read the log wait for this marker, also after an error
         _logger.critical("[ERROR][MORSE] Uncaught exception, quit.", exc_info=True)

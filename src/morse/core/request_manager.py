@@ -127,6 +127,11 @@ class RequestManager(ABC):
         self.main()
         self.answer()
 
+    def finish(self) -> None:
+        """Send the last outcomes and stop."""
+        self.answer()
+        self.finalization()
+
     def answer(self) -> None:
         """Send the outcomes of the calls that have ended."""
         if not self._arrivals:
@@ -379,11 +384,14 @@ class MorseServices:
         for manager in self._everybody():
             manager.preempt(spared)
 
+    def everybody(self) -> list[RequestManager]:
+        """All managers, also those for calls within the process."""
+        return self._everybody()
+
     def finalize(self) -> None:
         """Send the last outcomes and stop every manager."""
         for manager in self._everybody():
-            manager.answer()
-            manager.finalization()
+            manager.finish()
 
 
 __all__ = ["MorseRPCInvokationError", "MorseServices", "OfferedService", "Outcome", "RequestManager"]

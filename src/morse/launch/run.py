@@ -9,7 +9,9 @@ import os
 import platform
 import signal
 import sys
+import threading
 import traceback
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,17 +36,25 @@ if TYPE_CHECKING:
     from morse.simulation.profile import Profile
     from morse.simulation.simulation import Simulation
 
+    #: ends the process with a status, although a component cannot be interrupted
+    Leave = Callable[[int], object] | None
+
 logger = logging.getLogger("morse.main")
 
 #: file to which `--profile` writes its trace
 _TRACE = Path("morse-profile.json")
 
 
-def run(options: RunOptions, ready: Callable[[Simulation], object] | None = None) -> int:
+def run(
+    options: RunOptions,
+    ready: Callable[[Simulation], object] | None = None,
+    leave: Leave = None,
+) -> int:
     """Load a scene and run it until it ends.
 
     Args:
         ready: callback, called before the first tick.
+        leave: ends the process with a status although a component cannot be interrupted; None to wait for it.
 
     Returns:
         The exit status: 0, or 1 if the scene could not be loaded or the run failed.
@@ -54,30 +64,35 @@ def run(options: RunOptions, ready: Callable[[Simulation], object] | None = None
     logger.info("PID: %d", os.getpid())
     simulation: Simulation | None = None
     review_settings()
+    status = 1
     try:
+        if leave is not None:
+            _leave_at_second_interruption(leave)
         loaded = script_stamp(options)
         next_scene = _load_scene(options)
         if next_scene is not None:
             loaded |= source_stamps(next_scene)
-        status = 1
         while next_scene is not None:
             scene, next_scene = next_scene, None
-            simulation = _start(scene, options)
+            simulation = _start(scene, options, leave)
             if simulation is None:
                 return 1
             if ready is not None:
                 ready(simulation)
                 ready = None
             rereading = _follow(simulation, options, loaded)
-            status = _loop(simulation)
+            status = _loop(simulation, leave)
             if rereading is not None and rereading.successor is not None:
                 _finish(simulation, for_another=True)
                 next_scene, options, loaded = rereading.successor
         return status
     except KeyboardInterrupt:
         logger.info("interrupted")
-        return 130
+        status = 130
+        return status
     finally:
+        if simulation is not None and leave is not None:
+            simulation.ending.leave = partial(leave, status)
         _finish(simulation)
 
 
@@ -120,7 +135,7 @@ def _interruption_held_back() -> Iterator[list[int]]:
         signal.signal(signal.SIGINT, before)
 
 
-def _start(scene: Scene, options: RunOptions) -> Simulation | None:
+def _start(scene: Scene, options: RunOptions, leave: Leave = None) -> Simulation | None:
     with _interruption_held_back() as pressed:
         from morse.launch.load import complete, resolve
         from morse.simulation.simulation import Simulation
@@ -136,7 +151,7 @@ def _start(scene: Scene, options: RunOptions) -> Simulation | None:
     except (MorseError, ValueError, OSError) as error:
         _failed(error)
         return None
-    stuck = _stop_at_signals(simulation)
+    stuck = _stop_at_signals(simulation, leave)
     if pressed:
         simulation.stop()
     endsection("SUPERVISION SERVICES INITIALIZED")
@@ -165,12 +180,39 @@ def _failed(error: Exception) -> None:
     logger.critical("INITIALIZATION FAILED!")
 
 
-def _stop_at_signals(simulation: Simulation) -> StuckTicks:
+def _stop_at_signals(simulation: Simulation, leave: Leave = None) -> StuckTicks:
     """Install signal handlers: Ctrl+C, SIGTERM and a terminal that is closed end the simulation after its tick."""
-    stuck = StuckTicks(simulation)
+    stuck = StuckTicks(simulation, leave=None if leave is None else partial(leave, 130))
     for number in ending_signals():
         signal.signal(number, stuck.end)
     return stuck
+
+
+def _leave_at_second_interruption(leave: Callable[[int], object]) -> None:
+    """Ctrl+C ends the script of a scene; a second one ends the process, because the script has caught the first."""
+    pressed: list[int] = []
+
+    def interrupt(number: int, _frame: Any) -> None:
+        pressed.append(number)
+        if len(pressed) > 1:
+            leave(130)
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, interrupt)
+
+
+def _hurry_at_signals(simulation: Simulation) -> None:
+    """Ctrl+C while the simulation ends: parts that do not end are left at once."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+
+    def hurry(_number: int, frame: Any) -> None:
+        if not simulation.ending.interrupts:
+            simulation.ending.hurry()
+
+    for number in ending_signals():
+        signal.signal(number, hurry)
 
 
 def _follow(simulation: Simulation, options: RunOptions, loaded: Stamps) -> Rereading | None:
@@ -184,7 +226,7 @@ def _follow(simulation: Simulation, options: RunOptions, loaded: Stamps) -> Rere
     return rereading
 
 
-def _loop(simulation: Simulation) -> int:
+def _loop(simulation: Simulation, leave: Leave = None) -> int:
     from morse.physics import UnstableError
     from morse.simulation.profile_table import LiveProfile
 
@@ -192,7 +234,7 @@ def _loop(simulation: Simulation) -> int:
     # present objects live until the end, so they are excluded from garbage collection
     gc.collect()
     gc.freeze()
-    stuck = _stop_at_signals(simulation)
+    stuck = _stop_at_signals(simulation, leave)
     try:
         simulation.run(simulation.options.duration)
     except UnstableError as error:
@@ -235,6 +277,7 @@ def _write_trace(profile: Profile) -> None:
 def _finish(simulation: Simulation | None, *, for_another: bool = False) -> None:
     if simulation is None or simulation.finished:
         return
+    _hurry_at_signals(simulation)
     simulation.end_recordings()
     section("COMPONENTS FINALIZATION")
     simulation.finalize_components()

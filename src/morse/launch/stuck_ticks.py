@@ -15,6 +15,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import FrameType
 
     from morse.simulation.simulation import Simulation
@@ -27,6 +28,8 @@ _LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
 _CALLERS = [str(_OURS / "simulation" / name) for name in ("ticking.py", "loader.py")]
 #: interval between two checks, wall-clock seconds
 _INTERVAL = 0.5
+#: time for the effect of an interruption, wall-clock seconds
+_GRACE = 2.0
 
 
 def user_line(frame: FrameType | None) -> str | None:
@@ -58,9 +61,17 @@ class StuckTicks:
         simulation: runs its ticks in the main thread.
         warn_after: time after which component code is reported, wall-clock seconds.
         end_after: timeout for component code if the simulation is to end, wall-clock seconds.
+        leave: ends the process if component code has caught the interruption; None to wait for the component.
     """
 
-    def __init__(self, simulation: Simulation, warn_after: float = 5.0, end_after: float = 10.0) -> None:
+    def __init__(
+        self,
+        simulation: Simulation,
+        warn_after: float = 5.0,
+        end_after: float = 10.0,
+        leave: Callable[[], object] | None = None,
+    ) -> None:
+        self._leave, self._interrupted = leave, math.inf
         self._simulation = simulation
         self._warn_after, self._end_after = warn_after, end_after
         self._main = threading.main_thread().ident or 0
@@ -81,6 +92,7 @@ class StuckTicks:
         if self._asked is None:
             self._asked, self._number = monotonic(), signal.Signals(number)
         elif self._stuck == self._simulation.ticks and not self._over.is_set():
+            self._interrupted = min(self._interrupted, monotonic())
             raise KeyboardInterrupt
 
     def close(self) -> None:
@@ -103,6 +115,9 @@ class StuckTicks:
                 since = now
                 continue
             self._stuck = tick
+            if now - self._interrupted > _GRACE and self._leave is not None:
+                logger.error("[ERROR][MORSE] a component does not end when it is interrupted: it is left at %s", line)
+                self._leave()
             end = "Ctrl+C" if asked is None else f"Ctrl+C again, or a timeout of {self._end_after:.0f} s,"
             if end != told:
                 told = end

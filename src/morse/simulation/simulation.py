@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core import status
 from morse.core.clock import Clock
 from morse.core.context import Context, Controls, acting, forget
-from morse.core.faults import describe
+from morse.core.faults import name_of
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
 from morse.core.node_name import node_name
 from morse.core.overwritten import uncover
@@ -18,6 +18,7 @@ from morse.core.request_manager import MorseServices
 from morse.middleware.registry import needs_network
 from morse.physics import World
 from morse.simulation.component_handles import normalized
+from morse.simulation.ending import Ending
 from morse.simulation.handles import Handles
 from morse.simulation.loader import Loaded, LoadError, connect, load_components, make_stream_manager
 from morse.simulation.loop import Loop
@@ -95,6 +96,7 @@ class Simulation(Recorded, Handles):
         self._set_up_profiles()
         self.failed = self.finished = False
         self._time = Ownership(self.stop)
+        self.ending = Ending()
         self.loaded = Loaded()
         super().__init__()
         if options.on_failure == "raise":
@@ -384,8 +386,7 @@ class Simulation(Recorded, Handles):
         self._check_open()
         with acting(self.context):
             self._saving.arrange(state, described=described)
-        for observer in self.observers:
-            observer.rearranged()
+        self._tell("rearranged")
 
     def _end_services(self) -> None:
         """End running services as preempted."""
@@ -478,25 +479,23 @@ class Simulation(Recorded, Handles):
         for part in [*overlays, *loaded.actuators, *loaded.sensors, *loaded.robots, *loaded.modifier_objects]:
             self.finalize_one(part)
 
-    @staticmethod
-    def finalize_one(part: Any) -> None:
+    def finalize_one(self, part: Any) -> None:
         """Finalize a component, a modifier or an overlay."""
-        try:
-            part.finalize()
-        except Exception as error:
-            logger.error("%s failed at the end: %s", part, describe(error))
+        self._end_part(part, name_of(part), lambda: part.finalize())
+
+    def _end_part(self, part: Any, who: str, end: Callable[[], object]) -> None:
+        guard = self.context.guard
+        guard.run(lambda: self.ending.run(who, end), lambda error: guard.failed(part, who, "ended", error))
 
     def finalize_services(self) -> None:
         """Stop the request managers."""
-        self.context.services.finalize()
+        for manager in self.context.services.everybody():
+            self._end_part(manager, type(manager).__name__, manager.finish)
 
     def finalize_observers(self) -> None:
         """Close the observers: streams are sent and closed, the view ends."""
-        for observer in self.observers:
-            try:
-                observer.close()
-            except Exception as error:
-                logger.error("%s failed at the end: %s", type(observer).__name__, describe(error))
+        for observer in list(self.observers):
+            self._end_part(observer, type(observer).__name__, observer.close)
 
     def end(self) -> None:
         """Stop the network as the last step."""

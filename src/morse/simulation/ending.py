@@ -1,0 +1,147 @@
+"""The end has a limit: a part that does not end is named, interrupted and left."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import signal
+import sys
+import sysconfig
+import threading
+import traceback
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from morse.core.faults import is_users, name_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import FrameType
+
+logger = logging.getLogger(__name__)
+
+#: time for the end of one part; and for the effect of an interruption, wall-clock seconds
+LIMIT, _GRACE = 5.0, 2.0
+#: interval between two checks, wall-clock seconds
+_INTERVAL = 0.05
+_LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
+
+
+class Overdue(BaseException):
+    """Raised in the thread of a part that does not end by itself."""
+
+
+class Ending:
+    """Limits the time that each part takes to end.
+
+    Attributes:
+        leave: ends the process although a part cannot be interrupted; None if the program of the user goes on.
+
+    Args:
+        limit: wall-clock seconds for each part.
+        now: wall-clock time, s.
+    """
+
+    def __init__(self, limit: float = LIMIT, now: Callable[[], float] = monotonic) -> None:
+        self._limit, self._now = limit, now
+        self.leave: Callable[[], object] | None = None
+        self._lock = threading.Lock()
+        #: whether signals come from this object itself, to wake a call that waits
+        self.interrupts = False
+        self._who: str | None = None
+        self._ident, self._since, self._told = 0, 0.0, -1.0
+        self._thread: threading.Thread | None = None
+
+    def run(self, who: str, function: Callable[[], object]) -> None:
+        """End a part, given its name for the log."""
+        self._ident, self._since, self._told = threading.get_ident(), self._now(), -1.0
+        self._who, self.interrupts = who, False
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._watch, name="morse end", daemon=True)
+            self._thread.start()
+        try:
+            try:
+                function()
+            finally:
+                with self._lock:
+                    self._who = None
+        except Overdue:
+            self._who = None
+
+    def hurry(self) -> None:
+        """Do not wait any longer for the part that is ending now."""
+        self._limit = 0.0
+
+    def _watch(self) -> None:
+        pause = threading.Event()
+        while not pause.wait(_INTERVAL):
+            with self._lock:
+                if self._who is not None:
+                    self._look(self._who, self._now())
+
+    def _look(self, who: str, now: float) -> None:
+        if self._told < 0.0:
+            if now - self._since <= self._limit:
+                return
+            self._told = now
+            logger.error(
+                "[ERROR][MORSE] %s does not end: after %.1f s it is left at %s",
+                who,
+                now - self._since,
+                line_of(sys._current_frames().get(self._ident)),
+            )
+        elif now - self._told > _GRACE and self.leave is not None:
+            self.leave()
+        self.interrupts = True
+        _interrupt(self._ident)
+
+
+def _interrupt(ident: int) -> None:
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(ident), ctypes.py_object(Overdue))
+    handler = signal.getsignal(signal.SIGINT)
+    # Python's own handler would raise another error
+    is_main = ident == threading.main_thread().ident and handler is not signal.default_int_handler
+    if is_main and callable(handler) and hasattr(signal, "pthread_kill"):
+        # a call that waits returns to Python to handle the signal
+        signal.pthread_kill(ident, signal.SIGINT)
+
+
+def line_of(frame: FrameType | None) -> str:
+    """Return where a thread is: the innermost line of user code, and the component to which it belongs."""
+    place, owner = "an unknown line", ""
+    for one, number in traceback.walk_stack(frame):
+        code = one.f_code
+        if not owner and hasattr(one.f_locals.get("self"), "bge_object"):
+            owner = f" ({name_of(one.f_locals['self'])})"
+        if place == "an unknown line" and is_users(code.co_filename) and not _is_library(code.co_filename):
+            place = f"{code.co_filename}:{number}, in {code.co_name}"
+    return place + owner
+
+
+def _is_library(filename: str) -> bool:
+    path = Path(filename)
+    return filename.startswith("<") or (path.is_relative_to(_LIBRARY) and "site-packages" not in path.parts)
+
+
+def threads_left(status: int, leave: Callable[[int], Any], limit: float = LIMIT) -> None:
+    """Wait for the threads that components have left behind; name those that do not end, and leave them.
+
+    Args:
+        leave: ends the process with a status, without waiting for any thread.
+        limit: wall-clock seconds.
+    """
+    end = monotonic() + limit
+    for thread in threading.enumerate():
+        if thread is threading.current_thread() or thread.daemon:
+            continue
+        try:
+            thread.join(max(0.0, end - monotonic()))
+        except KeyboardInterrupt:
+            end = 0.0
+    left = [one for one in threading.enumerate() if one is not threading.current_thread() and not one.daemon]
+    for thread in left:
+        line = line_of(sys._current_frames().get(thread.ident or 0))
+        logger.error("[ERROR][MORSE] the thread '%s' does not end, it is left at %s", thread.name, line)
+    if left:
+        leave(status)
