@@ -125,7 +125,7 @@ def _hulls_of_groups(surface: Surface, pieces: list[Ints], groups: int, losses: 
     owners, used = np.divmod(pairs[np.append(True, pairs[1:] != pairs[:-1])], len(surface.vertices))
     points, starts = surface.vertices[used], np.searchsorted(owners, np.arange(len(pieces)))
     spans = np.maximum.reduceat(points, starts) - np.minimum.reduceat(points, starts)
-    losses.grouped = np.linalg.norm(spans, axis=1).tolist()
+    losses.grouped = np.sqrt((spans * spans).sum(axis=1)).tolist()
     centres = np.add.reduceat(points, starts) / np.bincount(owners)[:, None]
     clusters = [np.arange(len(pieces))]
     while len(clusters) < groups:
