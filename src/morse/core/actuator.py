@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from typing import TYPE_CHECKING, ClassVar
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from morse.core.declarations import fields_of_component
 from morse.core.guard import modify, read
 from morse.core.journal import COMMAND
 from morse.core.object import Object
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 
 class Actuator(Object):
@@ -19,28 +21,66 @@ class Actuator(Object):
     The last command stays in ``local_data`` and is applied again every tick.
 
     Attributes:
+        command_end: simulated time at which the present command ends, s; None if it does not end.
         obeys_controls: whether it reads the keys or the gamepad of the live view.
     """
 
     obeys_controls: ClassVar[bool] = False
+    command_end: float | None = None
+    not_state: ClassVar[tuple[str, ...]] = ("_values_at_first", "_command_limit")
+    #: values of the fields before the first command
+    _values_at_first: Mapping[str, Any] = MappingProxyType({})
+    #: the shortest time after which commands end, simulated seconds; None if they do not end
+    _command_limit: float | None = None
+
+    def limit_commands(self, seconds: float) -> None:
+        """Prepare for commands that end: the scene declares a stream with the option ``timeout``.
+
+        Args:
+            seconds: the shortest timeout of a stream.
+        """
+        self._command_limit = seconds
+        declared = fields_of_component(self)
+        self._values_at_first = deepcopy({name: value for name, value in self.local_data.items() if name in declared})
+        self.command_end = None
+
+    @property
+    def limits_commands(self) -> bool:
+        """Whether a stream of the scene limits the time of commands."""
+        return self._command_limit is not None
 
     def action(self) -> None:
         """One tick: update the pose, read the streams, apply the modifiers to new commands, call `default_action`."""
         if not self._active:
             return
         self.position_3d.update(self.bge_object)
-        if self.input_functions:
+        if self.input_functions or self.command_end is not None:
             self.take_input()
             if not self._active:  # a modifier has failed
                 return
         self.default_action()
 
     def take_input(self) -> None:
-        """Read the commands that have arrived, and apply the modifiers to them."""
-        if read(self, self.input_functions):
+        """Read the commands that have arrived, end a command whose time is over, and apply the modifiers."""
+        end = self.command_end
+        if end is not None:
+            self.command_end = None  # of several commands, the last one decides
+        received = read(self, self.input_functions)
+        if end is not None and not received:
+            received = self._ends(end)
+        if received:
             if self.context.journal.sinks:
-                self.context.journal.note(COMMAND, self.name(), deepcopy(dict(self.local_data)))
+                self.context.journal.note(COMMAND, self.name(), deepcopy(dict(self.local_data)), self.command_end)
             modify(self, self.input_modifiers)
+
+    def _ends(self, end: float) -> bool:
+        if self.clock.time < end:
+            self.command_end = end
+            return False
+        self.local_data.update(deepcopy(dict(self._values_at_first)))
+        text = f"{self.name()}: no command for {self._command_limit or 0.0:g} s: its first values apply again"
+        self.context.complaints.warn(text, text)
+        return True
 
     def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
         """Drive the robot during this tick; see `morse.core.robot.Robot.apply_speed`."""

@@ -103,8 +103,15 @@ class Clock:
         nanoseconds = ticks * factor + self._rate.numerator // 2
         return nanoseconds // self._rate.numerator + round(self._origin * 1e9)
 
-    def go_to(self, tick: int) -> None:
-        """Set the tick, after another state was restored."""
+    @property
+    def origin(self) -> float:
+        """The time of tick 0: 0, or the start time since the epoch, s."""
+        return self._origin
+
+    def go_to(self, tick: int, origin: float | None = None) -> None:
+        """Set the tick, and the time of tick 0 unless it is None, after another state was restored."""
+        if origin is not None:
+            self._origin, self._stamped = origin, (-1, 0)
         self.tick = tick
         self.time = self._origin + tick / self.frequency
         self._wall = self._start = None

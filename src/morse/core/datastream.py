@@ -150,12 +150,13 @@ class DatastreamManager(Observer):
 
     def _reader(self, stream: Any, declaration: StreamDeclaration) -> Callable[..., Any]:
         """The function of a stream that its component calls."""
+        from morse.core.actuator import Actuator
         from morse.core.command_timeout import CommandTimeout
 
         timeout = declaration.options.get("timeout")
         if not isinstance(timeout, (int, float)) or "timeout" not in self._common_options(type(stream)):
             return stream.default  # type: ignore[no-any-return]
-        if declaration.direction != "IN":
+        if declaration.direction != "IN" or not isinstance(stream.component_instance, Actuator):
             raise MorseMiddlewareError(
                 f"{stream.component_name}: timeout={timeout} is for actuators, whose commands it ends"
             )

@@ -38,12 +38,14 @@ class Entry(NamedTuple):
             ``edit``.
         name: name of the component, for commands and services; of the file, for an edit.
         content: fields of a command; name and arguments of a service call; and so on.
+        until: simulated time at which a command ends, s; None if it does not end.
     """
 
     tick: int
     kind: str
     name: str
     content: Any
+    until: float | None = None
 
 
 class Journal:
@@ -57,8 +59,8 @@ class Journal:
         self._clock, self._guard = clock, guard
         self.sinks: list[Callable[[Entry], object]] = []
 
-    def note(self, kind: str, name: str, content: Any) -> None:
+    def note(self, kind: str, name: str, content: Any, until: float | None = None) -> None:
         """Record an input that takes effect now. The content must not be modified afterwards."""
         if self.sinks:
-            entry = Entry(self._clock.tick, kind, name, content)
+            entry = Entry(self._clock.tick, kind, name, content, until)
             self._guard.call(self.sinks, entry)

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.core.state.attributes import replace
+from morse.core.state.attributes import replace, state_of
 from morse.core.validation.options import checked_options
 
 if TYPE_CHECKING:
@@ -35,6 +35,8 @@ class AbstractModifier(ABC):
 
     options: ClassVar[Mapping[str, Option] | None] = None
     changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({})
+    #: attributes that are not part of the state: they are created from the scene
+    not_state: ClassVar[tuple[str, ...]] = ("component_instance", "kwargs", "_complaints")
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         self.component_instance = component_instance
@@ -42,13 +44,12 @@ class AbstractModifier(ABC):
         self._complaints: set[str] = set()
 
     def get_state(self) -> dict[str, Any]:
-        """Return the state of the modifier: its attributes, except those that come from the scene script."""
-        without = ("component_instance", "kwargs", "_complaints")
-        return {name: value for name, value in vars(self).items() if name not in without}
+        """Return the state of the modifier: its attributes, except those in `not_state`."""
+        return state_of(self)
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Restore a state that `get_state` returned."""
-        replace(vars(self), self.get_state(), state)
+        replace(self, self.get_state(), state)
 
     @property
     def data(self) -> dict[str, Any]:

@@ -14,7 +14,8 @@ from morse.core.declarations import data_fields, levels, properties
 from morse.core.group import OnDemand
 from morse.core.requests import Requesting
 from morse.core.services import ServiceDeclaration, declared_services, service
-from morse.core.state.attributes import replace
+from morse.core.state.attributes import replace, state_of
+from morse.core.state.errors import StateError
 from morse.helpers.transformation import Transformation3d
 
 if TYPE_CHECKING:
@@ -137,11 +138,10 @@ class Object(Requesting, AbstractObject):
 
         Override it together with `set_state` for a component that keeps a part of its state elsewhere.
         """
-        without = {name for cls in type(self).__mro__ for name in vars(cls).get("not_state", ())}
         if self.group is not None:
             _ = self.local_data  # fills in fields that are computed on demand
             self.settle()
-        own = {name: value for name, value in vars(self).items() if name not in without}
+        own = state_of(self)
         # a group removes the data and restores them; the other attributes keep their order, because views follow their
         # arrays
         if "local_data" in own:
@@ -152,20 +152,17 @@ class Object(Requesting, AbstractObject):
         """Restore a state that `get_state` returned.
 
         Raises:
-            ValueError: the state would replace a method, or lacks an attribute that every component of the class has.
+            StateError: the state would replace a method, or lacks an attribute that every component of the class has.
         """
         present = vars(self)
-        for name, value in state.items():
-            hidden = name not in present and callable(getattr(type(self), name, None))
-            if hidden and getattr(value, "__self__", None) is not self:
-                raise ValueError(f"'{name}' is a method of {self.name()}")
         # a subclass with its own `set_state` may have removed entries from the state
         is_whole = type(self).set_state is Object.set_state
-        needed = ("position_3d", "initial_position_3d", "frequency", "level", "_active", *properties(type(self)))
-        missing = [name for name in needed if is_whole and name in present and name not in state]
-        if missing:
-            raise ValueError(f"'{missing[0]}' of {self.name()} is missing")
-        replace(present, [name for name in self.get_state() if name in present] if is_whole else (), state)
+        options = {name for name, prop in properties(type(self)).items() if prop.default is None}
+        for name in ("position_3d", "initial_position_3d", "frequency", "_active", *properties(type(self))):
+            lacking = is_whole and name in present and name not in state
+            if lacking or (state.get(name, self) is None and present.get(name) is not None and name not in options):
+                raise StateError(f"'{name}' of {self.name()} is missing")
+        replace(self, [name for name in self.get_state() if name in present] if is_whole else (), state)
         if self.group is not None:
             self.group.is_changed = True
         # the client that called a running service may have disconnected; the service continues nevertheless

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core.abstractobject import AbstractObject
-from morse.core.state.attributes import replace
+from morse.core.state.attributes import replace, state_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,11 +28,11 @@ class MorseOverlay(AbstractObject):
 
     def get_state(self) -> dict[str, Any]:
         """Return the state of the overlay: its attributes, except those in `not_state`."""
-        return {name: value for name, value in vars(self).items() if name not in self.not_state}
+        return state_of(self)
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Restore a state that `get_state` returned."""
-        replace(vars(self), self.get_state(), state)
+        replace(self, self.get_state(), state)
         # the client that called a running service may have disconnected
         self.on_completion = None if self.running_service is None else _nobody
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
-from operator import is_
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from morse.physics.plain import NotPlainError, plain_copy
 
@@ -23,13 +24,25 @@ def scene_properties(node: Node) -> dict[str, Any]:
 
 
 def are_changed(properties: dict[str, Any], node: Node) -> bool:
-    """Whether properties differ from those of the scene; mutable values count as changed."""
+    """Whether properties differ from those of the scene, in value or type."""
     original = node.properties
-    return (
-        len(properties) != len(original)
-        or not all(map(is_, properties.values(), original.values()))
-        or properties.keys() != original.keys()
-    )
+    return properties.keys() != original.keys() or not all(map(_are_equal, properties.values(), original.values()))
+
+
+def _are_equal(one: Any, other: Any) -> bool:
+    """Whether two values are equal in all types and bits; of objects that are not plain data, only the same one is."""
+    if one is other:
+        return True
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, (list, tuple)):
+        return len(one) == len(other) and all(map(_are_equal, one, other))
+    if isinstance(one, dict):
+        return list(one) == list(other) and all(map(_are_equal, one.values(), other.values()))
+    if isinstance(one, np.ndarray):
+        alike: bool = one.dtype == other.dtype and one.shape == other.shape
+        return alike and one.tobytes() == other.tobytes()
+    return isinstance(one, (bool, int, float, str, bytes)) and repr(one) == repr(other)
 
 
 def plain_properties(owner: str, properties: dict[str, Any]) -> dict[str, Any]:

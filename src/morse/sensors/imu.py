@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.core.group import Group
+    from morse.mathutils.rotations import Triple
 
 _ZERO = [0.0, 0.0, 0.0]
 _VISUAL = Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.9, 0.6))
@@ -25,6 +26,13 @@ _ERRORS = tuple(f"_{part}_{kind}" for part in ("gyro", "accel") for kind in ("de
 _SETTINGS = ("_computation_mode", *_ERRORS)
 #: the g of data sheets, m/s^2
 _G = 9.80665
+
+
+def _start(imu: IMU) -> tuple[float, tuple[Triple, Triple]]:
+    """Return the time and the velocities of the last measurement."""
+    (vx, vy, vz), (wx, wy, wz) = imu._linear, imu._angular
+    linear, angular = (float(vx), float(vy), float(vz)), (float(wx), float(wy), float(wz))
+    return float(imu._time), (linear, angular)
 
 
 def _has_magnetometer(imu: IMU) -> bool:
@@ -200,7 +208,8 @@ class IMU(MotionSensor):
             group.is_changed = True
             return
         before, here = memory.get("moment"), (clock.time, poses, group.velocities())
-        starts = [] if before is not None else [(m._time, (m._linear, m._angular)) for m in members]
+        # a restored state may hold anything: errors appear here, and not when the data are read
+        starts = [] if before is not None else [_start(member) for member in members]
         memory["moment"] = here
         names = ["angular_velocity", "linear_acceleration"]
         if members[0].has_magnetometer:
@@ -226,7 +235,9 @@ class IMU(MotionSensor):
         time, poses, velocities = moment
         (vx, vy, vz), (wx, wy, wz) = velocities.velocity(row)
         self._time = self._measured = time
-        self._pose, self._linear, self._angular = poses.pose(row), (vx, vy, vz), (wx, wy, wz)
+        position, rotation = poses.pose(row)
+        # tuples, as when it acts alone: the hash of a state depends on the types
+        self._pose, self._linear, self._angular = (tuple(position), tuple(rotation)), (vx, vy, vz), (wx, wy, wz)
 
     def _add_errors(self) -> None:
         now, data = self.clock.time, self.local_data

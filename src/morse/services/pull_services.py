@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import msgspec
+
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.hints import nearest
 from morse.core.limits import Point
 from morse.core.quoting import short
 from morse.core.services import service
+from morse.core.state import StateError
 
 if TYPE_CHECKING:
     from morse.core.context import Context
 
+_Numbers = tuple[float, float, float]
 #: stiffness per mass, 1/s^2; with critical damping the body follows within half a second
 _STIFFNESS = 60.0
 _DAMPING = 2.0 * math.sqrt(_STIFFNESS)
@@ -63,8 +67,21 @@ class PullServices(AbstractObject):
         return [] if self._pulled is None else list(self._pulled)
 
     def set_state(self, state: list[Any]) -> None:
-        """Restore a state that `get_state` returned."""
-        self._pulled = (state[0], list(state[1]), list(state[2])) if state else None
+        """Restore a state that `get_state` returned.
+
+        Raises:
+            StateError: it is no such state.
+        """
+        try:
+            if state:
+                name, *points = msgspec.convert(state, tuple[str, _Numbers, _Numbers])
+                if not all(math.isfinite(x) for point in points for x in point):
+                    raise StateError("the saved state is damaged: a body is pulled to no point")
+                self._pulled = (name, list(points[0]), list(points[1]))
+            else:
+                self._pulled = None
+        except msgspec.ValidationError as error:
+            raise StateError(f"the saved state is damaged: {error}") from None
 
     def apply(self) -> None:
         """Apply the force during this tick."""

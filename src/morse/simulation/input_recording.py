@@ -192,11 +192,12 @@ def _packed(entry: Entry) -> list[Any]:
         made = content[0]
         function = f"{getattr(made, '__module__', '')}.{getattr(made, '__qualname__', type(made).__name__)}".lstrip(".")
         raise ValueError(f"'{entry.name}' was spawned by the function {function}, which cannot be written to a file")
-    return [entry.tick, entry.kind, entry.name, Writer(NoReferences()).value(content)]
+    ends = [] if entry.until is None else [entry.until]
+    return [entry.tick, entry.kind, entry.name, Writer(NoReferences()).value(content), *ends]
 
 
 def _unpacked(packed: Any) -> Entry:
-    tick, kind, name, content = packed
+    tick, kind, name, content, *ends = packed
     if not (isinstance(kind, str) and isinstance(name, str)):
         raise TypeError("an input has a kind and a name")
     value = Reader(NoReferences()).value(content)
@@ -204,4 +205,4 @@ def _unpacked(packed: Any) -> Entry:
         value = State.from_bytes(value)
     if kind == COMMAND and not isinstance(value, dict):
         raise TypeError("a command has fields")
-    return Entry(int(tick), kind, name, value)
+    return Entry(int(tick), kind, name, value, float(ends[0]) if ends else None)

@@ -7,6 +7,7 @@ import logging
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from morse.core.actuator import Actuator
 from morse.core.classpath import load_class
 from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
@@ -118,6 +119,10 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
         if "output_modifiers" not in vars(component):
             raise LoadError(f"{cls.__name__}.__init__ does not call super().__init__(obj, parent)")
         _check_methods(component, declaration)
+        timeouts = [stream.options["timeout"] for stream in declaration.streams if "timeout" in stream.options]
+        limits = [seconds for seconds in timeouts if isinstance(seconds, (int, float))]
+        if limits and isinstance(component, Actuator):
+            component.limit_commands(min(limits))
         realism = declaration.options.get("realism")
         if isinstance(realism, RealismModel):
             component.realism = component.make_realism(realism)

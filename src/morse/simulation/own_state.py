@@ -23,6 +23,7 @@ _LAST_TICK = 2**53
 class _Clock(msgspec.Struct, forbid_unknown_fields=True):
     tick: int
     seed: Any
+    origin: float = 0.0
 
 
 class _Controls(msgspec.Struct, forbid_unknown_fields=True):
@@ -53,24 +54,28 @@ def check_population(state: Any) -> dict[str, Any]:
 
 
 class ClockState:
-    """Tick and seed."""
+    """Tick, seed, and the time of tick 0."""
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
 
     def get_state(self) -> dict[str, Any]:
-        """Number of ticks, and the seed of all random numbers."""
-        return {"tick": self._simulation.clock.tick, "seed": self._simulation.context.seed}
+        """Number of ticks, the seed of all random numbers, and the time of tick 0 unless it is 0."""
+        clock = self._simulation.clock
+        start = {"origin": clock.origin} if clock.origin else {}
+        return {"tick": clock.tick, "seed": self._simulation.context.seed, **start}
 
     def check(self, state: Any) -> None:
         """Raise `StateError` if the state is not the state of a clock."""
         found: _Clock = _converted("clock", state, _Clock)
         if not 0 <= found.tick <= _LAST_TICK or type(found.seed) is not int:
             raise StateError("clock: the saved state is damaged: it has no tick, or no seed")
+        if not 0.0 <= found.origin <= _LAST_TICK:
+            raise StateError("clock: the saved state is damaged: the time of its start is not a time")
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Restore a state that `get_state` returned."""
-        self._simulation.clock.go_to(state["tick"])
+        self._simulation.clock.go_to(state["tick"], state.get("origin", 0.0))
         self._simulation.context.seed = state["seed"]
 
 

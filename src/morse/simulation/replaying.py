@@ -43,7 +43,7 @@ class Replay:
         self._simulation = simulation
         self._recording = recording
         self._next = 0
-        self._commands: dict[str, dict[str, Any]] = {}
+        self._commands: dict[str, Entry] = {}
         self._wired: dict[str, Object] = {}
         self._calls: list[tuple[str, str, LocalFuture]] = []
         if recording.start is None:
@@ -65,11 +65,11 @@ class Replay:
         """Whether the end of the recording was reached."""
         return self._next >= len(self._recording.entries) and self._simulation.ticks >= self._recording.last
 
-    def place(self) -> tuple[int, dict[str, dict[str, Any]]]:
+    def place(self) -> tuple[int, dict[str, Entry]]:
         """The position in the recording, for `go_to`."""
         return self._next, dict(self._commands)
 
-    def go_to(self, place: tuple[int, dict[str, dict[str, Any]]]) -> None:
+    def go_to(self, place: tuple[int, dict[str, Entry]]) -> None:
         """Continue at another position; the simulation must be in its state at that position."""
         self._next, commands = place
         self._commands = dict(commands)
@@ -83,7 +83,7 @@ class Replay:
             entry = entries[self._next]
             self._next += 1
             if entry.kind == COMMAND:
-                self._commands[entry.name] = entry.content
+                self._commands[entry.name] = entry
                 self._wire(entry.name)
                 continue
             if self._commands:
@@ -119,13 +119,15 @@ class Replay:
             component.input_functions.append(self._take)
 
     def _take(self, component: Any) -> bool:
-        fields = self._commands.pop(component.name(), None)
-        if fields is None:
+        entry = self._commands.pop(component.name(), None)
+        if entry is None:
             return False
-        data = component.local_data
+        data, fields = component.local_data, entry.content
         for name in [name for name in data if name not in fields]:
             del data[name]
         data.update(deepcopy(fields))
+        if entry.until is not None:
+            component.command_end = entry.until
         return True
 
     def _call(self, entry: Entry) -> None:

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.context import acting
 from morse.core.faults import describe
+from morse.core.modifier import AbstractModifier
+from morse.core.object import Object
+from morse.core.overlay import MorseOverlay
 from morse.core.state import Reader, StateError, Writer
 from morse.simulation.input_recording import NoReferences
 from morse.simulation.own_state import ClockState, ControlsState, InputsState, check_population
@@ -71,7 +74,7 @@ class Saving:
             self._apply(state)
         except Exception as error:
             population.set_state(were, before.makers)
-            self._apply(before)
+            self._apply(before, trusted=True)
             raise _refusal(error) from error
 
     def arrange(self, state: State, *, described: bool) -> None:
@@ -119,7 +122,7 @@ class Saving:
         self._compare(state, holders)
         check = Reader(self._parts, fresh=True)
         for name, holder in holders.items():
-            read = check.part(name, state.parts[name], _state_of(name, holder))
+            read = check.part(name, state.parts[name], _state_of(name, holder), _with_attributes(holder))
             if isinstance(holder, (ClockState, ControlsState, InputsState)):
                 holder.check(read)
             elif holder is self._simulation.world:
@@ -136,15 +139,17 @@ class Saving:
             )
             raise StateError(f"the state belongs to another scene{text}")
 
-    def _apply(self, state: State) -> None:
+    def _apply(self, state: State, *, trusted: bool = False) -> None:
         holders = dict(self._holders())
         self._parts.look_up()
-        reader = Reader(self._parts)
+        reader = Reader(self._parts, trusted=trusted)
         with acting(self._simulation.context):
             for name, holder in holders.items():
-                read = reader.part(name, state.parts[name], _state_of(name, holder))
+                read = reader.part(name, state.parts[name], _state_of(name, holder), _with_attributes(holder))
                 try:
                     holder.set_state(read)
+                except StateError as error:
+                    raise StateError(f"{name}: {error}") from None
                 except Exception as error:
                     raise StateError(f"{name}: {describe(error)}") from error
 
@@ -180,6 +185,11 @@ def _state_of(name: str, holder: Any) -> Any:
         return holder.get_state()
     except Exception as error:
         raise StateError(f"{name} cannot be saved: {describe(error)}") from error
+
+
+def _with_attributes(holder: Any) -> Any:
+    """The holder, if its state consists of its attributes; None if MORSE itself writes it as data."""
+    return holder if isinstance(holder, (Object, AbstractModifier, MorseOverlay)) else None
 
 
 def _check_physics(world: Any, state: Any) -> None:

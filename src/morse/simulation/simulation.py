@@ -374,6 +374,8 @@ class Simulation(Recorded, Handles):
         self._check_open()
         self.journal.note(RESTORE, "", state)
         with acting(self.context):
+            # a group keeps values between ticks, and would give its members those of the state before
+            self._ticker.separate()
             self._saving.restore(state, self._end_services)
             for obj in self.context.service_objects:
                 if obj.get_state() is None:

@@ -65,6 +65,7 @@ class Together:
 
     def _form(self) -> None:
         self.dissolve()
+        self._is_formed = True
         joining = self._allowed and not self._failed
         together = self._joining() if joining else []
         chosen = {id(member) for member in together}
@@ -86,6 +87,8 @@ class Together:
                 else:
                     self._sometimes.append((member, function))
                     self._signs.append(sign)
+            if isinstance(member, Actuator) and member.limits_commands:
+                self._always.append((member, None))
         self._group = Group(together)
         for row, member in enumerate(together):
             member.group = self._group
@@ -97,6 +100,8 @@ class Together:
 
     def _has_changed(self, group: Group | None) -> bool:
         """Whether the group has to be formed again."""
+        if not self._is_formed:
+            return True
         if group is not None and (group.is_changed or any(self._modifiers) or self._have_hooks_changed()):
             return True
         looks = self._ticks % _LOOK == 0 and self._allowed and not self._failed
@@ -111,6 +116,7 @@ class Together:
     def dissolve(self) -> None:
         """Update all members, and form the group again at the next action."""
         group, self._group = self._group, None
+        self._is_formed = False
         if group is None:
             return
         self._guard.run(group.release, self._failed_as_group)
@@ -144,7 +150,7 @@ class Together:
     def _failed_as_group(self, error: BaseException) -> None:
         self._failed = True
         self.dissolve()
-        self._alone = self.members
+        self._alone, self._is_formed = self.members, True
         logger.error(
             "[ERROR][MORSE] act_together of %s failed, although none of its components fails alone: they act "
             "one by one from now on: %s",

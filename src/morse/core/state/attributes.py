@@ -2,20 +2,53 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import TYPE_CHECKING, Any
+
+from morse.core.state.errors import StateError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 
-def replace(attributes: dict[str, Any], present: Iterable[str], state: Mapping[str, Any]) -> None:
+def not_state(cls: type[Any]) -> set[str]:
+    """The names of the attributes of a class that are not part of its state."""
+    return {name for base in cls.__mro__ for name in vars(base).get("not_state", ())}
+
+
+def state_of(owner: Any) -> dict[str, Any]:
+    """The attributes of an object that are part of its state."""
+    without = not_state(type(owner))
+    return {name: value for name, value in vars(owner).items() if name not in without}
+
+
+def check_name(cls: type[Any], name: Any) -> None:
+    """Raise `StateError` if a state must not set an attribute of that name of objects of a class."""
+    if not isinstance(name, str) or (name.startswith("__") and name.endswith("__")):
+        raise StateError(f"the saved state is damaged: an attribute has the name {name!r:.40}")
+    if name in not_state(cls):
+        raise StateError(f"the attribute '{name:.40}' is not part of a saved state")
+    declared = inspect.getattr_static(cls, name, None)
+    if inspect.isdatadescriptor(declared) and not inspect.ismemberdescriptor(declared):
+        raise StateError(f"'{name:.40}' is computed by the class {cls.__name__}, and is not part of a saved state")
+
+
+def replace(owner: Any, present: Iterable[str], state: Mapping[str, Any]) -> None:
     """Replace the attributes of an object with those of a state.
 
     Args:
-        attributes: ``vars`` of the object.
         present: names of the attributes that belong to the present state; those that are not in ``state`` are deleted.
         state: name to value.
+
+    Raises:
+        StateError: an attribute is not part of a state, or would hide a method.
     """
+    attributes = vars(owner)
+    for name, value in state.items():
+        check_name(type(owner), name)
+        hides = name not in attributes and callable(getattr(type(owner), name, None))
+        if hides and getattr(value, "__self__", None) is not owner:
+            raise StateError(f"'{name}' is a method of the class {type(owner).__name__}")
     for name in [name for name in present if name not in state]:
         attributes.pop(name, None)
     attributes.update(state)

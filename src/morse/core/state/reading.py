@@ -11,10 +11,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.abstractobject import AbstractObject
 from morse.core.local_data import LocalData
 from morse.core.state import arrays
-from morse.core.state.attributes import reorder
+from morse.core.state.attributes import check_name, reorder
 from morse.core.state.errors import StateError
+from morse.core.state.extents import Extents
+from morse.core.state.kinds import (
+    MISSING,
+    fits,
+    fits_roughly,
+    is_data,
+    is_of_morse,
+    misfit,
+    own_attributes,
+    word_of,
+)
 from morse.core.state.simple import PUT_TOGETHER
 from morse.core.state.writing import (
     AS_IS,
@@ -30,11 +42,12 @@ from morse.helpers.transformation import Transformation3d
 from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from morse.core.state.references import References
 
-_MISSING: Any = object()
+#: words of values whose items do not count for the values that contain them
+_OBJECTS = frozenset(("own", "object", "namespace", "global", "part", "method"))
 _PLAIN = frozenset((type(None), bool, int, float, str, bytes))
 _VALUES: dict[str, Callable[[Any], Any]] = {cls.__name__: cls for cls in (Vector, Quaternion, Euler, Color, Matrix)}
 _DICTS: dict[str, type[dict[Any, Any]]] = {
@@ -49,13 +62,24 @@ _DICTS: dict[str, type[dict[Any, Any]]] = {
 class Reader:
     """Restores the parts of one simulation, in the order in which a `Writer` saved them.
 
+    A state may come from a stranger. Attributes that classes of MORSE have set keep their kind (`kinds`), and hold
+    data, or objects of the classes that they hold at present. Attributes of classes of the user may hold objects of the
+    project too. Methods are those of the object that has the attribute, or that the attribute holds at present.
+
     Args:
         fresh: whether to create only new objects and change none, to check whether a state can be read.
+        trusted: whether this simulation itself has just written the state, so that kinds need not be checked.
     """
 
-    def __init__(self, references: References, *, fresh: bool = False) -> None:
+    def __init__(self, references: References, *, fresh: bool = False, trusted: bool = False) -> None:
         self._references = references
         self._fresh = fresh
+        self._trusted = trusted
+        self._strict = not trusted
+        #: whether the items of lists and dictionaries keep their kinds, too
+        self._deep = False
+        self._holder: Any = None
+        self._extents = Extents()
         self._met: list[Any] = []
         self._used: set[int] = set()
         self._named: set[int] = set()
@@ -65,7 +89,7 @@ class Reader:
             "tuple": lambda data, now: tuple(self._items(data[1], now)),
             "named tuple": self._named_tuple,
             "set": self._set,
-            "frozenset": lambda data, _: frozenset(self._items(data[1], _MISSING)),
+            "frozenset": lambda data, _: frozenset(self._items(data[1], MISSING)),
             "deque": self._deque,
             "bytearray": lambda data, _: self._keep(bytearray(data[1])),
             "namespace": self._namespace,
@@ -87,29 +111,38 @@ class Reader:
             "global": self._global,
             "part": lambda data, _: references.find(data[1]),
             "again": self._again,
-            "as is": lambda _, now: None if now is _MISSING else now,
+            "as is": lambda _, now: None if now is MISSING else now,
             "integer": lambda data, _: int(data[1], 16),
             "text": lambda data, _: data[1].decode("utf-8", "surrogatepass"),
         }
 
-    def part(self, name: str, saved: Any, now: Any) -> Any:
+    def part(self, name: str, saved: Any, now: Any, holder: Any = None) -> Any:
         """Return the restored state of a part of the simulation.
 
         Args:
             name: name of the part in messages.
             now: the present state of the part.
+            holder: the object whose attributes the state contains; None for a state that is data.
 
         Raises:
             StateError: the saved state is damaged, or refers to something that does not exist.
         """
+        self._holder = holder
+        self._strict = not self._trusted and (holder is None or is_of_morse(type(holder)))
         try:
-            return self.value(saved, now)
+            if holder is not None and type(now) is dict and type(saved) is list and saved[0] == "dict":
+                target = self._keep({})
+                target.update(self._attributes(type(holder), saved[1], now))
+                return target
+            value = self.value(saved, now)
+            self._check(value, now)
+            return value
         except StateError as error:
             raise StateError(f"{name}: {error}") from None
         except Exception as error:  # a damaged state may cause any exception, also in `set_state` of a user's class
             raise StateError(f"{name}: the saved state is damaged ({type(error).__name__}: {error!s:.200})") from None
 
-    def value(self, data: Any, now: Any = _MISSING) -> Any:
+    def value(self, data: Any, now: Any = MISSING) -> Any:
         """Return a restored value.
 
         Args:
@@ -118,6 +151,8 @@ class Reader:
         if type(data) is not list:
             if type(data) not in _PLAIN:
                 raise StateError(f"the saved state is damaged: it contains a {type(data).__name__}")
+            if self._deep and self._strict and now is not MISSING and type(now) is not type(data):
+                self._check(data, now)
             return data
         read = self._readers.get(data[0])
         if read is None:
@@ -125,10 +160,15 @@ class Reader:
         self._depth += 1
         if self._depth > DEEPEST + 20:
             raise StateError("the saved state is nested too deeply")
+        outer = self._extents.begin()
         try:
-            return read(data, now)
+            value = read(data, now)
         finally:
             self._depth -= 1
+        self._extents.end(outer, value, counts=data[0] not in _OBJECTS)
+        if self._strict and (not is_data(value) or (self._deep and now is not MISSING)):
+            self._check(value, now)
+        return value
 
     def _keep(self, value: Any) -> Any:
         self._met.append(value)
@@ -137,7 +177,9 @@ class Reader:
     def _again(self, data: list[Any], _now: Any) -> Any:
         if type(data[1]) is not int or data[1] < 0:
             raise StateError("the saved state is damaged: it refers to an object that was not saved before")
-        return self._met[data[1]]
+        value = self._met[data[1]]
+        self._extents.refer(value, self._depth)
+        return value
 
     def _target(self, now: Any, cls: type, make: Callable[[], Any]) -> Any:
         """Return the present object if it has the right class and is not used for another value, else a new one."""
@@ -151,7 +193,8 @@ class Reader:
 
     def _items(self, saved: list[Any], now: Any) -> list[Any]:
         present = list(now) if isinstance(now, (list, tuple, deque)) else []
-        return [self.value(item, present[i] if i < len(present) else _MISSING) for i, item in enumerate(saved)]
+        self._extents.count(len(saved))
+        return [self.value(item, present[i] if i < len(present) else MISSING) for i, item in enumerate(saved)]
 
     def _list(self, data: list[Any], now: Any) -> list[Any]:
         target: list[Any] = self._target(now, list, list)
@@ -160,14 +203,14 @@ class Reader:
 
     def _set(self, data: list[Any], now: Any) -> set[Any]:
         target: set[Any] = self._target(now, set, set)
-        items = self._items(data[1], _MISSING)
+        items = self._items(data[1], MISSING)
         target.clear()
         target.update(items)
         return target
 
     def _deque(self, data: list[Any], now: Any) -> deque[Any]:
         fits = isinstance(now, deque) and now.maxlen == data[1]
-        target: deque[Any] = self._target(now if fits else _MISSING, deque, lambda: deque(maxlen=data[1]))
+        target: deque[Any] = self._target(now if fits else MISSING, deque, lambda: deque(maxlen=data[1]))
         items = self._items(data[2], now)
         target.clear()
         target.extend(items)
@@ -185,21 +228,24 @@ class Reader:
 
     def _pairs(self, saved: list[Any], present: dict[Any, Any]) -> dict[Any, Any]:
         items = {}
+        self._extents.count(len(saved))
         for key, item in saved:
             read = self.value(key)
-            items[read] = self.value(item, present.get(read, _MISSING))
+            items[read] = self.value(item, present.get(read, MISSING))
         return items
 
     def _namespace(self, data: list[Any], now: Any) -> SimpleNamespace:
+        present = dict(vars(now)) if type(now) is SimpleNamespace else {}
         target: SimpleNamespace = self._target(now, SimpleNamespace, SimpleNamespace)
-        self._assign(target, data[1], dict(vars(now)) if type(now) is SimpleNamespace else {})
+        self._assign(target, data[1], present)
         return target
 
     def _named_tuple(self, data: list[Any], now: Any) -> Any:
         cls = self._class(data[1], now)
-        if not issubclass(cls, tuple):
-            raise StateError(f"{data[1]} is not a tuple")
-        return cls._make(self._items(data[2], now))  # type: ignore[attr-defined]
+        items = self._items(data[2], now)
+        if not issubclass(cls, tuple) or len(getattr(cls, "_fields", ())) != len(items):
+            raise StateError(f"{data[1]} is not a tuple of {len(items)} items")
+        return tuple.__new__(cls, items)
 
     # -- numpy -----------------------------------------------------------------------------
 
@@ -210,6 +256,9 @@ class Reader:
         if type(root) is not np.ndarray or root.dtype.hasobject:
             raise StateError("an array shares the memory of something that is not an array")
         self._met[place] = view = arrays.view_of(root, arrays.dtype(data[2]), *data[3:])
+        if view.nbytes > root.nbytes:
+            raise StateError("an array is larger than the array whose memory it shares")
+        self._extents.repeat(view.size)
         return view
 
     def _objects(self, data: list[Any], _now: Any) -> Any:
@@ -218,14 +267,14 @@ class Reader:
             raise StateError("the number of items of an array does not match its shape")
         made = self._keep(np.empty(data[1], dtype=object))
         flat = made.ravel()
-        for place, item in enumerate(self._items(data[2], _MISSING)):
+        for place, item in enumerate(self._items(data[2], MISSING)):
             flat[place] = item
         return made
 
     def _generator(self, data: list[Any], now: Any) -> Any:
         name = data[1]
         fits = isinstance(now, np.random.Generator) and type(now.bit_generator).__name__ == name
-        target = self._target(now if fits else _MISSING, np.random.Generator, lambda: arrays.generator(name))
+        target = self._target(now if fits else MISSING, np.random.Generator, lambda: arrays.generator(name))
         state = self.value(data[2])
         arrays.check_generator(name, state)
         target.bit_generator.state = state
@@ -278,42 +327,71 @@ class Reader:
             dict.clear(target)
             dict.update(target, pairs)
         elif base is list:
-            list.__setitem__(target, slice(None), self._items(data[3], _MISSING))
+            list.__setitem__(target, slice(None), self._items(data[3], MISSING))
         elif base is set:
-            items = self._items(data[3], _MISSING)
+            items = self._items(data[3], MISSING)
             set.clear(target)
             set.update(target, items)
         return target
 
     def _assign(self, target: Any, saved: list[Any], present: dict[str, Any]) -> None:
-        names = set()
-        for name, item in saved:
-            if not isinstance(name, str) or (name.startswith("__") and name.endswith("__")):
-                raise StateError(f"the saved state is damaged: an attribute has the name {name!r:.40}")
-            names.add(name)
-            before = present.get(name, _MISSING)
-            value = self.value(item, before)
-            if not (item == AS_IS and before is _MISSING):
-                object.__setattr__(target, name, value)
+        for name, _ in saved:
+            check_name(type(target), name)
+        for name, value in self._attributes(type(target), saved, present):
+            object.__setattr__(target, name, value)
         if not self._fresh:
-            for name in present.keys() - names:
+            for name in present.keys() - {name for name, _ in saved}:
                 object.__delattr__(target, name)
             reorder(getattr(target, "__dict__", {}), [name for name, _ in saved])
 
+    def _attributes(self, cls: type[Any], saved: list[Any], present: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+        """Iterate over the names and the values of the attributes of an object of a class."""
+        outer, of_morse = (self._strict, self._deep), own_attributes(cls)
+        for name, item in saved:
+            before = present.get(name, MISSING)
+            if item == AS_IS and before is MISSING:
+                continue
+            self._strict = not self._trusted and (of_morse is None or name in of_morse)
+            self._deep = of_morse is None
+            try:
+                value = self.value(item, before)
+                self._check(value, before)
+                if name == "local_data" and of_morse is None and type(value) in _DICTS.values():
+                    for field, present_field in dict.items(before):
+                        self._check(dict.get(value, field, present_field), present_field)
+            except StateError as error:
+                raise StateError(f"{name:.80}: {error}") from None
+            finally:
+                self._strict, self._deep = outer
+            yield name, value
+
+    def _check(self, value: Any, present: Any) -> None:
+        if not self._trusted and not (fits if self._strict else fits_roughly)(value, present):
+            raise misfit(value, present)
+
     def _method(self, data: list[Any], now: Any) -> Any:
-        owner = self.value(data[1], getattr(now, "__self__", _MISSING))
-        name = data[2]
-        if name.startswith("__") or not inspect.isroutine(getattr(type(owner), name, None)):
-            raise StateError(f"a {type(owner).__name__} has no method {name!r:.40}")
+        present = getattr(now, "__self__", MISSING)
+        owner, name = self.value(data[1], present), data[2]
+        cls = type(owner)
+        if name.startswith("__") or not inspect.isroutine(getattr(cls, name, None)):
+            raise StateError(f"a {cls.__name__} has no method {name!r:.40}")
+        same = type(present) is cls and (now.__name__ == name or name.endswith(f"{cls.__name__}{now.__name__}"))
+        own = owner is self._holder or (type(present) is cls and not is_data(owner) and not is_of_morse(cls))
+        if not (same or own or self._trusted):
+            raise StateError(
+                f"the saved state contains the method '{name:.40}' of {word_of(owner)}, which is not in use"
+            )
         return getattr(owner, name)
 
-    def _global(self, data: list[Any], _now: Any) -> Any:
+    def _global(self, data: list[Any], now: Any) -> Any:
         found = self._references.find_global(data[1])
         if inspect.isroutine(found):
+            if not (inspect.isroutine(now) or self._trusted):
+                raise StateError(f"the saved state contains the function {data[1]!r:.80} in place of {word_of(now)}")
             return found
         place = len(self._met)
         if self._fresh:
-            return self.value(data[2])
+            return found if data[2] == AS_IS else self.value(data[2])
         self._named.add(id(found))
         read = self.value(data[2], found)
         if read is not found and type(found) is np.ndarray and read.shape == found.shape and read.dtype == found.dtype:
@@ -323,7 +401,7 @@ class Reader:
         return read
 
     def _class(self, path: str, now: Any) -> type[Any]:
-        if now is not _MISSING and class_path(type(now)) == path:
+        if now is not MISSING and class_path(type(now)) == path:
             return type(now)
         found = self._references.find_class(path)
         if found is None:
@@ -333,8 +411,11 @@ class Reader:
     def _attributed(self, path: str, now: Any) -> type[Any]:
         """Return a class whose objects are created without calling it."""
         cls = self._class(path, now)
-        if is_apparatus(cls) or not is_made_of_attributes(
-            cls, next((base for base in ITEMS if issubclass(cls, base)), object)
+        is_new = type(now) is not cls and not self._trusted
+        if (
+            is_apparatus(cls)
+            or (is_new and issubclass(cls, AbstractObject))
+            or not is_made_of_attributes(cls, next((base for base in ITEMS if issubclass(cls, base)), object))
         ):
             raise StateError(f"a {path!r:.80} cannot be created from a saved state")
         return cls

@@ -58,7 +58,7 @@ class Inheritance:
     def __init__(self, parts: References, components: Mapping[str, Object]) -> None:
         references = _Replaced(parts, components)
         self._writer = Writer(references)
-        self._reader = Reader(references)
+        self._reader = Reader(references, trusted=True)
 
     def component(self, name: str, old: Object, new: Object) -> None:
         """Transfer the state of a component.
@@ -74,12 +74,12 @@ class Inheritance:
         requests = list(new.requests)
         state = self._state(name, old, new)
         if isinstance(state, dict):
-            state["requests"] = requests
             if isinstance(state.get("local_data"), dict):
                 _adapt_fields(state["local_data"], fields, data_fields(type(old)), data_fields(type(new)))
             for python_name in _new_defaults(old, new):
                 state[python_name] = values[python_name]
         new.set_state(state)
+        new.requests = requests
         new.on_completion = old.on_completion
         if name in new.context.failed:
             new.active = True

@@ -1,0 +1,67 @@
+"""Limits of what a saved state may stand for: a few bytes can refer to the same lists again and again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from morse.core.state.errors import StateError
+
+#: maximum number of items that references to earlier lists may stand for
+_MOST = 10_000_000
+#: maximum nesting depth, references included
+_DEEPEST = 340
+
+
+class Extents:
+    """Counts the items of nested values, and those of earlier values to which they refer.
+
+    The items of an object count for the object, and not for a list that contains it: graphs of objects may have cycles,
+    and nothing expands them.
+    """
+
+    def __init__(self) -> None:
+        self._of: dict[int, tuple[int, int]] = {}
+        self._items = self._height = self._repeated = 0
+
+    def begin(self) -> tuple[int, int]:
+        """Begin a nested value; the result is an argument of `end`."""
+        outer = self._items, self._height
+        self._items = self._height = 0
+        return outer
+
+    def end(self, outer: tuple[int, int], value: Any, *, counts: bool) -> None:
+        """End a nested value.
+
+        Args:
+            counts: whether its items count for the value that contains it.
+        """
+        items, height = (self._items + 1, self._height + 1) if counts else (1, 1)
+        self._of[id(value)] = items, height
+        self._items, self._height = outer[0] + items, max(outer[1], height)
+
+    def count(self, items: int) -> None:
+        """Count items that are not nested values."""
+        self._items += items
+
+    def refer(self, value: Any, depth: int) -> None:
+        """Count an earlier value once more, at a nesting depth.
+
+        Raises:
+            StateError: the limits are exceeded.
+        """
+        items, height = self._of.get(id(value), (1, 1))
+        if depth + height > _DEEPEST:
+            raise StateError("the saved state is nested too deeply")
+        self.repeat(items)
+        self._height = max(self._height, height)
+
+    def repeat(self, items: int) -> None:
+        """Count items of an earlier value once more.
+
+        Raises:
+            StateError: the limit is exceeded.
+        """
+        self._items += items
+        self._repeated += items
+        if self._repeated > _MOST:
+            raise StateError("the saved state refers to the same values too often")

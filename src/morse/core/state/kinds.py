@@ -1,0 +1,119 @@
+"""The kinds of values: an attribute that MORSE has set keeps its kind when a state is restored.
+
+Without this rule, a state could put an object with other methods in the place of a pose, and the next tick would call
+them.
+"""
+
+from __future__ import annotations
+
+import dis
+import inspect
+import sys
+from collections import deque
+from functools import cache
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from morse.core.declarations import properties
+from morse.core.state.errors import StateError
+from morse.core.state.simple import TAKEN_APART
+from morse.helpers.transformation import Transformation3d
+from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
+
+#: no value
+MISSING: Any = object()
+_KINDS: tuple[tuple[str, tuple[type, ...]], ...] = (
+    ("nothing", (type(None),)),
+    ("a number", (bool, int, float, complex, np.number, np.bool_)),
+    ("a text", (str,)),
+    ("bytes", (bytes, bytearray)),
+    ("a list", (list, tuple, deque, np.ndarray)),
+    ("a set", (set, frozenset)),
+    ("a dictionary", (dict,)),
+    ("a pose", (Transformation3d,)),
+)
+_DATA = (
+    *(cls for _, classes in _KINDS for cls in classes),
+    *(Vector, Quaternion, Euler, Color, Matrix, *TAKEN_APART),
+    *(np.generic, np.random.Generator, np.random.RandomState),
+)
+
+
+def kind_of(value: Any) -> Any:
+    """The kind of a value: words for data, the class of other objects."""
+    if value is MISSING:
+        return "nothing"
+    word = next((word for word, classes in _KINDS if isinstance(value, classes)), None)
+    return word or ("a function" if inspect.isroutine(value) else type(value))
+
+
+def word_of(value: Any) -> str:
+    """The kind of a value in words, for messages."""
+    kind = kind_of(value)
+    return kind if isinstance(kind, str) else f"an object of the class {kind.__name__}"
+
+
+def misfit(value: Any, present: Any) -> StateError:
+    """The error for a value of another kind than the present value."""
+    return StateError(f"the saved state contains {word_of(value)}, and this simulation has {word_of(present)}")
+
+
+def is_data(value: Any) -> bool:
+    """Whether a value is data: its methods do nothing but compute."""
+    return isinstance(value, _DATA)
+
+
+def fits(value: Any, present: Any) -> bool:
+    """Whether a value may replace the present value of an attribute that MORSE has set."""
+    kind, before = kind_of(value), kind_of(present)
+    if kind == before:
+        return kind != "a function" or value == present or _names(value) == _names(present)
+    return kind == "nothing" or (before == "nothing" and is_data(value))
+
+
+def fits_roughly(value: Any, present: Any) -> bool:
+    """Whether a value may replace the present value of an attribute that a class of the user has set.
+
+    Such an attribute may get data instead of an object, another component, an object of a related class; and anything
+    that cannot be called if it holds nothing at present.
+    """
+    kind, before = kind_of(value), kind_of(present)
+    if is_data(value) or kind == before:
+        return True
+    if before == "nothing":
+        # methods and functions were checked when they were read
+        return inspect.isroutine(value) or not callable(value)
+    if isinstance(kind, str) or isinstance(before, str):
+        return False
+    return any(base.__module__.partition(".")[0] not in sys.stdlib_module_names for base in _common(kind, before))
+
+
+def _common(one: type, other: type) -> list[type]:
+    return [base for base in one.__mro__ if base in other.__mro__]
+
+
+def _names(routine: Any) -> tuple[str, type]:
+    return getattr(routine, "__name__", ""), type(getattr(routine, "__self__", None))
+
+
+def is_of_morse(cls: type[Any]) -> bool:
+    """Whether MORSE defines a class."""
+    return cls.__module__.partition(".")[0] == "morse"
+
+
+def own_attributes(cls: type[Any]) -> set[str] | None:
+    """The attributes that MORSE's classes among the bases of a class set; None for all, if the class is MORSE's."""
+    if is_of_morse(cls):
+        return None
+    return set(properties(cls)).union(*(_set_by(base) for base in cls.__mro__ if is_of_morse(base)))
+
+
+@cache
+def _set_by(cls: Any) -> frozenset[str]:
+    """The names of the attributes to which the functions of a class assign values."""
+    functions = [getattr(one, "fget", None) or getattr(one, "__func__", one) for one in vars(cls).values()]
+    codes = [function.__code__ for function in functions if isinstance(function, FunctionType)]
+    steps = [step for code in codes for step in dis.get_instructions(code)]
+    return frozenset(str(step.argval) for step in steps if step.opname == "STORE_ATTR")
