@@ -42,7 +42,7 @@ class PublishedData:
             return self._next
         self._next = tick + max(1, tick - self._begin)
         sensors = self._simulation.loaded.sensors
-        users = [one for one in sensors if one.active and not type(one).__module__.startswith("morse.")]
+        users = [one for one in sensors if not type(one).__module__.startswith("morse.") and one.active]
         guard = self._simulation.context.guard
         # what cannot be read makes the sensor fail, and not the check
         guard.each(users, self._check, guard.deactivate)

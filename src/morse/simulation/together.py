@@ -67,7 +67,7 @@ class Together:
         self.dissolve()
         self._is_formed = True
         joining = self._allowed and not self._failed
-        together = self._joining() if joining else []
+        together = self._ready(self.members) if joining else []
         chosen = {id(member) for member in together}
         self._alone = [member for member in self.members if id(member) not in chosen]
         if not together:
@@ -95,8 +95,8 @@ class Together:
             member.position_3d.follow(self._group, row)
         self._group.take_stock()
 
-    def _joining(self) -> list[Object]:
-        return self._guard.those(self.members, may_join, self._guard.deactivate)
+    def _ready(self, members: Sequence[Object]) -> list[Object]:
+        return self._guard.those(members, may_join, self._guard.deactivate)
 
     def _has_changed(self, group: Group | None) -> bool:
         """Whether the group has to be formed again."""
@@ -105,7 +105,8 @@ class Together:
         if group is not None and (group.is_changed or any(self._modifiers) or self._have_hooks_changed()):
             return True
         looks = self._ticks % _LOOK == 0 and self._allowed and not self._failed
-        return bool(looks) and any(member in self._alone for member in self._joining())
+        # not the members of the group: asking them would fill in their data
+        return bool(looks) and bool(self._alone) and bool(self._ready(self._alone))
 
     def _have_hooks_changed(self) -> bool:
         """Whether streams were added to members, or removed from them; most members have none."""
@@ -137,7 +138,8 @@ class Together:
             self._form()
         group = self._group
         if group is None or (self._command(group) if self._commands else self._measure(group)):
-            self._act(self._alone)
+            if self._alone:
+                self._act(self._alone)
             return
         # a member has changed or is invalid: acting one by one shows which one
         error, self._error = self._error, None
