@@ -179,8 +179,12 @@ def test_errors_of_blender_stay_errors(load: Load) -> None:
 
 
 def test_the_stand_in_stays_in_the_script(load: Load) -> None:
-    load(HEAD + "import bpy.props\nfrom bpy import data, ops\nassert data.objects\n" + END)
-    assert not [name for name in sys.modules if name.partition(".")[0] == "bpy"]
+    load(
+        HEAD
+        + "import bpy.props, bgl\nfrom bpy_extras import io_utils\nfrom bpy import data\nassert data.objects\n"
+        + END
+    )
+    assert not [name for name in sys.modules if name.partition(".")[0] in ("bpy", "bgl", "bpy_extras")]
     if importlib.util.find_spec("bpy") is None:
         with pytest.raises(ModuleNotFoundError):
             importlib.import_module("bpy")

@@ -223,9 +223,11 @@ def test_the_table_of_removed_names() -> None:
         ("if True:\n\tx = 1\n        y = 2", "spaces only"),
         ("n = xrange(3)", "write range"),
         ("name = raw_input()", "write input"),
+        ("pose = Sensor('pose')", "write the class of the sensor, such as Pose()"),
+        ("from morse.builder.creator import RobotCreator", "class MyRobot(GroundRobot)"),
     ],
 )
-def test_python_2_is_named(load: Load, line: str, mend: str) -> None:
+def test_earlier_names_and_python_2(load: Load, line: str, mend: str) -> None:
     with pytest.raises(ScriptError) as caught:
         load(f"{HEAD}{line}\n{END}")
     assert mend in caught.value.report()

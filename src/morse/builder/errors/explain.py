@@ -120,6 +120,8 @@ def _no_module(name: str) -> tuple[str, str]:
 def _no_member(name: str, error: ImportError) -> tuple[str, str]:
     if (error.name or "").startswith("morse.builder") and (missing := missing_component(name)) is not None:
         return missing
+    if (error.name or "").startswith("morse.") and (mend := language.mend_of_name(name)):
+        return f"there is no '{name}' in '{error.name}'", mend
     module = sys.modules.get(error.name or "")
     near = checks.closest(name, dir(module)) if module is not None else None
     return f"there is no '{name}' in '{error.name}'", f"Did you mean '{near}'?" if near else ""

@@ -37,6 +37,15 @@ NAMES: Mapping[str, str] = {
 }
 
 
+#: names of versions before MORSE 1.4, and what scripts write since
+EARLIER: Mapping[str, str] = {
+    "Actuator": "the class of the actuator, such as MotionVW() for Actuator('v_omega')",
+    "Middleware": "component.add_stream('socket')",
+    "RobotCreator": "class MyRobot(GroundRobot), with GroundRobot.__init__(self, 'model', name)",
+    "Sensor": "the class of the sensor, such as Pose() for Sensor('pose')",
+}
+
+
 def mend_of_syntax(error: SyntaxError) -> str:
     """How to correct a line that is not valid today; empty if unknown."""
     if isinstance(error, TabError):
@@ -55,5 +64,7 @@ def mended_line(line: str) -> str:
 
 
 def mend_of_name(name: str) -> str:
-    """How a name of Python 2 is written today; empty if it is none."""
+    """How a name of Python 2, or of MORSE before 1.4, is written today; empty if it is none."""
+    if name in EARLIER:
+        return f"It is a name of a version before MORSE 1.4: write {EARLIER[name]}"
     return f"It is a name of Python 2: write {NAMES[name]}" if name in NAMES else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from importlib.machinery import ModuleSpec
+from importlib.machinery import ModuleSpec, PathFinder
 from typing import TYPE_CHECKING
 
 from morse.builder.legacy import bpy
@@ -45,11 +45,18 @@ class OldModules:
 
     def find_spec(self, name: str, path: Sequence[str] | None, _target: object = None) -> ModuleSpec | None:
         """See `importlib.abc.MetaPathFinder`."""
-        # the stand-in has no folders; the folders of an installed bpy have other submodules
-        if name not in OLD_MODULES and (path or not name.startswith(f"{bpy.NAME}.")):
+        if name not in OLD_MODULES and not _is_of_blender(name, path):
             return None
         self._names.append(name)
         return ModuleSpec(name, _Loader(), is_package=True)  # type: ignore[arg-type] # importlib.abc costs time
+
+
+def _is_of_blender(name: str, path: Sequence[str] | None) -> bool:
+    """Whether a module of Blender is imported that is not installed."""
+    if name in bpy.COMPANIONS:
+        return PathFinder.find_spec(name) is None
+    # a stand-in has no folders; the folders of an installed bpy have other submodules
+    return not path and name.partition(".")[0] in (bpy.NAME, *bpy.COMPANIONS) and "." in name
 
 
 class _Loader:

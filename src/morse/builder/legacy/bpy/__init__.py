@@ -14,6 +14,8 @@ from typing import Any
 from morse.builder.legacy.ignored import Facade, Ignored
 
 NAME = "bpy"
+#: other modules of Blender; all their content is ignored
+COMPANIONS = ("aud", "bgl", "blf", "bmesh", "bpy_extras")
 _PARTS = {"context": "Context", "data": "Data", "operators": "Operators"}
 
 
