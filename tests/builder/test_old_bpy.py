@@ -216,3 +216,39 @@ def test_copies_of_objects(load: Load) -> None:
     first, second = node_of(scene, "first"), node_of(scene, "second")
     assert (first.location, second.location) == ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0])
     assert (first.body.mass, second.body.mass) == (1.0, 7.0), "copies do not share their physics"
+
+
+def test_functions_of_bpymorse_that_pass_calls_on(load: Load, caplog: pytest.LogCaptureFixture) -> None:
+    scene = load(
+        "from morse.builder import *\n"
+        "bpymorse.deselect_all()\n"
+        "bpymorse.add_mesh_cube(location=(1, 0, 0))\n"
+        "box = bpymorse.get_context_object()\n"
+        "box.name = 'box'\n"
+        "paint = bpymorse.new_material()\n"
+        "paint.diffuse_color = (1, 0, 0)\n"
+        "box.active_material = paint\n"
+        "assert box in bpymorse.get_selected_objects()\n"
+        "bpymorse.get_context_scene().game_settings.physics_gravity = 3\n"
+        "bpymorse.add_sensor(type='ALWAYS')\n" + END.replace("\n", "; env.set_gravity(3)\n")
+    )
+    box = node_of(scene, "box")
+    assert box.location == [1.0, 0.0, 0.0]
+    assert [material.color for material in box.materials if material] == [(1.0, 0.0, 0.0, 1.0)]
+    (said,) = warnings(caplog)
+    assert "scene.py:11: bpymorse.add_sensor" in said
+
+
+def test_misspelt_functions_of_bpymorse(load: Load) -> None:
+    with pytest.raises(ScriptError, match="did you mean 'get_object'"):
+        load(HEAD + "bpymorse.get_objct('x')\n" + END)
+
+
+def test_ignored_values_can_be_used_in_any_way(load: Load) -> None:
+    load(
+        HEAD
+        + "x = bpy.context.tool_settings.grid\n"
+        + "assert not x and x + 2 == 2 and 3 * x == 3 and not x > 1 and float(x) == 0.0 and list(x) == []\n"
+        + "x.a.b['c'](1).d = 5\n"
+        + END
+    )

@@ -34,6 +34,18 @@ __all__ = [
 ]
 
 
+def __getattr__(name: str) -> Any:
+    """Functions of 1.4 that only pass a call on to Blender."""
+    if not name.startswith("_"):
+        from morse.builder.legacy.bpy import wrappers
+
+        if name in wrappers.NAMES:
+            return wrappers.wrapper(name)
+    near = checks.closest(name, __all__)
+    hint = f"; did you mean '{near}'?" if near else ""
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'{hint}", name=name)
+
+
 def get_object(name: str) -> SceneObject:
     """The object of that name.
 

@@ -9,6 +9,7 @@ from morse.assets.search import MORSE_COMPONENTS, resource_dirs
 from morse.builder import workspace
 from morse.builder.components.interfaces import Interfaces
 from morse.builder.names.modifiers import modifier_classes
+from morse.core.hints import closest
 from morse.middleware import registry
 
 if TYPE_CHECKING:
@@ -46,7 +47,9 @@ def __getattr__(name: str) -> object:
     """``MORSE_MODIFIER_DICT``: modifiers by name and component; the files of modifiers are read for this only."""
     if name == "MORSE_MODIFIER_DICT":
         return MappingProxyType(modifier_classes())
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'", name=name)
+    near = closest(name, __all__)
+    hint = f"; did you mean '{near}'?" if near else ""
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'{hint}", name=name)
 
 
 class Configuration:

@@ -59,6 +59,16 @@ class Ignored:
     def __contains__(self, item: object) -> bool:
         return False
 
+    def _false(self, _other: object) -> bool:
+        return False
+
+    __lt__ = __le__ = __gt__ = __ge__ = _false
+
+    def _other(self, other: Any) -> Any:
+        return other
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __matmul__ = __truediv__ = __rtruediv__ = _other
+
     def __float__(self) -> float:
         return 0.0
 
