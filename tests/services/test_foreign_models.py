@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import morse
+from morse.builder import PassiveObject
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.services.foreign_models import check_model
 from morse.services.population_services import PopulationServices
@@ -65,3 +66,16 @@ def test_a_running_simulation_knows_the_folders_of_the_user(folders: Path, monke
         assert sim.rpc("simulation", "spawn", "one", str(folders / "listed" / "m.obj")) == "one"
         with pytest.raises(MorseServiceFailed, match="MORSE_RESOURCE_PATH"):
             sim.rpc("simulation", "spawn", "two", str(folders / "elsewhere" / "m.obj"))
+
+
+def test_only_the_script_searches_the_folders_around_it(folders: Path) -> None:
+    triangle = "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n"
+    (folders / "near.obj").write_text(triangle)
+    (folders / "scene.py").write_text(
+        "from morse.builder import *\nthing = PassiveObject('near.obj')\nenv = Environment('empty')\n"
+    )
+    with morse.load(folders / "scene.py") as sim:
+        for name in ("near.obj", str(folders / "near.obj")):
+            with pytest.raises(MorseServiceFailed):
+                sim.rpc("simulation", "spawn", "two", name)
+        sim.spawn("two", lambda: PassiveObject("near.obj"))

@@ -58,7 +58,6 @@ def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None
     """
     script = Path(options.script).absolute()
     directories = list(dict.fromkeys([*options.source_paths, *source_folders(script)]))
-    resources = list(dict.fromkeys([*options.resource_paths, *resource_folders(script)]))
     libraries = LibrariesFirst(script.stem, directories)
     words = argv(script, options.arguments, directories)
     old = OldModules()
@@ -76,7 +75,7 @@ def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None
 
     try:
         with project:
-            scene = build(describe, str(script), resources, options.interfaces)
+            scene = build(describe, str(script), options.resource_paths, options.interfaces, resource_folders(script))
     finally:
         old.forget()
     scene.project = project
@@ -88,6 +87,7 @@ def build(
     script: str = "",
     resource_paths: list[str] | None = None,
     interfaces: Sequence[str] = (),
+    nearby: Sequence[str] = (),
 ) -> Scene:
     """Return the scene that a function describes with `morse.builder`.
 
@@ -95,12 +95,14 @@ def build(
         script: name of the scene in error messages.
         resource_paths: directories searched for models before ``MORSE_RESOURCE_PATH``.
         interfaces: middlewares to which all components are connected, in addition to those of the scene.
+        nearby: directories that only the script and the program search, after `resource_paths`; clients do not.
 
     Raises:
         ScriptError: the script has an error.
     """
     global _loading
-    with _describing, search.project_dirs(resource_paths or []), workspace.described() as described:
+    named = resource_paths or []
+    with _describing, search.project_dirs([*named, *nearby]), workspace.described() as described:
         before, _loading = _loading, True
         try:
             describe()
@@ -115,7 +117,7 @@ def build(
             raise explain(error, script) from error
         finally:
             _loading = before
-    scene.resource_paths = list(resource_paths or [])
+    scene.resource_paths, scene.nearby_paths = list(named), list(nearby)
     return scene
 
 

@@ -40,7 +40,8 @@ class Scene:
         simulation_managers: request managers that offer the services of the simulation.
         interfaces: names of the middlewares to which all components are connected, including those created later.
         log_levels: component to level, from ``env.set_log_level``.
-        resource_paths: directories of the project that are searched for models.
+        resource_paths: directories that the user named, which are searched for models; also for models of clients.
+        nearby_paths: directories around the script, which only the script and the program search for models.
         project: the modules of the project; entered (``with scene.project:``) to import classes of the project.
     """
 
@@ -57,6 +58,7 @@ class Scene:
     log_levels: dict[str, str] = field(default_factory=dict)
     multinode: dict[str, object] | None = None
     resource_paths: list[str] = field(default_factory=list)
+    nearby_paths: list[str] = field(default_factory=list)
     project: AbstractContextManager[object] = field(default_factory=nullcontext)
 
     def copy(self) -> Scene:

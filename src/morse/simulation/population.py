@@ -116,7 +116,9 @@ class Population:
         if isinstance(kind, str):
             self.check_kind(kind)
         interfaces = ["socket", *scene.interfaces] if simulation.context.network is not None else []
-        with scene.project, describing(scene.resource_paths):
+        # names may come from clients, functions are code of the program
+        nearby = [] if isinstance(kind, str) else scene.nearby_paths
+        with scene.project, describing([*scene.resource_paths, *nearby]):
             make = maker_of(kind) if isinstance(kind, str) else kind
             try:
                 return describe_newcomer(name, make, position, rotation, scene.nodes(), interfaces)
