@@ -220,14 +220,15 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
 
         A property that the component does not declare is kept, with a warning.
         """
-        for key, value in kwargs.items():
-            self.scene_node.properties[key] = checked_property(key, value)
-        if "frequency" in kwargs:
-            self.frequency(kwargs["frequency"])
+        given: dict[str, Any] = kwargs
         if "classpath" in kwargs:
             self.classpath = kwargs["classpath"]
         elif self._kind in ("sensor", "actuator") and (cls := self.component_class()) is not None:
-            check_declared(cls, kwargs)
+            given = check_declared(cls, kwargs)
+        for key, value in given.items():
+            self.scene_node.properties[key] = checked_property(key, value)
+        if "frequency" in given:
+            self.frequency(given["frequency"])
 
     def property_value(self, name: str) -> Any:
         """Return the value of a property, or None if it is not set."""

@@ -71,6 +71,8 @@ class Thermometer(Sensor):
         self.local_data["temperature"] = temperature
 
     def _heat_of(self, value: Any) -> float:
-        if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
+        # 1 is a truth value: custom properties of .blend files have no booleans
+        is_truth = isinstance(value, bool) or (isinstance(value, int) and value == 1)
+        if isinstance(value, (int, float)) and not is_truth and math.isfinite(value):
             return float(value)
         return self._fire_temp

@@ -21,6 +21,13 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
+#: Robots that the script placed above the floor fall in the first ticks, half a second, which do not wait for the wall
+#: clock: so that robots are at rest when clients get their first message, as in 1.4, which took longer to start.
+_SETTLING = 30
+#: vertical speed below which a robot is at rest, m/s
+_STILL = 0.01
+
+
 class Loop:
     """Runs a simulation.
 
@@ -70,7 +77,10 @@ class Loop:
                 if network is not None:
                     network.tend()
                 if not stepping.paused:
-                    pacer.wait()
+                    if clock.tick <= _SETTLING and self._falls():
+                        pacer.restart()
+                    else:
+                        pacer.wait()
                     if pacer.lost:
                         self._diagnose()
                     elif self._slow and pacer.keeps_up:
@@ -83,6 +93,11 @@ class Loop:
             self.go_on()
             if network is not None:
                 network.give_back()
+
+    def _falls(self) -> bool:
+        """Whether a robot still moves up or down, at the start of a run."""
+        bodies = [robot.bge_object for robot in self._context.robots.values()]
+        return any(body.is_dynamic and abs(body.velocity()[0][2]) > _STILL for body in bodies)
 
     def _wait_paused(self) -> None:
         """While paused, process requests of clients and pages, and wait for further requests."""

@@ -101,9 +101,15 @@ class BarePR2(GroundRobot):
             component.add_interface(interface, **kwargs)
         if middleware.name == "socket":
             self.joint_state.add_service(interface)
-            self.joint_state.add_stream(interface, _JOINT_STATE, **kwargs)
+            self._stream(self.joint_state, interface, kwargs)
         else:
             self.joint_state.add_interface(interface, **kwargs)
+
+    def _stream(self, part: AbstractComponent, middleware: str, options: dict[str, Any]) -> None:
+        if part is self.joint_state and middleware == "socket":
+            part.add_stream(middleware, _JOINT_STATE, **options)
+        else:
+            super()._stream(part, middleware, options)
 
 
 class BasePR2(BarePR2):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.builder.blender.materials import material_slots
 from morse.builder.components.component import Component
@@ -74,6 +74,38 @@ class Robot(Component):
         name = registry.middleware(checks.text(stream, "add_default_interface(stream)")).name
         if name not in self.default_interfaces:
             self.default_interfaces.append(name)
+
+    def add_stream(
+        self,
+        datastream: str,
+        method: str | None = None,
+        path: str | None = None,
+        classpath: str | None = None,
+        direction: str | None = None,
+        **kwargs: Any,
+    ) -> None:
+        """Stream the data of each component of the robot that the middleware carries.
+
+        Args:
+            datastream: name of a middleware.
+            method, path, classpath, direction: see the method of components, for a robot that has data itself.
+            **kwargs: options of the streams.
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+            MorseBuilderUnexportableError: the robot has no component with data.
+        """
+        parts = [part for part in self._walk() if part is not self and part._kind in ("sensor", "actuator")]
+        if method or path or classpath or direction or not parts:
+            super().add_stream(datastream, method, path, classpath, direction, **kwargs)
+            return
+        middleware = registry.middleware(checks.text(datastream, "add_stream(datastream)"))
+        for part in parts:
+            if part._can_stream(middleware):
+                self._stream(part, middleware.name, kwargs)
+
+    def _stream(self, part: AbstractComponent, middleware: str, options: dict[str, Any]) -> None:
+        part.add_stream(middleware, **options)
 
     # --- physics ----------------------------------------------------------------------------
 

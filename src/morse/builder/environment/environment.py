@@ -16,6 +16,7 @@ from morse.builder.environment.time import TimeMethods
 from morse.builder.environment.view import ViewMethods
 from morse.builder.errors import checks
 from morse.builder.errors.attributes import unknown_attribute
+from morse.builder.legacy import values
 from morse.builder.names import frames, naming
 from morse.builder.names.part import Strength
 from morse.core.exceptions import MorseBuilderError
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
     from morse.scene import Camera, Library, Node
 
 logger = logging.getLogger(__name__)
+
+
+#: properties of the world that are numbers
+_NUMBERS = ("longitude", "latitude", "altitude", "angle_against_north", "UTMXOffset", "Temperature")
 
 
 class Environment(ViewMethods, TimeMethods):
@@ -138,6 +143,8 @@ class Environment(ViewMethods, TimeMethods):
                 ``angle_against_north`` (radians), ``UTMXOffset``, ``Temperature``, ...
         """
         for key, value in kwargs.items():
+            if key in _NUMBERS:
+                value = values.number(value, f"env.properties({key})")
             self.environment_properties[key] = checked_property(key, value)
 
     # --- accepted for old scripts -----------------------------------------------------------

@@ -153,6 +153,25 @@ class TimeMethods(EnvironmentDescription):
         if manager not in self._simulation_managers:
             self._simulation_managers.append(manager)
 
+    def add_interface(self, interface: str) -> None:
+        """Offer the services of the simulation on an additional middleware, as `add_service` does.
+
+        Raises:
+            MorseMiddlewareError: the middleware is unknown.
+        """
+        found = registry.middleware(checks.text(interface, "env.add_interface(interface)"))
+        if found.request_manager is not None:
+            self.add_service(found.name)
+
+    def add_stream(self, datastream: str, *_: Any, **__: Any) -> None:
+        """Accepted for old scripts, without effect, because the simulation itself has no data to stream.
+
+        Raises:
+            MorseMiddlewareError: the middleware is unknown.
+        """
+        registry.stream_manager(checks.text(datastream, "env.add_stream(datastream)"))
+        notice("env.add_stream has no effect: the simulation itself has no data to stream")
+
     def configure_service(self, datastream: str, component: Interfaces | None = None) -> None:
         """Old name of `add_service`."""
         notice("env.configure_service is an old name, write env.add_service", "configure_service", "add_service")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
+from morse.builder.legacy import declared_values
 from morse.builder.names import frames
 from morse.builder.names.classes import load_class
 from morse.core.datastream import COMMON_OPTIONS
@@ -79,4 +80,7 @@ def modifier_options(classpath: str, given: Mapping[str, Any]) -> dict[str, Any]
     except MorseBuilderNoComponentError:
         return dict(given)  # the error is reported when the scene is loaded
     declared: Mapping[str, Option] | None = getattr(cls, "_options", None)
-    return dict(given) if declared is None else checked_options(f"the modifier {cls.__name__}", declared, given)
+    if declared is None:
+        return dict(given)
+    owner = f"the modifier {cls.__name__}"
+    return checked_options(owner, declared, declared_values.options(owner, declared, given))

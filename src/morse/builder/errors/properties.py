@@ -6,6 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import checks
+from morse.builder.legacy import declared_values
 from morse.builder.names import frames
 from morse.core import declarations
 from morse.core.validation import checked_value
@@ -20,13 +21,14 @@ logger = logging.getLogger(__name__)
 _GENERAL = frozenset({"classpath", "frequency", "abstraction_level", "Component_Tag", "Robot_Tag"})
 
 
-def check_declared(cls: type[Any], given: Mapping[str, Any]) -> None:
-    """Warn about properties that a component does not declare, and raise an error for invalid values.
+def check_declared(cls: type[Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return properties as they are to be stored, with a warning for those that a component does not declare.
 
     Raises:
         PropertyError: a value has the wrong type, or is outside of the declared range or choices.
     """
     declared = {p.name: p for p in declarations.properties(cls).values()}
+    given = declared_values.properties(cls.__name__, declared, given)
     for name, value in given.items():
         if name in declared:
             checked_value(cls.__name__, declared[name], value, script=True)
@@ -39,3 +41,4 @@ def check_declared(cls: type[Any], given: Mapping[str, Any]) -> None:
                 checks.suggestion(name, declared),
                 cls.__name__,
             )
+    return given

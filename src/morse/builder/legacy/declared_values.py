@@ -1,0 +1,42 @@
+"""Values of properties and options in the forms of MORSE 1.4: texts for numbers and truth values."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.legacy import values
+from morse.core.validation.fields import spec_of_option, spec_of_property
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.declarations import Option, Property
+    from morse.core.validation.spec import Spec
+
+
+def properties(owner: str, declared: Mapping[str, Property], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the properties of a component, with numbers and truth values instead of the texts for them."""
+    return {
+        name: _value(spec_of_property(declared[name], script=True), value, f"the property '{name}' of {owner}")
+        if name in declared
+        else value
+        for name, value in given.items()
+    }
+
+
+def options(owner: str, declared: Mapping[str, Option], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of a modifier, with numbers and truth values instead of the texts for them."""
+    return {
+        name: _value(spec_of_option(declared[name]), value, f"the option '{name}' of {owner}")
+        if name in declared and not isinstance(declared[name].type, tuple)
+        else value
+        for name, value in given.items()
+    }
+
+
+def _value(spec: Spec, value: Any, what: str) -> Any:
+    if not isinstance(value, str):
+        return value
+    if spec.kind in ("number", "integer"):
+        return values.number(value, what)
+    return values.boolean(value, what) if spec.kind == "boolean" else value
