@@ -308,3 +308,13 @@ def test_options_of_modifiers_are_checked_if_they_declare_some(tmp_path: Path, m
 def test_control_types_are_checked_where_the_script_gives_them() -> None:
     with pytest.raises(TypeError, match=r"'ControlType' of MotionVW is 'Velo', expected .*Velocity.*Position"):
         MotionVW().properties(ControlType="Velo")
+
+
+def test_the_environment_offers_the_services_of_the_simulation() -> None:
+    FakeRobot("robot")
+    env = Environment("empty", fastmode=True)
+    env.add_interface("socket")
+    env.add_stream("socket")
+    with pytest.raises(MorseMiddlewareError):
+        env.add_interface("sokcet")
+    assert env._simulation_managers == [registry.request_manager("socket")]

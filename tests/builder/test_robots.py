@@ -9,9 +9,11 @@ import pytest
 from morse.assets import AssetNotFoundError, search
 from morse.builder import (
     ATRV,
+    BasePR2,
     FakeRobot,
     GroundRobot,
     MorseBuilderError,
+    MorseBuilderUnexportableError,
     Morsy,
     Pioneer3DX,
     Pose,
@@ -236,3 +238,17 @@ def test_unknown_models_and_parts() -> None:
     for bad in (3, None, b"morsy", ["morsy"]):
         with pytest.raises(TypeError, match="name"):
             Robot(bad)  # type: ignore[arg-type]
+
+
+def test_streams_of_a_whole_robot() -> None:
+    robot = BasePR2("robot")
+    robot.add_stream("socket")
+    streams = {part.name: [stream.stream for stream in part._streams] for part in robot._walk() if part is not robot}
+    assert all(len(each) == 1 for name, each in streams.items() if name in ("robot.motion", "robot.odometry"))
+    (joints,) = (each for name, each in streams.items() if name.endswith("joint_state"))
+    assert joints == ["morse.middleware.sockets.jointstate.PR2JointStatePublisher"]
+
+
+def test_a_robot_without_components_has_nothing_to_stream() -> None:
+    with pytest.raises(MorseBuilderUnexportableError, match="no data to stream"):
+        ATRV("robot").add_stream("socket")

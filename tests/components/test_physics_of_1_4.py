@@ -115,3 +115,30 @@ def test_four_wheels_turn_a_little_less(drive):
     begin = place(made)[2]
     made.run(1.0)
     assert 0.97 < (begin - place(made)[2]) / (math.pi / 4) < 0.99
+
+
+def test_a_force_at_the_origin_does_not_turn_a_robot(rig):
+    made = rig(
+        """
+robot = ATRV()
+robot.translate(z=10.0)
+robot._bpy_object.game.lock_location_z = True
+push = ForceTorque()
+robot.append(push)
+for sensor in (Pose("pose"), Velocity("velocity"), Accelerometer("accelerometer")):
+    robot.append(sensor)
+env = Environment("empty")
+env.use_physics_of_1_4()
+"""
+    )
+    measured = []
+    for force in (100.0, 100.0, 0.0):
+        made.command("robot.push", force=[force, 0.0, 0.0], torque=[0.0, 0.0, 0.0])
+        made.run(1.0)
+        speed = made["robot.velocity"].local_data["linear_velocity"][0]
+        measured.append((speed, made["robot.accelerometer"].local_data["acceleration"][0]))
+    # 100 N on 20 kg, and a loss of 2.5 % of the speed per second
+    expected = [(4.94, 4.87), (9.75, 4.75), (9.51, -0.24)]
+    assert measured == [pytest.approx(pair, abs=0.02) for pair in expected]
+    pose = made["robot.pose"].local_data
+    assert (pose["pitch"], pose["roll"]) == pytest.approx((0.0, 0.0), abs=1e-6)

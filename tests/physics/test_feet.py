@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from worlds import box, ground, node, robot, run, world
 
-from morse.physics.feet import corners, stance, trimmed
+from morse.physics.feet import stance, trimmed
 from morse.scene import CollisionShape, ShapeKind
+from morse.scene.corners import corners
 
 ORIGIN, UPRIGHT = np.zeros(3), np.eye(3)
 

@@ -3,6 +3,8 @@
 A scene selects it by ``env.use_physics_of_1_4()``. Friction and damping then act on a driven robot within each tick,
 in the two physics steps that a tick of 1.4 had: each step scales the velocity by ``(1 - d)^(T/2)``, with the damping
 ``d`` of the robot, and reduces it by ``mu g T/2``. Sensors measure the velocity after both steps.
+
+The centre of mass of robots without driven wheels is at their origin, so that forces there do not turn them.
 """
 
 from __future__ import annotations

@@ -261,9 +261,9 @@ class _Builder:
             body.explicitinertial = True
             body.mass = mass
             body.ipos, body.inertia = robot_inertia(mass, lower, upper)
-            rolls = frame.node.properties.get("GroundRobot") or frame.robot.options.get("wheels")
-            if not rolls and np.all(lower <= 0.0) and np.all(upper >= 0.0):
-                # as in 1.4: what flies or dives turns about its origin, where damping acts as well
+            rolls = frame.node.properties.get("GroundRobot") and not self.physics_of_1_4
+            if not rolls and not frame.robot.options.get("wheels") and np.all(lower <= 0.0) and np.all(upper >= 0.0):
+                # as in 1.4: forces and damping at the origin do not turn the robot
                 body.ipos = np.zeros(3)
             if frame.node.body.type is PhysicsType.DYNAMIC:
                 body.inertia = _UNTURNABLE * np.asarray(body.inertia)

@@ -103,13 +103,20 @@ class BarePR2(GroundRobot):
             self.joint_state.add_service(interface)
             self._stream(self.joint_state, interface, kwargs)
         else:
-            self.joint_state.add_interface(interface, **kwargs)
+            self.joint_state.add_interface(interface, **_joint_options(middleware.name, kwargs))
 
     def _stream(self, part: AbstractComponent, middleware: str, options: dict[str, Any]) -> None:
         if part is self.joint_state and middleware == "socket":
             part.add_stream(middleware, _JOINT_STATE, **options)
+        elif part is self.joint_state:
+            part.add_stream(middleware, **_joint_options(middleware, options))
         else:
             super()._stream(part, middleware, options)
+
+
+def _joint_options(middleware: str, options: dict[str, Any]) -> dict[str, Any]:
+    """Return the options of the stream of all joints; on ROS 1, it has a topic that is not one of the robot."""
+    return {"topic": "/joint_states", **options} if middleware == "ros" else options
 
 
 class BasePR2(BarePR2):

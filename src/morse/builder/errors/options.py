@@ -64,7 +64,7 @@ def manager_options(manager: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def modifier_options(classpath: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options of a modifier; a class without ``_options`` accepts any option.
+    """Return the options of a modifier; a class without ``options`` accepts any option.
 
     Args:
         classpath: class path of the modifier.
@@ -79,7 +79,7 @@ def modifier_options(classpath: str, given: Mapping[str, Any]) -> dict[str, Any]
         cls = load_class(classpath)
     except MorseBuilderNoComponentError:
         return dict(given)  # the error is reported when the scene is loaded
-    declared: Mapping[str, Option] | None = getattr(cls, "_options", None)
+    declared: Mapping[str, Option] | None = getattr(cls, "options", None)
     if declared is None:
         return dict(given)
     owner = f"the modifier {cls.__name__}"

@@ -27,11 +27,16 @@ def properties(owner: str, declared: Mapping[str, Property], given: Mapping[str,
 def options(owner: str, declared: Mapping[str, Option], given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the options of a modifier, with numbers and truth values instead of the texts for them."""
     return {
-        name: _value(spec_of_option(declared[name]), value, f"the option '{name}' of {owner}")
-        if name in declared and not isinstance(declared[name].type, tuple)
-        else value
+        name: _option(declared[name], value, f"the option '{name}' of {owner}") if name in declared else value
         for name, value in given.items()
     }
+
+
+def _option(option: Option, value: Any, what: str) -> Any:
+    if not isinstance(option.type, tuple):
+        return _value(spec_of_option(option), value, what)
+    takes_number = isinstance(value, str) and float in option.type and str not in option.type
+    return values.number(value, what) if takes_number else value
 
 
 def _value(spec: Spec, value: Any, what: str) -> Any:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from morse.core.mapping import maps
 from morse.middleware.ros2.json_text import as_json
 from morse.middleware.ros2.kinds.sensing import SensingKinds
@@ -72,13 +74,20 @@ class Ros1Kinds:
 
     @maps("scan")
     def scan(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """As in 1.4, with a minimum range of 0.3 m."""
+        """As in 1.4: from a minimum range of 0.3 m to the maximum range, which rays that hit nothing have."""
+        infinite = stream.kwargs["infinite"]
 
-        def nearest(make: Callable[..., Any]) -> Callable[[Message, str], dict[str, Any]]:
-            return lambda m, f: {**make(m, f), "range_min": _NEAREST}
+        def limited(make: Callable[..., Any]) -> Callable[[Message, str], dict[str, Any]]:
+            def scan(message: Message, frame: str) -> dict[str, Any]:
+                made = {**make(message, frame), "range_min": _NEAREST}
+                if not infinite:
+                    made["ranges"] = np.minimum(made["ranges"], made["range_max"])
+                return made
+
+            return scan
 
         outlets = VisionKinds.scan(self, stream, bound)  # type: ignore[arg-type]
-        return [outlet._replace(make=nearest(outlet.make)) for outlet in outlets]
+        return [outlet._replace(make=limited(outlet.make)) for outlet in outlets]
 
     @maps("detections")
     def detections(self, stream: Any, bound: BoundKind) -> list[Outlet]:

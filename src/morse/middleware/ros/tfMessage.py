@@ -1,0 +1,10 @@
+"""The class of messages on ``/tf``, under the module name of MORSE 1.4."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+tfMessage: Any = import_module("tf2_msgs.msg").TFMessage
+
+__all__ = ["tfMessage"]
