@@ -295,7 +295,7 @@ def test_options_of_stream_managers_are_checked(options: dict[str, Any], answer:
 def test_options_of_modifiers_are_checked_if_they_declare_some(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "fog.py").write_text(
         "from morse.core.declarations import Option\nfrom morse.core.modifier import AbstractModifier\n"
-        "class Fog(AbstractModifier):\n    _options = {'density': Option(float, 0.1, low=0.0, high=1.0)}\n"
+        "class Fog(AbstractModifier):\n    options = {'density': Option(float, 0.1, low=0.0, high=1.0)}\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     pose = Pose()
