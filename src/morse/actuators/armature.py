@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from morse.actuators.dynamic_joints import DynamicJoints
 from morse.actuators.ik_targets import Follower, nearer, seen_from, targets_of
@@ -18,6 +18,10 @@ from morse.helpers.components import add_kind, add_property, each
 from morse.helpers.joint_trajectory import Trajectory, points_of
 from morse.mathutils import Euler
 from morse.mathutils.rotations import nine, product
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _TurnRate = Annotated[float, Range(0.0, 1e4, "rad/s")]
 
@@ -69,7 +73,7 @@ class Armature(DynamicJoints):
 
     not_state: ClassVar[tuple[str, ...]] = ("_targets",)
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._targets = targets_of(obj)
         self._follower = Follower()

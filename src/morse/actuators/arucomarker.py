@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.core import mathutils
 from morse.core.actuator import Actuator
@@ -11,6 +11,10 @@ from morse.core.builder_defaults import BuilderDefaults
 from morse.core.limits import ANGLE, POSITION
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property, euler
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _ALIKE = 1e-9
 
@@ -41,7 +45,7 @@ class Arucomarker(Actuator):
     _y_offset: float
     _z_offset: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._turned: tuple[float, float, float] | None = None
 

@@ -15,6 +15,8 @@ from morse.scene import Control, JointKind, controls_of
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
     from morse.scene import JointDynamics
 
 _UNITS = {
@@ -55,7 +57,7 @@ class DynamicJoints(JointServices):
 
     not_state: ClassVar[tuple[str, ...]] = ("_motors", "_tendons")
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         self._motors: Any = None
         self._controls: dict[str, Control] = {}
         #: motors of tendons: the range of the commands, and the last commands

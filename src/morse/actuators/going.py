@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.core.actuator import Actuator
 from morse.core.limits import POSITION
 from morse.helpers.components import add_data, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 ARRIVED, TRANSIT, STOP = "Arrived", "Transit", "Stop"
 
@@ -42,7 +46,7 @@ class Going(Actuator):
     _type: str
     _remain_at_destination: bool
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.local_data.update(zip("xyz", map(float, obj.world_pose()[0]), strict=True))
         self._moving = False

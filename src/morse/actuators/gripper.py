@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.actuators.fingers import Fingers
 from morse.core.actuator import Actuator
 from morse.core.builder_defaults import BuilderDefaults
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _TAG = "Graspable"
 
@@ -41,7 +45,7 @@ class Gripper(Actuator):
 
     not_state = ("_fingers",)
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._held_name = ""
         self._fingers = Fingers(self.context.world, obj)

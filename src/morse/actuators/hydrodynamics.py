@@ -16,6 +16,9 @@ from morse.mathutils.rotations import turn_back
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
+
 #: drag coefficients of a vessel along its axes, after those of streamlined bodies and of plates
 _COEFFICIENTS = (0.2, 1.1, 1.1)
 _THINNEST = 1e-3  # m
@@ -92,7 +95,7 @@ class Hydrodynamics(Actuator):
         "_push",
     )  # values from the model, the world and the properties
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         body = self.robot_parent.bge_object
         low, high = _bounds(body)

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.core.moving_parts import MovingPart
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 class JointMotion(Actuator):
@@ -26,7 +28,7 @@ class JointMotion(Actuator):
 
     not_state: ClassVar[tuple[str, ...]] = ("chain", "_linkage", "_usual", "_told", "_clamped")
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         node = obj.node
         if not node.bones:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from morse.actuators.joint_motion import JointMotion
 from morse.core import status
@@ -15,6 +15,10 @@ from morse.core.services import async_service, interruptible, service
 from morse.core.validation.arguments import Range, check_of
 from morse.helpers.components import add_property
 from morse.scene import JointKind
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _Speed = Annotated[float, Range(0.0, 1e4)]
 _REVOLUTE, _PRISMATIC = JointKind.REVOLUTE, JointKind.PRISMATIC
@@ -55,7 +59,7 @@ class JointServices(JointMotion):
     _rotation_speed: float
     _linear_speed: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         #: speeds from the arguments of services
         self._speeds: dict[str, float] = {}

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
 from morse.helpers.components import add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 #: dead zone, because a released stick is not exactly centred
 _DEAD_ZONE = 0.08
@@ -35,7 +39,7 @@ class Joystick(Actuator):
     _speed: float
     _index: int
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._moving = False
 

@@ -1,10 +1,18 @@
 """Drives a robot with the keyboard of the live view."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
 from morse.core.services import service
 from morse.core.wheeled_robot import PhysicsDifferentialRobot
 from morse.helpers.components import add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 #: key to the axis it moves: index into (vx, vy, vz, roll, pitch, yaw), and direction
 _KEYS = {
@@ -46,7 +54,7 @@ class Keyboard(Actuator):
     _type: str
     _speed: float
 
-    def __init__(self, obj: object, parent: object = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._moving = False
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from morse.core.exceptions import MorseRPCTypeError
 from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_data, add_kind, add_property, scaled
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 Share = Annotated[float, Range(0.0, 1.0)]
 Picture = Annotated[list[float], Range(0.0, 1.0, shape=(None, None, 3))]
@@ -43,7 +47,7 @@ class LedArray(Actuator):
 
     _blink_period: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         lights = {(part["LedRow"], part["LedColumn"]): part for part in obj.children if "LedRow" in part}
         self.rows = max((row for row, _ in lights), default=-1) + 1

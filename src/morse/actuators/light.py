@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.quoting import shown
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 
@@ -39,7 +43,7 @@ class Light(Actuator):
     _size: float
     _energy: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.local_data["emit"] = bool(self._emit)
         self._lamp = next((part for part in obj.children if part.node.light is not None), None)

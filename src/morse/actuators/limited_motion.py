@@ -12,6 +12,9 @@ from morse.helpers.ramp import Ramp
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
+
 
 class LimitedMotion(Actuator):
     """Follows the commanded speeds within limits of speed, acceleration and jerk; 0 means no limit.
@@ -67,7 +70,7 @@ class LimitedMotion(Actuator):
     _max_dw: float
     _max_ddw: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._linear = Ramp(self.linear_axes)
         self._angular = Ramp()

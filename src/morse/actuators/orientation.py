@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from operator import sub
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.limits import ANGLE
 from morse.helpers.components import add_data, add_kind, add_property, euler
 from morse.mathutils.rotations import rotation_from_euler
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _ALIKE = 1e-9
 
@@ -56,7 +60,7 @@ class Orientation(Actuator):
     _tolerance: float
     _type: str
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         pose = self.robot_parent.position_3d
         for field in ("yaw", "pitch", "roll"):

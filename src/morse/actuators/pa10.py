@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
 from morse.core.builder_defaults import BuilderDefaults
@@ -11,6 +11,10 @@ from morse.core.limits import ANGLE, Angle
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.scene import Bone, JointKind
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _SEGMENTS = ("seg0", "seg1", "seg2", "seg3", "seg4", "seg5")
 #: rotation axis of each segment
@@ -52,7 +56,7 @@ class PA10(Actuator):
     _speed: float
     _tolerance: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         parts = [_part(obj, f"PA10-{i + 1}") for i in range(6)]
         bones = [_joint(part, axis) for part, axis in zip(parts, _AXES, strict=True)]

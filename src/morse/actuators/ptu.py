@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.core.actuator import Actuator
@@ -15,6 +15,10 @@ from morse.core.moving_parts import MovingPart
 from morse.core.progress import of_joints
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _BASE, _HEAD = "PanBase", "TiltBase"
 
@@ -51,7 +55,7 @@ class PTU(Actuator):
     _tolerance: float
     _manual: bool
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._base, self._head = _part(obj, _BASE), _part(obj, _HEAD)
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.limits import FORCE, TORQUE
 from morse.helpers.components import add_property
 from morse.helpers.transformation import euler_angles
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _ORIGIN = (0.0, 0.0, 0.0)
 #: m/s^2
@@ -30,9 +34,10 @@ class Rotorcraft(Actuator):
     with the moment of inertia I about that axis, the error e of its angle, and the factor s, a share of the thrust.
     """
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        self._inertia: _Three = tuple(self.robot_parent.bge_object.localInertia)
+        x, y, z = self.robot_parent.bge_object.localInertia
+        self._inertia: _Three = x, y, z
         #: errors of roll, pitch and yaw in the previous tick; None after an inactive tick
         self._errors: _Three | None = None
 
@@ -105,7 +110,7 @@ class BankingRotorcraft(Rotorcraft):
     _rp_dgain: float
     _max_bank_angle: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         own = self.robot_parent.name()
         centres = (centre for name, _, centre in self.context.world.mass_centres() if name == own)

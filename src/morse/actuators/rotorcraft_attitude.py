@@ -13,6 +13,9 @@ from morse.helpers.geodesy import angle_against_north
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
+
 
 def _by_rate(actuator: RotorcraftAttitude) -> bool:
     return actuator._yaw_rate_control
@@ -65,7 +68,7 @@ class RotorcraftAttitude(Rotorcraft):
     _yaw_rate_control: bool
     _use_angle_against_north: bool
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._yaw_wanted: float | None = None
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.actuators.rotorcraft import BankingRotorcraft
 from morse.core.limits import SPEED, TURN_RATE, AbsoluteSpeed, Speed, TurnRate
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 class RotorcraftVelocity(BankingRotorcraft):
@@ -39,7 +43,7 @@ class RotorcraftVelocity(BankingRotorcraft):
     add_property("_max_velocity", 2.0, "MaxVelocity", "float", "Exists for scripts of 1.4, without effect", unit="m/s")
     add_kind("twist", linear=("vx", "vy", "vz"), angular=(None, None, "vyaw"))
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._yaw_wanted = self._angles()[2]
         self._velocity: tuple[float, float] | None = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.actuators.going import ARRIVED, STOP, TRANSIT, marker
 from morse.actuators.rotorcraft import BankingRotorcraft
@@ -12,6 +12,10 @@ from morse.core.limits import ANGLE, LENGTH, POSITION, Angle, Length, Position
 from morse.core.progress import of_distance
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property, euler
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 class RotorcraftWaypoint(BankingRotorcraft):
@@ -51,7 +55,7 @@ class RotorcraftWaypoint(BankingRotorcraft):
     _remain_at_destination: bool
     _target: str
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._aim_here()
         self._marked: tuple[float, float, float] | None = None

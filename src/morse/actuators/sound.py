@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from morse.core.actuator import Actuator
 from morse.core.quoting import shown
 from morse.helpers.components import add_data, add_kind, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _MODES = ("play", "pause", "stop")
 
@@ -25,7 +31,7 @@ class Sound(Actuator):
 
     _file: str
 
-    def __init__(self, obj: object, parent: object = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.played = 0.0
         self._mode = "stop"

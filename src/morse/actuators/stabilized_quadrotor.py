@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.actuators.holding import Holding
 from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
 from morse.helpers.components import add_data
 from morse.mathutils.rotations import rotation_from_euler
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 #: natural frequency, rad/s, and damping of the filters of the angles
 _FREQUENCY, _DAMPING = 10.0, 0.7
@@ -35,7 +39,7 @@ class StabilizedQuadrotor(Holding):
     add_data("psi_c", 0.0, "float", "Acts as a yaw rate to the right", frame="world", **ANGLE)
     add_data("h_c", 0.0, "float", "Height", frame="world", **POSITION)
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         here = self.robot_parent.position_3d
         *_, yaw, pitch, roll = here.numbers()

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.core.ackermann_robot import PhysicsAckermannRobot
 from morse.core.ackermann_steering import AckermannSteering
 from morse.core.actuator import Actuator
 from morse.core.limits import ANGLE, FORCE
 from morse.helpers.components import add_data, add_kind
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 #: share of the force at each of the four wheels
 _ENGINE = 0.4
@@ -36,7 +40,7 @@ class SteerForce(Actuator):
 
     not_state = ("_steering",)
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         robot = self.robot_parent
         self._most = math.inf

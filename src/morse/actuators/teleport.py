@@ -1,7 +1,9 @@
 """Sets the pose of a robot immediately."""
 
+from __future__ import annotations
+
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.actuators.holding import Holding
 from morse.core.limits import ANGLE, POSITION, Angle, Position
@@ -9,6 +11,10 @@ from morse.core.services import service
 from morse.core.validation import Commands
 from morse.helpers.components import add_data, add_kind, euler
 from morse.mathutils.rotations import rotation_from_euler
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 class Teleport(Holding):
@@ -29,7 +35,7 @@ class Teleport(Holding):
 
     add_kind("pose", position=("x", "y", "z"), orientation=euler("roll", "pitch", "yaw"))
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         pose = self.robot_parent.position_3d
         for field in ("x", "y", "z", "yaw", "pitch", "roll"):

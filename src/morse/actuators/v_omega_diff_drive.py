@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.actuators.speed_command import SpeedCommand
 from morse.core.wheeled_robot import PhysicsDifferentialRobot
 
 if TYPE_CHECKING:
     from morse.core.group import Group
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 class MotionVWDiff(SpeedCommand):
@@ -17,11 +19,13 @@ class MotionVWDiff(SpeedCommand):
     _name = "Differential Driver Actuator: Linear and angular speed (Vx, W) actuator"
     _short_desc = "Motion controller using linear and angular speeds, by the wheels"
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    robot_parent: PhysicsDifferentialRobot
+
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         if not isinstance(parent, PhysicsDifferentialRobot):
             raise TypeError(
-                f"{parent.name()} ({type(parent).__name__}) has no wheels to drive: "
+                f"{self.robot_parent.name()} ({type(parent).__name__}) has no wheels to drive: "
                 "use MotionVW, or a wheeled robot such as Pioneer3DX or SegwayRMP400"
             )
 

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.actuators.armature import Armature
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 #: distance of two steps, m, and speed from which on the steps are full, m/s
 _STRIDE, _BRISK = 1.3, 0.6
@@ -23,7 +27,7 @@ class WalkingSkeleton(Armature):
     robot.
     """
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         #: joint values without the gait, and with the gait of the last tick
         self._posture = self._shown = list(self._values)

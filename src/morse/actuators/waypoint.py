@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.actuators.going import STOP, TRANSIT, Going, marker
 from morse.actuators.obstacle_radars import REACH, ObstacleRadars
@@ -14,6 +14,10 @@ from morse.core.progress import of_distance
 from morse.core.quoting import quoted
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _SPEED: dict[str, Any] = {"unit": "m/s", "low": 0.0, "high": 1e4}
 #: heading error above which the robot turns on the spot
@@ -72,7 +76,7 @@ class Waypoint(Going):
     _target: str
     _ignore: str
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.local_data["speed"] = float(self._speed)
         self._speed_before_stop = float(self._speed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.ackermann_steering import AckermannSteering
 from morse.core.declarations import add_property
@@ -12,6 +12,8 @@ from morse.helpers.controller import PIDController
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from morse.core.world import Body
 
 
 class PhysicsAckermannRobot(Robot):
@@ -62,7 +64,7 @@ class PhysicsAckermannRobot(Robot):
     _ang_i_gain: float
     _ang_limits: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         #: axles of the robot (`morse.core.ackermann_steering.AckermannSteering`)
         self.steering = AckermannSteering(self)

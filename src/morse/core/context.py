@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from morse.core.network import Network
     from morse.core.object import Object
     from morse.core.request_manager import MorseServices
+    from morse.core.robot import Robot
+    from morse.core.world import World
     from morse.scene import Scene
 
 logger = logging.getLogger("morse.simulation")
@@ -84,14 +86,14 @@ class Context:
 
     scene: Scene
     clock: Clock
-    world: Any
+    world: World
     services: MorseServices
     network: Network = None  # type: ignore[assignment] # who uses it has been made for a simulation that has one
     seed: int = 0
     host: str = "127.0.0.1"
     strict: bool = False
-    robots: dict[str, Object] = field(default_factory=dict)
-    external_robots: dict[str, Object] = field(default_factory=dict)
+    robots: dict[str, Robot] = field(default_factory=dict)
+    external_robots: dict[str, Robot] = field(default_factory=dict)
     components: dict[str, Object] = field(default_factory=dict)
     stream_managers: dict[str, Any] = field(default_factory=dict)
     service_objects: list[AbstractObject] = field(default_factory=list)
@@ -102,9 +104,9 @@ class Context:
     journal: Journal = field(init=False)
     arrivals: Arrivals = field(init=False)
     guard: Guard = field(init=False)
-    stopping: Any = _not_stopping
-    paused: Any = _not_stopping
-    paced: Any = _not_stopping
+    stopping: Callable[[], bool] = _not_stopping
+    paused: Callable[[], bool] = _not_stopping
+    paced: Callable[[], bool] = _not_stopping
     complaints: Complaints = field(default_factory=lambda: Complaints(logger))
     time_shares: TimeShares = field(default_factory=TimeShares)
     _servers: dict[Any, Any] = field(default_factory=dict)

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.group import Group
     from morse.core.moving_parts import MovingPart
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 logger = logging.getLogger(__name__)
 
@@ -58,10 +60,11 @@ class Object(Requesting, AbstractObject):
                 return described
         return super().__new__(cls)
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__()
         self.bge_object = obj
-        self.robot_parent = parent
+        #: only a robot has none
+        self.robot_parent: Robot = parent  # type: ignore[assignment]
         self.context: Context = _context.current()
         self.clock = self.context.clock
         self._active = True

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from morse.core.context import Context
     from morse.core.guard import Guard
+    from morse.core.world import Body, RayBundle
 
 
 class Server(Protocol):
@@ -38,9 +40,9 @@ class Requesting:
     """
 
     requests: Sequence[Request] = ()
-    rays: Any = None
-    bge_object: Any
-    context: Any
+    rays: RayBundle = None  # type: ignore[assignment] # set by `add_rays`
+    bge_object: Body
+    context: Context
 
     def add_request(self, request: Any) -> Any:
         """Register a request that is answered before each action; call it in ``__init__``.
@@ -55,9 +57,9 @@ class Requesting:
         """Remove a request."""
         self.requests = [one for one in self.requests if one is not request]
         if request is self.rays:
-            self.rays = None
+            del self.rays
 
-    def add_rays(self, directions: Any, reach: float, origins: Any = None, *, upright: bool = False) -> Any:
+    def add_rays(self, directions: Any, reach: float, origins: Any = None, *, upright: bool = False) -> RayBundle:
         """Cast a bundle of rays before each action; call it in ``__init__``, once for each bundle.
 
         The rays are cast together with those of all other components before ``default_action``, which reads the results
@@ -81,7 +83,8 @@ class Requesting:
         bundle = self.context.world.rays.bundle(self.bge_object, directions, reach, origins, upright=upright)
         if self.rays is None:
             self.rays = bundle
-        return self.add_request(bundle)
+        self.add_request(bundle)
+        return bundle
 
 
 def serve(components: Sequence[Any], guard: Guard) -> None:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.moving_parts import MovingPart
+    from morse.core.world import Body
 
 
 class Robot(Object):
@@ -31,7 +32,7 @@ class Robot(Object):
     _no_gravity: bool
     _is_ground_robot: bool
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.time_shift = 0.0
         self.position_3d.follow(obj)

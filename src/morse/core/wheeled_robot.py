@@ -13,6 +13,8 @@ from morse.mathutils.rotations import rows_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.world import Body
+
 _STANDSTILL = 1e-3
 
 
@@ -38,7 +40,7 @@ class PhysicsDifferentialRobot(Robot):
 
     _fix_turning: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._wheels = obj.wheels()
         if not self._wheels:

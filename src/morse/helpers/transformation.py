@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import asin, atan2, dist
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.mathutils import Euler, Matrix, Quaternion, Vector
 from morse.mathutils.rotations import Rotation9, euler_from_rotation, nine, product, rows_of
@@ -22,11 +22,11 @@ class Posed(Protocol):
     """An object with a pose. Objects with ``world_pose()`` are read faster: see `update`."""
 
     @property
-    def worldPosition(self) -> Sequence[float]:  # noqa: N802 (the name user components know)
+    def worldPosition(self) -> Any:  # noqa: N802 (the name user components know)
         """Position in the world frame, metres."""
 
     @property
-    def worldOrientation(self) -> Sequence[Sequence[float]]:  # noqa: N802
+    def worldOrientation(self) -> Any:  # noqa: N802
         """3x3 rotation from the object's frame to the world."""
 
 

@@ -214,7 +214,7 @@ def complete(simulation: Simulation) -> None:
     from morse.simulation.published_data import PublishedData
 
     simulation.load()
-    if overlapping := overlaps(simulation.context.world):
+    if overlapping := overlaps(simulation.world):
         logger.warning("%s", overlapping)
     if simulation.options.view != "none":
         from morse.viewer.opening import open_view

@@ -64,7 +64,7 @@ def nine(rows: Sequence[Sequence[float]]) -> Rotation9:
     return a, b, c, d, e, f, g, h, i
 
 
-def rows_of(m: Rotation9) -> list[list[float]]:
+def rows_of(m: Sequence[float]) -> list[list[float]]:
     """Return nine floats as three rows."""
     a, b, c, d, e, f, g, h, i = m
     return [[a, b, c], [d, e, f], [g, h, i]]

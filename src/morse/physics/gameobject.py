@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from morse.physics.object_world import ObjectWorld
+    from morse.physics.posed import Posed
     from morse.physics.saved import SavedObject
     from morse.scene import Node
     from morse.scene.frames import RigidFrame
@@ -187,10 +188,10 @@ class GameObject(LegacyNames):
         """All objects below this object in the tree."""
         return ObjectList([self._world.object_of(node) for node in self.node.walk() if node is not self.node])
 
-    def setParent(self, parent: GameObject, compound: bool = True, ghost: bool = True) -> None:  # noqa: N802
+    def setParent(self, parent: Posed, compound: bool = True, ghost: bool = True) -> None:  # noqa: N802
         """Attach this object to another object at its present relative pose."""
         if self._leads:
-            self._world.attachments.hold(self.slot, parent)
+            self._world.attachments.hold(self.slot, cast("GameObject", parent))
 
     def removeParent(self) -> None:  # noqa: N802
         """Undo `setParent`."""
@@ -412,11 +413,11 @@ class GameObject(LegacyNames):
 
     # -- distances and rays ----------------------------------------------------------------
 
-    def getDistanceTo(self, other: GameObject | Sequence[float]) -> float:  # noqa: N802
+    def getDistanceTo(self, other: Posed | Sequence[float]) -> float:  # noqa: N802
         """Return the distance between origins, m."""
         return math.dist(self.world_pose()[0], _point(other))
 
-    def getVectTo(self, other: GameObject | Sequence[float]) -> tuple[float, Vector, Vector]:  # noqa: N802
+    def getVectTo(self, other: Posed | Sequence[float]) -> tuple[float, Vector, Vector]:  # noqa: N802
         """Return the distance (m) and the unit vector to an object or point, in world axes and in object axes."""
         position, rotation = self.world_pose()
         target = _point(other)
@@ -427,8 +428,8 @@ class GameObject(LegacyNames):
 
     def rayCast(  # noqa: N802
         self,
-        objto: GameObject | Sequence[float],
-        objfrom: GameObject | Sequence[float] | None = None,
+        objto: Posed | Sequence[float],
+        objfrom: Posed | Sequence[float] | None = None,
         dist: float = 0.0,
         prop: str = "",
         face: int = 0,
@@ -446,7 +447,7 @@ class GameObject(LegacyNames):
         return self._world.cast(start, _point(objto), dist, prop, bool(xray), self)
 
     def rayCastTo(  # noqa: N802
-        self, other: GameObject | Sequence[float], dist: float = 0.0, prop: str = ""
+        self, other: Posed | Sequence[float], dist: float = 0.0, prop: str = ""
     ) -> GameObject | None:
         """Return the first object on the line to a point, or None."""
         return self.rayCast(other, None, dist, prop)[0]

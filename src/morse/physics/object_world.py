@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from morse.physics.bodies import Bodies
     from morse.physics.drives import Drives
     from morse.physics.gameobject import GameObject
+    from morse.physics.posed import Posed
     from morse.scene import Node
 
 
@@ -68,5 +69,5 @@ class ObjectWorld(EngineState):
         """Record that a node has moved relative to its parent, so that the view gets its pose from now on."""
 
     @abstractmethod
-    def appearance_changed(self, obj: GameObject) -> None:
+    def appearance_changed(self, obj: Posed) -> None:
         """Notify the view that the appearance of an object changed."""

@@ -11,9 +11,15 @@ if TYPE_CHECKING:
 
 
 class Posed(Protocol):
-    """An object with a pose in the world; see `morse.physics.gameobject.GameObject`."""
+    """An object with a pose in the world; see `morse.physics.gameobject.GameObject`.
+
+    Attributes:
+        node: the node of the scene for this object.
+        slot: index of the rigid group of the object.
+    """
 
     node: Node
+    slot: int
 
     def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
         """Position (3) and rotation (9, row-major) in the world."""

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from morse.physics.compile import Slot
     from morse.physics.engine_state import EngineState
+    from morse.physics.gameobject import GameObject
     from morse.physics.posed import Posed
 
 
@@ -29,7 +30,7 @@ class Wheel:
     #: created from the scene, without a state; cached values of the engine are not saved
     is_apparatus = True
 
-    def __init__(self, state: EngineState, wheel: Posed, robot: Posed) -> None:
+    def __init__(self, state: EngineState, wheel: GameObject, robot: Posed) -> None:
         self._state = state
         self.object = wheel
         self._model: mujoco.MjModel | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import mujoco
 
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.mathutils import Vector
-    from morse.physics.linkage import Hanging
+    from morse.physics.posed import Posed
     from morse.scene import Bone, ComponentDeclaration, Node, Scene, Zone
 
 
@@ -68,7 +68,7 @@ class World(ObjectWorld):
         self._rescue = Rescue()
         self.repainted: set[GameObject] = set()
         self.repaints = 0
-        self.repaint_sinks: list[Callable[[GameObject], object]] = []
+        self.repaint_sinks: list[Callable[[Any], object]] = []
         self._objects: dict[Node, GameObject] = {}
         self._names: dict[str, GameObject] = {}
         # rays may be cast for the first time within a tick, when there may be no file descriptor left
@@ -134,7 +134,7 @@ class World(ObjectWorld):
         self._change(lambda change: change.add(roots, components))
         return [self._objects[node] for root in roots for node in root.walk()]
 
-    def remove(self, objects: Sequence[GameObject]) -> None:
+    def remove(self, objects: Sequence[Posed]) -> None:
         """Remove objects, with all objects below them; objects that were attached with `setParent` are detached.
 
         A removed object raises `RemovedError` when it is used.
@@ -314,21 +314,26 @@ class World(ObjectWorld):
         """Number of resets of bodies since the world was created."""
         return self._rescue.count
 
-    def linkage(self, armature: GameObject, bones: Sequence[Bone], hanging: Sequence[Hanging]) -> Linkage:
+    def linkage(
+        self,
+        armature: Posed,
+        bones: Sequence[Bone],
+        hanging: Sequence[tuple[Any, int, Sequence[float], Sequence[float]]],
+    ) -> Linkage:
         """Create a linkage: objects on bones that joints move."""
-        return Linkage(self, armature, bones, hanging)
+        return Linkage(self, cast("GameObject", armature), bones, hanging)
 
-    def fleet(self, objects: Sequence[GameObject]) -> Fleet:
+    def fleet(self, objects: Sequence[Posed]) -> Fleet:
         """Create a fleet of objects that are driven together with `drive_fleet`."""
         return Fleet([obj.slot for obj in objects])
 
-    def snapshots(self, objects: Sequence[GameObject]) -> Snapshots:
+    def snapshots(self, objects: Sequence[Posed]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""
-        return Snapshots(self, objects)
+        return Snapshots(self, cast("Sequence[GameObject]", objects))
 
-    def velocity_snapshots(self, objects: Sequence[GameObject]) -> VelocitySnapshots:
+    def velocity_snapshots(self, objects: Sequence[Posed]) -> VelocitySnapshots:
         """Return an object that reads the velocities of bodies, all in one call."""
-        return VelocitySnapshots(self, objects)
+        return VelocitySnapshots(self, cast("Sequence[GameObject]", objects))
 
     def drive_fleet(self, fleet: Fleet) -> None:
         """Use the commands that were set by `Fleet.command` for the next tick."""
@@ -387,11 +392,11 @@ class World(ObjectWorld):
         pairs = self.data.contact.geom[: self.data.ncon].tolist() + self.gliding.supports()
         return [(self.geom_object(a), self.geom_object(b)) for a, b in pairs]
 
-    def touched_by(self, obj: GameObject, margin: float = 0.0) -> list[GameObject]:
+    def touched_by(self, obj: Posed, margin: float = 0.0) -> list[GameObject]:
         """Return the objects whose shapes are closer than ``margin`` (m) to the shapes of an object, see `Touching`."""
         if self._touching is None:
             self._touching = Touching(self)
-        return self._touching.objects(obj, margin)
+        return self._touching.objects(cast("GameObject", obj), margin)
 
     def contact_forces(self) -> bytes:
         """Return all contact points as bytes of (N, 6) float32, see `ContactPoints.look`."""
@@ -425,9 +430,9 @@ class World(ObjectWorld):
         """Record that a node has moved relative to its parent, so that the view gets its pose from now on."""
         self._moving_poses.note_displaced(obj)
 
-    def appearance_changed(self, obj: GameObject) -> None:
+    def appearance_changed(self, obj: Posed) -> None:
         """Notify the view that the appearance of an object changed."""
-        self.repainted.add(obj)
+        self.repainted.add(cast("GameObject", obj))
         self.repaints += 1
         for sink in self.repaint_sinks:
             sink(obj)

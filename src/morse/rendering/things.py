@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics import GameObject, World
+    from morse.core.world import Body, World
     from morse.scene import Node
 
 
@@ -84,7 +84,7 @@ class Things:
         return Box(matmul(turn, (low + high) / 2) + place, turn, high - low)
 
     def _extent(
-        self, node: Node, obj: GameObject, thing: GameObject, place: NDArray[np.float64], turn: NDArray[np.float64]
+        self, node: Node, obj: Body, thing: Body, place: NDArray[np.float64], turn: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Lower and upper corner of a mesh in the frame of its object."""
         if obj.slot != thing.slot:

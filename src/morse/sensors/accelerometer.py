@@ -1,12 +1,18 @@
 """Distance, velocity and acceleration of the robot."""
 
+from __future__ import annotations
+
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.helpers.components import add_data, add_kind
 from morse.mathutils.rotations import turn_back
 from morse.sensors.motion_sensor import MotionSensor
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _ZERO = [0.0, 0.0, 0.0]
 
@@ -25,7 +31,7 @@ class Accelerometer(MotionSensor):
     add_data("angular_acceleration", _ZERO, "vec3<float>", "Angular acceleration", unit="rad/s^2", frame="own", shape=3)
     add_kind("accel", linear="acceleration", angular="angular_acceleration")
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._place = self._pose[0]
 

@@ -17,6 +17,9 @@ from morse.scene import JointKind
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
+
 
 _AT_START: dict[JointKind, tuple[float, ...]] = {
     JointKind.BALL: (1.0, 0.0, 0.0, 0.0),
@@ -51,7 +54,7 @@ class ArmaturePose(Sensor):
 
     not_state = ("_bones", "_loose")
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         actuators = {component.name for component in self.context.scene.components if component.kind == "actuator"}
         holder = obj.parent

@@ -15,6 +15,9 @@ from morse.sensors.motion_sensor import MotionSensor
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
+
 
 class Attitude(MotionSensor):
     """Measures the absolute attitude and the angular velocity.
@@ -40,7 +43,7 @@ class Attitude(MotionSensor):
 
     _use_angle_against_north: bool
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._north = angle_against_north(self.context.scene.properties)
 

@@ -1,10 +1,16 @@
 """Atmospheric pressure."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 #: constants of the International Standard Atmosphere (ISO 2533) up to 11 km: K/m, K, J/(mol K), kg/mol
 _LAPSE_RATE, _TEMPERATURE = 0.0065, 288.15
@@ -31,7 +37,7 @@ class Barometer(Sensor):
 
     _reference_pressure: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._start = self.position_3d.z
 

@@ -1,10 +1,16 @@
 """Charge of a battery."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_property, mapped
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 class Battery(Sensor):
@@ -25,7 +31,7 @@ class Battery(Sensor):
 
     _discharging_rate: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._time = self.clock.time
 

@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.realism import Realism
+    from morse.core.robot import Robot
     from morse.core.sensor import Pose
     from morse.core.watched_space import WatchedSpace
+    from morse.core.world import Body
     from morse.rendering import CameraRequest, Lens, Picture
     from morse.scene.realism import RealismModel
 
@@ -155,7 +157,7 @@ class Camera(Sensor):
         if "uses" not in vars(cls) and not _OF_AN_IMAGE.isdisjoint(vars(cls)):
             cls.uses = None
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         # imported on demand, because only scenes with cameras need it
         from morse.rendering import Renderer

@@ -17,6 +17,8 @@ from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
     from morse.rendering import Picture
 
 
@@ -58,7 +60,7 @@ class AbstractDepthCamera(Camera):
     uses = ("depth",)
     depth_noise: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._random = self.context.random(f"{self.name()}/depth")
 
@@ -114,7 +116,7 @@ class DepthCamera(AbstractDepthCamera):
     keep_list: str | None
     keep_resolution: bool
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.local_data = LocalData(self.local_data)
 

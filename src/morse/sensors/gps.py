@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
@@ -13,6 +13,8 @@ from morse.helpers.geodesy import LocalPlane
 
 if TYPE_CHECKING:
     from morse.core.group import Group
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _SIMPLE = ["simple"]
 _RAW = ["raw", "extended"]
@@ -104,7 +106,7 @@ class GPS(Sensor):
 class RawGPS(GPS):
     """Measures the position on the earth; `GPS` at the level ``raw``."""
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._plane = LocalPlane.of(self.context.scene.properties)
         self._time = self.clock.time

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.limits import POSITION
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, euler
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 #: numbers of the first and the last joint
 _FIRST, _LAST = 12, 49
@@ -38,7 +42,7 @@ class HumanPosture(Sensor):
     add_kind("joints", names=_JOINTS, position=_JOINTS)
     add_kind("pose", topic="pose", position=("x", "y", "z"), orientation=euler("roll", "pitch", "yaw"))
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         names = (
             [] if parent is None else [child.name for child in parent.bge_object.childrenRecursive if child.node.bones]

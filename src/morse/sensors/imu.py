@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.core.group import Group
+    from morse.core.robot import Robot
+    from morse.core.world import Body
     from morse.mathutils.rotations import Triple
 
 _ZERO = [0.0, 0.0, 0.0]
@@ -145,7 +147,7 @@ class IMU(MotionSensor):
     _correlation_time: float
     not_state = ("_field",)
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._measured = self.clock.time
         self._gyro_errors = InertialErrors(self.context.random(f"{self.name()}/gyro"), self._gyro_terms())

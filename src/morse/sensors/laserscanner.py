@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from morse.core.group import Group
     from morse.core.noise import Noise
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 #: downward tilt of the fan of a rotating scanner
 _TILT = math.radians(12.0)
@@ -206,7 +208,7 @@ class LaserScanner(Sensor):
     layer_separation: float
     layer_offset: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.local_data = LocalData(self.local_data)
         self.create_laser_arc()

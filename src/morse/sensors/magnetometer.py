@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
@@ -11,6 +11,10 @@ from morse.helpers.components import add_data, add_kind, add_property
 from morse.helpers.geodesy import LocalPlane
 from morse.helpers.magnetism import DEFAULT_YEAR, MODELS, MagneticField
 from morse.mathutils.rotations import turn_back
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 def field_around(sensor: Sensor, year: float | None = None, model: str | None = None) -> MagneticField:
@@ -79,7 +83,7 @@ class Magnetometer(Sensor):
     _model: str
     not_state = ("_field",)
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._take_model()
 

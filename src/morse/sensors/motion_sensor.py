@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_property
@@ -11,6 +11,8 @@ from morse.mathutils.rotations import cross, rotation_vector, turn
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
     from morse.mathutils.rotations import Triple
 
 #: distance from the origin of the robot below which a sensor is treated as being at the origin, m
@@ -52,7 +54,7 @@ class MotionSensor(Sensor):
 
     _computation_mode: str
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._time = self.clock.time
         self._pose = self.position_3d.get_pose()

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.group import Group
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _DIFF = ["differential"]
 _FULL = ["integrated"]
@@ -87,7 +89,7 @@ class Odometry(Sensor):
         angular=computed(_body_rates),
     )
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.original_pos = Transformation3d(obj)
         self.previous_pos = self.original_pos.transformation3d_with(self.original_pos)

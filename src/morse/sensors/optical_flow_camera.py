@@ -12,6 +12,8 @@ from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
     from morse.rendering import Picture
 
 
@@ -50,7 +52,7 @@ class OpticalFlowCamera(Camera):
     color = False
     uses = ("depth", "ids", "names", "models", "eye", "axes")
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         #: a `morse.rendering.flow.Moment`: the poses of the previous image
         self._before: tuple[Any, ...] | None = None

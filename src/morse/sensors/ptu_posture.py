@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 class PTUPosture(Sensor):
@@ -20,7 +24,7 @@ class PTUPosture(Sensor):
     add_data("tilt", 0.0, "float", "Angle about the Y axis, positive downward", unit="rad", frame="joint", angle=True)
     add_kind("joints", names=("pan", "tilt"), position=("pan", "tilt"))
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         actuators = {component.name for component in self.context.scene.components if component.kind == "actuator"}
         holder = obj.parent

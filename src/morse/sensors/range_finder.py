@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_property, prop
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 class RangeFinder(Sensor):
@@ -76,7 +80,7 @@ class RangeFinder(Sensor):
     _resolution: float
     not_state = ("_looks",)  # derived from the rays, which are not part of the state either
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._look_ahead()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from morse.helpers.components import add_data, add_property
 from morse.helpers.cone import Cone
 from morse.mathutils.portable import matmul
 from morse.scene.corners import corners
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 #: number of measurements that healing takes
 _HEALING = 10
@@ -60,7 +64,7 @@ class SearchAndRescue(Sensor):
     _angle: float
     _distance: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._patient: str | None = None
         self._left = 0

@@ -16,6 +16,8 @@ from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
     from morse.rendering import Picture
     from morse.rendering.things import Things
     from morse.scene import Node
@@ -124,7 +126,7 @@ class SegmentationCamera(Camera):
     fewest_pixels: int
     compression: str
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         #: ids by name, which stay the same when objects are added or removed
         self._class_ids = self._named_classes()

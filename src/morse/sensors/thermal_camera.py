@@ -15,6 +15,8 @@ from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.robot import Robot
+    from morse.core.world import Body
     from morse.rendering import Picture
     from morse.scene import Node
 
@@ -83,7 +85,7 @@ class ThermalCamera(Camera):
     _fire_tag: str
     _fire_temp: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         around = self.context.scene.properties.get(_TEMPERATURE)
         if around is not None and "DefaultTemperature" not in obj:

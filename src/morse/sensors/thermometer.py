@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 _ENVIRONMENT = "Temperature"
 _DEFAULT = "DefaultTemperature"
@@ -49,7 +53,7 @@ class Thermometer(Sensor):
     _fire_range: float
     _alpha: float
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         around = self.context.scene.properties.get(_ENVIRONMENT)
         if around is not None and _DEFAULT not in obj:

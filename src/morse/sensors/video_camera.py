@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.noise import Noise
+    from morse.core.robot import Robot
+    from morse.core.world import Body
     from morse.rendering import Picture
     from morse.sensors.delayed_pictures import Exposure
 
@@ -143,7 +145,7 @@ class VideoCamera(Camera):
     compression: str
     quality: int
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._random = self.context.random(f"{self.name()}/pixels")
         #: stops that the automatic exposure adds

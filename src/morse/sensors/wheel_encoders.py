@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_property
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
 
 
 class WheelEncoders(Sensor):
@@ -50,13 +54,13 @@ class WheelEncoders(Sensor):
     _steps: int
     not_state = ("_wheels",)
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         wheels = getattr(parent, "get_wheels", None)
         if wheels is None:
             raise ValueError(
-                f"the robot '{parent.name()}' has no driven wheels: append wheel encoders to a robot whose wheels "
-                "turn, such as Pioneer3DX or SegwayRMP400"
+                f"the robot '{self.robot_parent.name()}' has no driven wheels: append wheel encoders to a robot whose "
+                "wheels turn, such as Pioneer3DX or SegwayRMP400"
             )
         self._wheels = wheels()
         count = len(self._wheels)

@@ -52,7 +52,7 @@ class Fallen:
         if before - height < _FALLEN or robot in self._told:
             return
         if self._bottom is None:
-            self._bottom = lowest_fixed(self._simulation.context.world)
+            self._bottom = lowest_fixed(self._simulation.world)
         below = self._bottom - height
         if below < _BELOW:
             return

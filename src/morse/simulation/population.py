@@ -316,7 +316,8 @@ class Population:
         by_declaration = {declared.name: number for number, declared in enumerate(components)}
         for kept in (simulation.loaded.robots, simulation.loaded.actuators, simulation.loaded.sensors):
             kept.sort(key=lambda component: by_declaration[component.name()])
-        for table in (simulation.context.robots, simulation.context.components):
+        tables: list[dict[str, Any]] = [simulation.context.robots, simulation.context.components]
+        for table in tables:
             ordered = sorted(table.items(), key=lambda item: by_declaration[item[0]])
             table.clear()
             table.update(ordered)

@@ -67,17 +67,17 @@ class Simulation(Recorded, Handles):
         settings = scene.settings
         self.options = options
         self.scene = scene
+        self.world = world = World(scene)
         self.context = Context(
             scene=scene,
             clock=Clock(settings.frequency, settings.time_strategy, absolute=not settings.relative_time),
-            world=World(scene),
+            world=world,
             services=MorseServices(),
             network=_network(options),
             seed=settings.seed if options.seed is None else options.seed,
             host=options.host,
             strict=options.strict,
         )
-        self.world: World = self.context.world
         self.clock = self.context.clock
         self._stepping = Stepping(self.context.guard)
         self._ticker = Ticker(self.context, self._stepping)

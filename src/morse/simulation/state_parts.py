@@ -59,7 +59,7 @@ class StateParts:
         """The part of that name."""
         kind, _, rest = name.partition(" ")
         context = self._simulation.context
-        found = None
+        found: Any = None
         if kind == "object":
             found = context.world.objects_by_name.get(rest)
         elif kind == "component":

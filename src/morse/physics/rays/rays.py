@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from morse.physics.gameobject import GameObject
     from morse.physics.object_world import ObjectWorld
+    from morse.physics.posed import Posed
     from morse.scene import Node
 
 #: maximum number of sets of bundles whose arrays are cached
@@ -63,7 +64,7 @@ class Rays:
 
     def bundle(
         self,
-        obj: GameObject,
+        obj: Posed,
         directions: ArrayLike,
         reach: float,
         origins: ArrayLike | None = None,
@@ -90,7 +91,7 @@ class Rays:
         starts = None if origins is None else self._kept(_rows_of_three(origins, "origins"))
         if starts is not None and len(starts) != len(checked):
             raise ValueError(f"there are {len(checked)} directions, but {len(starts)} origins")
-        return RayBundle(self, obj, checked, float(reach), starts, upright)
+        return RayBundle(self, cast("GameObject", obj), checked, float(reach), starts, upright)
 
     def checked_directions(self, directions: ArrayLike) -> NDArray[np.float64]:
         """Return directions (N, 3) as unit vectors; equal inputs share one array, so that they are rotated together."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from morse.core.context import acting
 from morse.core.datastream import AbstractDatastream
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from morse.core.object import Object
+    from morse.core.robot import Robot
     from morse.scene import ComponentDeclaration
     from morse.simulation.simulation import Simulation
 
@@ -134,7 +135,7 @@ class _Exchange:
             components[:] = [new if one is old else one for one in components]
         for carried in context.components.values():
             if carried.robot_parent is old:
-                carried.robot_parent = new
+                carried.robot_parent = cast("Robot", new)
         new.input_modifiers, new.output_modifiers = old.input_modifiers, old.output_modifiers
         for modifier in [*new.input_modifiers, *new.output_modifiers]:
             modifier.component_instance = new

@@ -1,0 +1,27 @@
+"""What components may call of the world: the interface between components and the physics.
+
+`morse.physics` implements these protocols; components do not import it.
+"""
+
+from morse.core.world.body import Bodies, Body, Pose
+from morse.core.world.body_names import BodyNames
+from morse.core.world.joints import Joints, Wheel
+from morse.core.world.linkage import Hanging, Linkage
+from morse.core.world.poses import WorldPoses
+from morse.core.world.rays import RayBundle, Rays
+from morse.core.world.world import World
+
+__all__ = [
+    "Bodies",
+    "Body",
+    "BodyNames",
+    "Hanging",
+    "Joints",
+    "Linkage",
+    "Pose",
+    "RayBundle",
+    "Rays",
+    "Wheel",
+    "World",
+    "WorldPoses",
+]

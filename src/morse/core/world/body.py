@@ -1,0 +1,219 @@
+"""A body of the world, as components see it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, overload
+
+from morse.core.world.body_names import BodyNames
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from morse.core.world.joints import Joints, Wheel
+    from morse.mathutils import Vector
+    from morse.scene import Node
+
+Pose: TypeAlias = tuple["Sequence[float]", "Sequence[float]"]
+"""Position (3), m, and rotation (9, row by row)."""
+
+
+class Bodies(Protocol):
+    """Bodies, by number or by name."""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[Body]: ...
+
+    def __contains__(self, item: object) -> bool: ...
+
+    @overload
+    def __getitem__(self, key: int | str) -> Body: ...
+
+    @overload
+    def __getitem__(self, key: slice) -> Sequence[Body]: ...
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return the body of that name, or ``default``."""
+
+
+class Body(BodyNames, Protocol):
+    """An object of the running world: its pose, velocity, properties and children.
+
+    Positions are metres, rotations are 3x3 matrices, velocities m/s and rad/s. It is ``bge_object`` of components: the
+    name is that of MORSE 1.4, as are the names in `BodyNames`.
+
+    Attributes:
+        node: the node of the scene for this object.
+        slot: index of the rigid group of the object.
+        visible: whether cameras and the live view show the object.
+        properties: the properties of the object, by name.
+    """
+
+    node: Node
+    slot: int
+    visible: bool
+    properties: dict[str, Any]
+
+    @property
+    def offset(self) -> Pose:
+        """Position and rotation in the rigid group of the object."""
+
+    @property
+    def mounting(self) -> Any:
+        """The pose of the object in its rigid group."""
+
+    @property
+    def name(self) -> str:
+        """The name in the scene."""
+
+    @property
+    def is_dynamic(self) -> bool:
+        """Whether the object is a dynamic body, or a link that a joint moves."""
+
+    @property
+    def mass(self) -> float:
+        """Mass, kg; 0 for an object that is not dynamic."""
+
+    @property
+    def localInertia(self) -> Vector:  # noqa: N802
+        """Principal moments of inertia, kg m^2."""
+
+    @property
+    def parent(self) -> Body | None:
+        """The object to which this object is attached, in the scene or later by `setParent`."""
+
+    @property
+    def children(self) -> Bodies:
+        """The objects that are attached to this object."""
+
+    @property
+    def childrenRecursive(self) -> Bodies:  # noqa: N802
+        """All objects below this object in the tree."""
+
+    def setParent(self, parent: Body, compound: bool = True, ghost: bool = True) -> None:  # noqa: N802
+        """Attach this object to another object at its present relative pose."""
+
+    def removeParent(self) -> None:  # noqa: N802
+        """Undo `setParent`."""
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a property."""
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        """Set a property."""
+
+    def __contains__(self, name: object) -> bool:
+        """Whether a property exists."""
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a property, or ``default``."""
+
+    def getPropertyNames(self) -> list[str]:  # noqa: N802
+        """Return the names of the properties."""
+
+    def pose_of(self, row: int, /) -> Pose:
+        """Return `world_pose`, for a pose that follows this object."""
+
+    def world_pose(self) -> Pose:
+        """Return the position (3) and rotation (9, row-major) in the world, as plain floats."""
+
+    @property
+    def stamp(self) -> int:
+        """A value that changes whenever an object has moved."""
+
+    def local_pose(self) -> Pose:
+        """Position (3) and rotation (9) in the frame of the parent."""
+
+    def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Set the pose of the object in the world, with all attached objects; its velocity is unchanged.
+
+        Raises:
+            ValueError: a value is not finite or exceeds `morse.physics.limits.POSITION`.
+        """
+
+    def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Set the pose of the object in the frame of its parent; see `set_pose`."""
+
+    def velocity(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Return the linear and angular velocity of its origin, in world axes."""
+
+    def set_velocity(self, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
+        """Set the velocity of its body in world axes; None keeps the present velocity."""
+
+    def drive(
+        self, linear: Sequence[float], angular: Sequence[float], *, position: bool = False, ground: bool = False
+    ) -> None:
+        """Move with a velocity in the axes of the object during the next tick.
+
+        Args:
+            position: whether the object moves without gaining momentum.
+            ground: whether gravity and contacts control the vertical speed and the roll and pitch rates.
+        """
+
+    def halt(self) -> None:
+        """Set the velocity to 0."""
+
+    def wrench(self, force: Sequence[float], torque: Sequence[float], local: bool) -> None:
+        """Apply a force (N) and a torque (N m) at the centre of mass during the next tick."""
+
+    def pull(
+        self, anchor: Sequence[float], target: Sequence[float], stiffness: float, damping: float, strongest: float
+    ) -> None:
+        """Pull a point of the body towards a target during the next tick, like a damped spring.
+
+        Args:
+            anchor: the point, in the frame of the object, m.
+            target: the target in the world, m.
+            stiffness: spring constant divided by the mass, 1/s^2.
+            damping: damping constant divided by the mass, 1/s.
+            strongest: largest acceleration, m/s^2.
+        """
+
+    def suspendDynamics(self, ghost: bool = False) -> None:  # noqa: N802
+        """Keep the object at its pose, independent of the forces on it."""
+
+    def restoreDynamics(self) -> None:  # noqa: N802
+        """Resume the physics of the object."""
+
+    @property
+    def isSuspendDynamics(self) -> bool:  # noqa: N802
+        """Whether the physics of the object is suspended."""
+
+    def disable_gravity(self) -> None:
+        """Disable gravity for the object."""
+
+    def wheels(self) -> Sequence[Wheel]:
+        """The driven wheels of a wheeled robot."""
+
+    def joints(self) -> Joints | None:
+        """The joints of an armature, or None if the physics does not move them."""
+
+    def getDistanceTo(self, other: Body | Sequence[float]) -> float:  # noqa: N802
+        """Return the distance between origins, m."""
+
+    def getVectTo(self, other: Body | Sequence[float]) -> tuple[float, Vector, Vector]:  # noqa: N802
+        """Return the distance (m) and the unit vector to an object or point, in world axes and in object axes."""
+
+    def rayCast(  # noqa: N802
+        self,
+        objto: Body | Sequence[float],
+        objfrom: Body | Sequence[float] | None = None,
+        dist: float = 0.0,
+        prop: str = "",
+        face: int = 0,
+        xray: int = 0,
+        poly: int = 0,
+    ) -> tuple[Body | None, Vector | None, Vector | None]:
+        """Return the first object on the line to a point: object, hit point and normal, or three None.
+
+        Args:
+            dist: length of the ray, m, which may be beyond the target; 0 for up to the target.
+            prop: if given, only objects with this property are hit.
+            xray: whether the ray passes through objects without the property.
+        """
+
+    def rayCastTo(self, other: Body | Sequence[float], dist: float = 0.0, prop: str = "") -> Body | None:  # noqa: N802
+        """Return the first object on the line to a point, or None."""
+
+    def setVisible(self, visible: bool, recursive: bool = False) -> None:  # noqa: N802
+        """Show or hide the object."""
