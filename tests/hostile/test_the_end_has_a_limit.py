@@ -7,11 +7,13 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from morse.simulation.ending import Ending
+from morse.simulation.ending import Ending, threads_left
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -172,3 +174,21 @@ def test_the_limit_by_a_clock(caplog: pytest.LogCaptureFixture) -> None:
     (line,) = caplog.messages
     assert "robot.arm does not end: after 6.0 s it is left at" in line
     assert "test_the_end_has_a_limit.py:" in line
+
+
+def test_idle_threads_of_executors_are_not_waited_for(caplog: pytest.LogCaptureFixture) -> None:
+    with ThreadPoolExecutor(2) as pool:
+        pool.submit(int).result()
+        threads_left(3, leave=lambda status: pytest.fail("the process was left"), limit=60.0)
+    assert not caplog.records
+
+
+def test_busy_threads_of_executors_are_named(caplog: pytest.LogCaptureFixture) -> None:
+    statuses: list[int] = []
+    release = Event()
+    with ThreadPoolExecutor(1, thread_name_prefix="busy") as pool:
+        pool.submit(release.wait)
+        threads_left(3, leave=statuses.append, limit=0.0)
+        release.set()
+    assert statuses == [3]
+    assert "busy_0" in caplog.text

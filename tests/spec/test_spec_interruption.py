@@ -50,7 +50,7 @@ main()
     ("program", "status"),
     [
         (_WHILE_IMPORTING, 130),
-        (_INTERRUPTED.format(module="asyncio", place="asyncio.SelectorEventLoop"), 0),
+        (_INTERRUPTED.format(module="asyncio", place="asyncio.SelectorEventLoop.__init__"), 0),
     ],
     ids=["importing", "beginning"],
 )

@@ -110,7 +110,13 @@ def definition(part: object) -> str:
 
 
 def _of_class(cls: Any) -> str:
-    return f'  File "{inspect.getsourcefile(cls)}", line {inspect.getsourcelines(cls)[1]}, in {cls.__name__}'
+    """The place of the first function of a class; no file is read, because a tick may have no descriptor for it."""
+    functions = [inspect.unwrap(getattr(one, "__func__", one)) for one in vars(cls).values()]
+    code = min(
+        (function.__code__ for function in functions if inspect.isfunction(function)),
+        key=lambda code: code.co_firstlineno,
+    )
+    return f'  File "{code.co_filename}", line {code.co_firstlineno}, in {cls.__name__}'
 
 
 def _safely(function: Callable[[], Any], otherwise: Any) -> Any:

@@ -40,7 +40,7 @@ class Requesting:
     """
 
     requests: Sequence[Request] = ()
-    rays: RayBundle = None  # type: ignore[assignment] # set by `add_rays`
+    rays: RayBundle = None  # type: ignore[assignment] # who reads it has called `add_rays`
     bge_object: Body
     context: Context
 
@@ -57,7 +57,7 @@ class Requesting:
         """Remove a request."""
         self.requests = [one for one in self.requests if one is not request]
         if request is self.rays:
-            del self.rays
+            self.rays = None  # type: ignore[assignment]
 
     def add_rays(self, directions: Any, reach: float, origins: Any = None, *, upright: bool = False) -> RayBundle:
         """Cast a bundle of rays before each action; call it in ``__init__``, once for each bundle.

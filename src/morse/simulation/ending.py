@@ -9,6 +9,7 @@ import sys
 import sysconfig
 import threading
 import traceback
+from concurrent.futures import thread as executors
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -132,16 +133,31 @@ def threads_left(status: int, leave: Callable[[int], Any], limit: float = LIMIT)
         limit: wall-clock seconds.
     """
     end = monotonic() + limit
-    for thread in threading.enumerate():
-        if thread is threading.current_thread() or thread.daemon:
-            continue
+    for thread in _lasting_threads():
         try:
             thread.join(max(0.0, end - monotonic()))
         except KeyboardInterrupt:
             end = 0.0
-    left = [one for one in threading.enumerate() if one is not threading.current_thread() and not one.daemon]
+    left = _lasting_threads()
     for thread in left:
         line = line_of(sys._current_frames().get(thread.ident or 0))
         logger.error("[ERROR][MORSE] the thread '%s' does not end, it is left at %s", thread.name, line)
     if left:
         leave(status)
+
+
+def _lasting_threads() -> list[threading.Thread]:
+    """The other threads that keep the process alive; Python itself ends the threads of executors that are idle."""
+    frames = sys._current_frames()
+    return [
+        thread
+        for thread in threading.enumerate()
+        if thread is not threading.current_thread()
+        and not thread.daemon
+        and not _is_idle(frames.get(thread.ident or 0))
+    ]
+
+
+def _is_idle(frame: FrameType | None) -> bool:
+    """Whether a thread of a `concurrent.futures.ThreadPoolExecutor` waits for work."""
+    return frame is not None and frame.f_code.co_name == "_worker" and frame.f_code.co_filename == executors.__file__

@@ -65,12 +65,16 @@ def is_data(value: Any) -> bool:
     return isinstance(value, _DATA)
 
 
-def fits(value: Any, present: Any) -> bool:
-    """Whether a value may replace the present value of an attribute that MORSE has set."""
+def fits(value: Any, present: Any, created: frozenset[type] = frozenset()) -> bool:
+    """Whether a value may replace the present value of an attribute that MORSE has set.
+
+    Args:
+        created: the classes of objects that may take the place of None.
+    """
     kind, before = kind_of(value), kind_of(present)
     if kind == before:
         return kind != "a function" or value == present or _names(value) == _names(present)
-    return kind == "nothing" or (before == "nothing" and is_data(value))
+    return kind == "nothing" or (before == "nothing" and (is_data(value) or kind in created))
 
 
 def fits_roughly(value: Any, present: Any) -> bool:
@@ -111,9 +115,25 @@ def own_attributes(cls: type[Any]) -> set[str] | None:
 
 
 @cache
+def created_by(cls: Any) -> frozenset[type]:
+    """The classes of MORSE that the functions of MORSE's classes among the bases of a class refer to.
+
+    They may create objects of these classes while the simulation runs, such as the trajectory of an arm.
+    """
+    functions = [function for base in cls.__mro__ if is_of_morse(base) for function in _functions(base)]
+    values = [function.__globals__.get(name) for function in functions for name in function.__code__.co_names]
+    return frozenset(value for value in values if isinstance(value, type) and is_of_morse(value))
+
+
+@cache
 def _set_by(cls: Any) -> frozenset[str]:
     """The names of the attributes to which the functions of a class assign values."""
-    functions = [getattr(one, "fget", None) or getattr(one, "__func__", one) for one in vars(cls).values()]
-    codes = [function.__code__ for function in functions if isinstance(function, FunctionType)]
-    steps = [step for code in codes for step in dis.get_instructions(code)]
+    steps = [step for function in _functions(cls) for step in dis.get_instructions(function.__code__)]
     return frozenset(str(step.argval) for step in steps if step.opname == "STORE_ATTR")
+
+
+def _functions(cls: type[Any]) -> list[FunctionType]:
+    functions = [
+        inspect.unwrap(getattr(one, "fget", None) or getattr(one, "__func__", one)) for one in vars(cls).values()
+    ]
+    return [function for function in functions if isinstance(function, FunctionType)]

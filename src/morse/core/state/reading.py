@@ -19,6 +19,7 @@ from morse.core.state.errors import StateError
 from morse.core.state.extents import Extents
 from morse.core.state.kinds import (
     MISSING,
+    created_by,
     fits,
     fits_roughly,
     is_data,
@@ -78,6 +79,8 @@ class Reader:
         self._strict = not trusted
         #: whether the items of lists and dictionaries keep their kinds, too
         self._deep = False
+        #: the classes of objects that may take the place of None
+        self._created: frozenset[type] = frozenset()
         self._holder: Any = None
         self._extents = Extents()
         self._met: list[Any] = []
@@ -344,15 +347,16 @@ class Reader:
                 object.__delattr__(target, name)
             reorder(getattr(target, "__dict__", {}), [name for name, _ in saved])
 
-    def _attributes(self, cls: type[Any], saved: list[Any], present: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    def _attributes(self, cls: Any, saved: list[Any], present: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         """Iterate over the names and the values of the attributes of an object of a class."""
-        outer, of_morse = (self._strict, self._deep), own_attributes(cls)
+        outer, of_morse = (self._strict, self._deep, self._created), own_attributes(cls)
         for name, item in saved:
             before = present.get(name, MISSING)
             if item == AS_IS and before is MISSING:
                 continue
             self._strict = not self._trusted and (of_morse is None or name in of_morse)
             self._deep = of_morse is None
+            self._created = created_by(cls)
             try:
                 value = self.value(item, before)
                 self._check(value, before)
@@ -362,11 +366,13 @@ class Reader:
             except StateError as error:
                 raise StateError(f"{name:.80}: {error}") from None
             finally:
-                self._strict, self._deep = outer
+                self._strict, self._deep, self._created = outer
             yield name, value
 
     def _check(self, value: Any, present: Any) -> None:
-        if not self._trusted and not (fits if self._strict else fits_roughly)(value, present):
+        if self._trusted:
+            return
+        if not (fits(value, present, self._created) if self._strict else fits_roughly(value, present)):
             raise misfit(value, present)
 
     def _method(self, data: list[Any], now: Any) -> Any:
