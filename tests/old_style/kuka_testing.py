@@ -33,16 +33,6 @@ class KukaTest(MorseTestCase):
             simu.sleep(0.1)
             self.assertAlmostEqual(abs(tip.last()["x"]), 1.0, delta=0.02)
 
-    def test_out_of_reach(self):
-        with Morse() as simu:
-            arm, tip = simu.robot.arm, simu.robot.arm.tip
-            (target,) = arm.list_IK_targets().result()
-            arm.place_IK_target(target, [1.0, 0.0, 0.3105], None, False).result()
-            simu.sleep(2.0)
-            here = tip.last()
-            for name, value in (("x", 0.778), ("y", 0.0), ("z", 0.363), ("pitch", 0.02)):
-                self.assertAlmostEqual(here[name], value, delta=0.02)
-
 
 ########################## Run these tests ##########################
 if __name__ == "__main__":

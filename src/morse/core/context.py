@@ -76,6 +76,7 @@ class Context:
         guard: calls the code of users, and switches off the part that raises.
         strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
         stopping: whether the simulation was asked to end; code that waits within a tick has to check it.
+        settling: whether robots still fall to the floor after the start of a run, so that clients get no messages yet.
         paused: whether no time passes except for the ticks that a client requests.
         paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
@@ -106,6 +107,7 @@ class Context:
     guard: Guard = field(init=False)
     stopping: Callable[[], bool] = _not_stopping
     paused: Callable[[], bool] = _not_stopping
+    settling: bool = False
     paced: Callable[[], bool] = _not_stopping
     complaints: Complaints = field(default_factory=lambda: Complaints(logger))
     time_shares: TimeShares = field(default_factory=TimeShares)

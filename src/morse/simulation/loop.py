@@ -64,8 +64,11 @@ class Loop:
         self.pacer.restart()
         clock, pacer, network, stepping = self._context.clock, self.pacer, self._context.network, self._stepping
         self._running = True
+        self._context.settling = clock.tick == 0 and not stepping.paused and last > _SETTLING
         try:
             while not self.stopping:
+                if stepping.paused:
+                    self._context.settling = False
                 if stepping.halted:
                     self._wait_paused()
                     continue
@@ -77,7 +80,8 @@ class Loop:
                 if network is not None:
                     network.tend()
                 if not stepping.paused:
-                    if clock.tick <= _SETTLING and self._falls():
+                    if self._context.settling:
+                        self._context.settling = clock.tick < _SETTLING and self._falls()
                         pacer.restart()
                     else:
                         pacer.wait()
@@ -89,7 +93,7 @@ class Loop:
             stepping.end(status.FAILED, str(error))
             raise
         finally:
-            self._running = False
+            self._running = self._context.settling = False
             self.go_on()
             if network is not None:
                 network.give_back()

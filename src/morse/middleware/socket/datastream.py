@@ -163,6 +163,10 @@ class SocketDatastreamManager(DatastreamManager):
 
     def flush(self) -> None:
         """The end of a tick: pass all messages to the network thread at once."""
+        if self.context.settling:
+            self._outbox.clear()
+            self._frames.clear()
+            return
         if self._outbox:
             self._parcels.append(self._outbox.copy())
             self._outbox.clear()
