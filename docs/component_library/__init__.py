@@ -19,6 +19,7 @@ from component_library import (
     modifier_page,
     robot_pages,
     service_pages,
+    world_page,
 )
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def page_names() -> list[str]:
     names = [f"robots/{name.lower()}" for name in robot_pages.robot_classes()]
     for kind in ("sensors", "actuators"):
         names += [f"{kind}/{name.lower()}" for name in component_pages.builder_classes(kind)]
-    others = ["modifiers", "models", "message-kinds", "middlewares", "services", "coverage"]
+    others = ["modifiers", "models", "message-kinds", "middlewares", "services", "world", "coverage"]
     return ["index", *(f"{kind}/index" for kind in index_page.KINDS), *names, *others]
 
 
@@ -49,6 +50,7 @@ def write(folder: Path) -> list[Path]:
         **kind_page.pages(),
         **middleware_page.pages(),
         **service_pages.pages(),
+        **world_page.pages(),
         **coverage_page.pages(),
     }
     for name, text in pages.items():

@@ -29,6 +29,7 @@ def pages() -> dict[str, str]:
         "message-kinds": "Message kinds",
         "middlewares": "Middlewares",
         "services": "Services of the simulation",
+        "world": "The world of a component",
         "coverage": "Coverage of MORSE 1.4",
     }
     parts.append(section("And", *(f"- [{title}]({name}.md)" for name, title in others.items())))
