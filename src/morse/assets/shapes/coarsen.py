@@ -13,8 +13,11 @@ if TYPE_CHECKING:
 
     from morse.assets.shapes.surface import Surface
 
+#: the cube of the number of vertices fits into 64 bits
+_MOST_KEYS = 1 << 21
 
-def coarsened(surface: Surface, cell: float) -> Surface:
+
+def coarsened(surface: Surface, cell: float, bends: NDArray[np.float64] | None = None) -> Surface:
     """Simplify a surface to one vertex per grid cell, the vertex where the surface bends most.
 
     J. Rossignac and P. Borrel, "Multi-resolution 3D approximations for rendering complex scenes" (1993).
@@ -23,21 +26,27 @@ def coarsened(surface: Surface, cell: float) -> Surface:
     Args:
         surface: the surface.
         cell: width of the cells, metres.
+        bends: (V,) the `sharpness` of the surface, if it is simplified several times.
     """
     low = surface.vertices.min(axis=0)
     x, y, z = np.floor((surface.vertices - low) / cell).astype(np.int64).T
     key = (x << 42) + (y << 21) + z
-    order = np.lexsort((-_sharpness(surface), key))
+    order = np.lexsort((-(sharpness(surface) if bends is None else bends), key))
     _, first, group = np.unique(key[order], return_index=True, return_inverse=True)
     kept = np.empty(len(key), dtype=np.int64)
     kept[order] = order[first][group.ravel()]
     faces = with_three_corners(kept[surface.triangles])
-    _, once = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
-    used, faces = np.unique(faces[once], return_inverse=True)
-    return measured(surface.vertices[used], faces.reshape(-1, 3))
+    used, faces = np.unique(faces, return_inverse=True)
+    faces = faces.reshape(-1, 3)
+    a, b, c = np.sort(faces, axis=1).T
+    if len(used) < _MOST_KEYS:
+        _, once = np.unique((a * len(used) + b) * len(used) + c, return_index=True)
+    else:
+        _, once = np.unique(np.column_stack([a, b, c]), axis=0, return_index=True)
+    return measured(surface.vertices[used], faces[once])
 
 
-def _sharpness(surface: Surface) -> NDArray[np.float64]:
+def sharpness(surface: Surface) -> NDArray[np.float64]:
     """(V,) 0 on flat areas, up to 1 where the normals of the faces differ most; 2 at the rim, up to 3 at corners."""
     weights = np.repeat(surface.areas, 3)
     total = np.bincount(surface.triangles.ravel(), weights=weights, minlength=len(surface.vertices))

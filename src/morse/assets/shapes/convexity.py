@@ -23,6 +23,7 @@ _BULGE = 1e-3  # share of the diagonal: tolerance for vertices in front of a fac
 _WORK = 20_000_000  # maximum product of vertices and faces that are tested
 _CHUNK = 2_000_000
 _HULL_POINTS = 512  # maximum number of vertices of a hull; of a larger hull, only the extreme vertices are used
+_ROUNDING = 1e-12  # share of the cube of the trace of a matrix by which its determinant may be wrong
 _THINNEST = 0.001  # metres; minimum thickness of hulls
 
 
@@ -67,12 +68,27 @@ def thickened(points: Floats, least: float) -> Floats:
     Points that lie too close to a plane, a line or a point are duplicated, and one copy is moved to each side.
     """
     centre = points.mean(axis=0)
-    _, axes = eigh(matmul((points - centre).T, points - centre))
+    scatter = matmul((points - centre).T, points - centre)
+    if least < _least_width(scatter, len(points)):
+        return points
+    _, axes = eigh(scatter)
     for axis in axes.T:
         lacking = least - float(np.ptp(matmul(points - centre, axis)))
         if lacking > 0.0:
             points = np.vstack([points - axis * (lacking / 2.0), points + axis * (lacking / 2.0)])
     return points
+
+
+def _least_width(scatter: Floats, count: int) -> float:
+    """A lower bound of the width along each principal axis of points with a matrix of second moments, m.
+
+    The product of the two larger eigenvalues is at most the square of half of the trace, and half of the width is at
+    least the root of the mean square. Most parts are thick enough, and need no eigenvectors.
+    """
+    (a, b, c), (_, d, e), (_, _, f) = scatter.tolist()
+    trace = a + d + f
+    volume = a * (d * f - e * e) - b * (b * f - c * e) + c * (b * e - c * d) - _ROUNDING * trace**3
+    return 2.0 * math.sqrt(max(volume, 0.0) / count) / (trace / 2.0) if 0.0 < trace < math.inf else 0.0
 
 
 def _extreme_points(points: Floats) -> Floats:

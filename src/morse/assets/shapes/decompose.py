@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from bisect import insort
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets.shapes.coarsen import coarsened
+from morse.assets.shapes.coarsen import coarsened, sharpness
 from morse.assets.shapes.convexity import hull_part, is_convex
 from morse.assets.shapes.detect import primitive_of
 from morse.assets.shapes.losses import Losses
@@ -90,8 +91,9 @@ def _parts_of(piece: Surface, budget: int, hollow: bool, losses: Losses) -> list
         return made
     # A grid of triangles with cells of this width contains as many triangles as allowed. Flat areas need fewer.
     cell = size / math.sqrt(budget) / 2.0
+    bends = sharpness(piece)
     while cell < _COARSEST * size:
-        made = _plates_of(coarsened(piece, cell), flatness, budget)
+        made = _plates_of(coarsened(piece, cell, bends), flatness, budget)
         if made:
             losses.coarse.append((cell * math.sqrt(3.0), size))
             return made
@@ -127,13 +129,16 @@ def _hulls_of_groups(surface: Surface, pieces: list[Ints], groups: int, losses: 
     spans = np.maximum.reduceat(points, starts) - np.minimum.reduceat(points, starts)
     losses.grouped = np.sqrt((spans * spans).sum(axis=1)).tolist()
     centres = np.add.reduceat(points, starts) / np.bincount(owners)[:, None]
-    clusters = [np.arange(len(pieces))]
-    while len(clusters) < groups:
-        clusters.sort(key=len)
+    clusters: list[Ints] = []
+    halves = [np.arange(len(pieces))]
+    while len(clusters) + len(halves) < groups:
+        for half in halves:
+            insort(clusters, half, key=len)
         widest = clusters.pop()
         axis = int(np.ptp(centres[widest], axis=0).argmax())
         order = widest[np.argsort(centres[widest, axis], kind="stable")]
-        clusters += [order[: len(order) // 2], order[len(order) // 2 :]]
+        halves = [order[: len(order) // 2], order[len(order) // 2 :]]
+    clusters += halves
     cluster_of = np.empty(len(pieces), dtype=np.int64)
     for number, cluster in enumerate(clusters):
         cluster_of[cluster] = number

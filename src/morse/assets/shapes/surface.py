@@ -82,7 +82,11 @@ def open_edges(triangles: Ints, count: int) -> tuple[Ints, Ints]:
         count: more than the largest index.
     """
     starts, ends = half_edges(triangles)
-    alone = ~np.isin(starts * count + ends, ends * count + starts)
+    edges, opposite = starts * count + ends, np.sort(ends * count + starts)
+    if not len(edges):
+        return starts, ends
+    place = np.minimum(np.searchsorted(opposite, edges), len(edges) - 1)
+    alone = opposite[place] != edges
     return starts[alone], ends[alone]
 
 
