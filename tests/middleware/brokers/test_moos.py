@@ -38,6 +38,9 @@ for component in (Pose("pose"), Gyroscope("gyro"), IMU("imu"), GPS("gps"), Sick(
                   MotionVW("motion"), Teleport("teleport"), Light("light"), Gripper("gripper")):
     robot.append(component)
 """
+#: a packet whose only message has no size: it was read again and again
+_MESSAGE = struct.pack("<iiBB", 0, 1, 78, 68) + bytes(16) + struct.pack("<3d", 1.0, 2.0, 0.0) + bytes(4)
+ENDLESS = struct.pack("<iiB", len(_MESSAGE) + 9, 10_000, 0) + _MESSAGE
 POSE = "pose = Pose(); robot.append(pose)\nmotion = MotionXYW(); robot.append(motion)\n"
 
 
@@ -150,7 +153,12 @@ def test_a_database_that_sends_nonsense_is_left_and_found_again(
 ) -> None:
     with load(POSE) as sim:
         step_until(sim, lambda: "MORSE_SIM_X" in database.values)
-        for wrong in (struct.pack("<i", 2**31 - 1), struct.pack("<i", -5), struct.pack("<iiB", 13, 7, 0) + b"abcd"):
+        for wrong in (
+            struct.pack("<i", 2**31 - 1),
+            struct.pack("<i", -5),
+            struct.pack("<iiB", 13, 7, 0) + b"abcd",
+            ENDLESS,
+        ):
             clients = len(database.clients)
             database.wrong = wrong
             step_until(sim, lambda clients=clients: len(database.clients) > clients)

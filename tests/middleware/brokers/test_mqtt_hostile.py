@@ -87,9 +87,10 @@ def simulation_with() -> Iterator[Callable[[bytes], Any]]:
         (b"HTTP/1.1 400 Bad Request\r\n".ljust(200), "does not answer as a broker"),
         (WELCOME + b"\x30\xff\xff\xff\x7f", "a packet of 268435455 bytes, 4194304 are allowed"),
         (WELCOME + b"".join(message(b"{}", n) for n in range(1, 70)), "does not complete its messages with QoS 2"),
+        (WELCOME + b"\x30\x04\x00\x02\xff\xfe", "a packet cannot be read ('utf-8' codec can't decode"),
         (b"\x20\x02\x00\x05", "refuses the connection: Not authorized"),
     ],
-    ids=["not a broker", "huge packet", "incomplete messages", "refusal"],
+    ids=["not a broker", "huge packet", "incomplete messages", "a topic that is no text", "refusal"],
 )
 def test_a_hostile_broker_is_left_and_named_once(
     simulation_with: Callable[[bytes], Any], said: bytes, line: str, caplog: pytest.LogCaptureFixture

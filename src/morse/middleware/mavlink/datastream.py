@@ -135,9 +135,11 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         for device, link in self._links.items():
             framers, intake = self._framers[device], Intake()
             for sender, data in link.receive():
-                if sender not in framers and len(framers) >= _MOST_FRAMERS:
-                    framers.clear()
-                framer = framers.setdefault(sender, Framer(self._wanted))
+                # the one that has not been used for longest comes first, and is forgotten first
+                framer = framers.pop(sender) if sender in framers else Framer(self._wanted)
+                framers[sender] = framer
+                if len(framers) > _MOST_FRAMERS:
+                    del framers[next(iter(framers))]
                 for frame in intake.frames(sender, framer, data):
                     if self._arrived(device, frame.data):
                         link.understood(sender)

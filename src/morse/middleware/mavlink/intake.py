@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 #: limits for one sender in one tick: bytes, and candidates for messages; ten times what an autopilot sends at 1 kHz
 _MOST_BYTES, _MOST_FRAMES = 1 << 14, 256
-#: all senders of a link together may use as much as this number of senders
-_SENDERS = 2
+#: all senders of a link together may use as much as this number of senders, and each of them this part in any case
+_SENDERS, _PART = 2, 1 / 32
 
 
 class Intake:
@@ -48,4 +48,5 @@ class Intake:
 
 
 def _room(used: Counter[object], sender: object, most: int) -> int:
-    return max(0, min(most - used[sender], _SENDERS * most - used.total()))
+    free = max(_SENDERS * most - used.total(), int(most * _PART) - used[sender])
+    return max(0, min(most - used[sender], free))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import logging
+import math
 import socket
 import time
 from abc import ABC, abstractmethod
@@ -26,6 +27,9 @@ logger = logging.getLogger(__name__)
 #: limits for one tick: packets, and bytes of a connection
 _MOST_PACKETS, _MOST_BYTES = 64, 1 << 16
 _MOST_PEERS = 16
+#: wall-clock seconds for which a peer keeps its place after a valid message; autopilots and ground stations send one
+#: per second
+_SPEAKING = 10.0
 #: maximum number of unsent bytes for a slow reader
 _MOST_UNSENT = 1 << 20
 #: wall-clock seconds between two attempts to connect
@@ -65,7 +69,9 @@ class UdpLink(Link):
     def __init__(self, device: str, address: _Address, family: int, *, listens: bool) -> None:
         super().__init__(device)
         self._listens = listens
-        self._peers: dict[_Address, None] = {}
+        #: those that were silent for longest come first; with the time of their last valid message, s
+        self._peers: dict[_Address, float] = {}
+        self._complaints = Complaints(logger)
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         try:
@@ -90,12 +96,25 @@ class UdpLink(Link):
             except OSError:  # the port of the peer is closed
                 continue
             if self._listens:
-                # the peer that has been silent for longest gives way to a new one
-                self._peers.pop(address, None)
-                if len(self._peers) >= _MOST_PEERS:
-                    del self._peers[next(iter(self._peers))]
-                self._peers[address] = None
+                self._enter(address, self._peers.pop(address, -math.inf))
             yield address, data
+
+    def _enter(self, peer: _Address, valid: float) -> None:
+        """Add a peer; the one that has been silent for longest gives way, but none that speaks MAVLink."""
+        if len(self._peers) >= _MOST_PEERS:
+            expired = time.monotonic() - _SPEAKING
+            leaving = next((one for one, last in self._peers.items() if last < expired), None)
+            if leaving is None:
+                text = f"mavlink: {self.device}: a peer gets no messages: there are {len(self._peers)} others"
+                self._complaints.warn("full", text)
+                return
+            del self._peers[leaving]
+        self._peers[peer] = valid
+
+    def understood(self, sender: Any) -> None:
+        """See `Link.understood`."""
+        if sender in self._peers:
+            self._peers[sender] = time.monotonic()
 
     def close(self) -> None:
         """See `Link.close`."""
@@ -107,7 +126,6 @@ class _Connection:
 
     Attributes:
         peer: the address of the other side.
-        keeps_place: whether it has sent a message of MAVLink.
         over: whether the connection has ended.
     """
 
@@ -115,12 +133,20 @@ class _Connection:
         self._socket, self._ended = sock, ended
         self._heard = time.monotonic()
         self.peer = f"{address[0]}:{address[1]}" if address else "?"
-        self.keeps_place = False
+        self._valid = -math.inf
         self._rest = bytearray()
         self._is_greeted = self.over = False
         sock.setblocking(False)
         with contextlib.suppress(OSError):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    @property
+    def keeps_place(self) -> bool:
+        return time.monotonic() - self._valid < _SPEAKING
+
+    def understood(self) -> None:
+        """It has sent a message of MAVLink."""
+        self._valid = time.monotonic()
 
     def send(self, data: bytes) -> None:
         if len(self._rest) + len(data) <= _MOST_UNSENT:
@@ -216,7 +242,7 @@ class TcpLink(Link):
     def understood(self, sender: object) -> None:
         """See `Link.understood`."""
         if isinstance(sender, _Connection):
-            sender.keeps_place = True
+            sender.understood()
 
     def close(self) -> None:
         """See `Link.close`."""

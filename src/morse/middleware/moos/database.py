@@ -13,6 +13,7 @@ from morse.core.budget import CLIENT_BYTES
 from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.moos.mapping import INSTALL
+from morse.middleware.moos.packets import HEADER, check_packet
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,8 +24,6 @@ logger = logging.getLogger(__name__)
 _LARGEST, _MOST_MESSAGES = 4 << 20, 20_000
 #: bytes of the packets that wait to be read
 _MOST_BYTES = CLIENT_BYTES - _LARGEST
-#: bytes of the header of a packet
-_HEADER = 9
 #: bytes of packets that are read in a wall-clock second: reading takes the time of the ticks
 _MOST_PER_SECOND = 4 << 20
 #: wall-clock seconds in which the database must begin to answer, and complete its answer
@@ -153,11 +152,13 @@ def _made(base: Any, unpack: Any) -> Any:
             self._answered_by = time.monotonic() + _WHOLE_ANSWER
             header = self._recv_raw(4)
             (size,) = struct.unpack("<i", header)
-            if not _HEADER <= size <= _LARGEST:
+            if not HEADER <= size <= _LARGEST:
                 raise ConnectionError(f"a packet of {size} bytes")
+            packet = header + self._recv_raw(size - 4)
             try:
-                messages = unpack(header + self._recv_raw(size - 4))
-            except (struct.error, ValueError, LookupError) as error:
+                check_packet(packet, _MOST_MESSAGES)
+                messages = unpack(packet)
+            except Exception as error:  # it would end the thread of the connection
                 raise ConnectionError(f"a packet cannot be read ({error})") from None
             time.sleep(min(1.0, size / _MOST_PER_SECOND))
             self._unread = self._unread + size if self._inbox else size

@@ -182,6 +182,14 @@ def _made(base: Any, refused: Any) -> Any:
                 raise ConnectionError(self.refusal)
             return bytes(super()._sock_recv(bufsize))
 
+        def _packet_handle(self) -> Any:
+            # an exception would end the thread of the connection for good
+            try:
+                return super()._packet_handle()
+            except Exception as error:
+                self.refusal = f"a packet cannot be read ({error})"
+                return refused
+
         def _handle_publish(self) -> Any:
             result = super()._handle_publish()
             waiting = self._in_messages.values()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+from collections import Counter
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from morse.middleware.multinode.messages import read_state, written_answer
@@ -48,13 +50,18 @@ class MultinodeServer:
         """Store the poses of a node, and return those of all robots that it has not sent; in the loop.
 
         Raises:
-            ValueError: there are too many robots.
+            ValueError: there are too many robots, and no other node has more.
         """
-        count = len(self.poses) + sum(name not in self.poses for name in poses)
-        if count > _MOST_ROBOTS:
-            raise ValueError(f"there are {count} robots; {_MOST_ROBOTS} are allowed")
         for name in [name for name, owner in self._owners.items() if owner is node and name not in poses]:
             self._forget(name)
+        while (count := len(self.poses) + sum(name not in self.poses for name in poses)) > _MOST_ROBOTS:
+            text = f"there are {count} robots; {_MOST_ROBOTS} are allowed"
+            greediest, most = max(Counter(self._owners.values()).items(), key=itemgetter(1), default=(node, 0))
+            if greediest is node or most <= len(poses):
+                raise ValueError(text)
+            # the node that has most leaves, not the one that comes last
+            self.left(greediest)
+            greediest.expel(text)
         self.poses.update(poses)
         self._owners.update(dict.fromkeys(poses, node))
         return {name: pose for name, pose in self.poses.items() if name not in poses}
@@ -86,14 +93,18 @@ class _Node(LineClient):
             name, poses = read_state(line)
             answer = written_answer(self._owner.update(self, poses))
         except ValueError as error:
-            self.server.complaints.warn("read", f"{self.peer} is disconnected: {error}")
-            self.transport.abort()
+            self.expel(str(error))
             return
         self.is_proven = True
         if name != self._name:
             self._name = name
             self.server.complaints.log(logging.INFO, "node", f"{self.peer} is node {name!r:.60}: {len(poses)} robots")
         self.transport.write(answer)
+
+    def expel(self, why: str) -> None:
+        """Disconnect it."""
+        self.server.complaints.warn("read", f"{self.peer} is disconnected: {why}")
+        self.transport.abort()
 
     def overlong(self) -> None:
         """Say why it is disconnected."""

@@ -10,7 +10,8 @@ from morse.middleware.yarp.bottle import BottleError, Vocab
 #: a value: brackets, a text in quotes, or a word up to the next blank
 _TOKEN = re.compile(r'[\s,]*([()]|\[[^\]\s]{0,8}\]|\{[^}]*\}|"(?:[^"\\]|\\.)*"|[^\s,()"\[\]{}]+)', re.DOTALL)
 _INTEGER = re.compile(r"[+-]?(?:0[xX][0-9a-fA-F]{1,8}|\d{1,19})$")
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$|-?inf$|nan$")
+#: a run of digits belongs to one part only: the time for a word of n digits that is not a number is O(n), not O(n²)
+_NUMBER = re.compile(r"[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?$|-?inf$|nan$")
 _BARE = re.compile(r"[A-Za-z_][A-Za-z_0-9.-]*$")
 _ESCAPES = {"n": "\n", "r": "\r", "0": "\0"}
 _ESCAPED = {"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", "\0": r"\0"}

@@ -14,8 +14,10 @@ from typing import NamedTuple
 _TIMEOUT = 5.0
 #: wall-clock seconds for a connection to another port
 _PROBE = 1.0
+#: maximum size of an answer, bytes
 _LONGEST = 1 << 16
-_REGISTRATION = re.compile(r"registration name (\S+) ip (\S+) port (\d+) type (\S+)")
+_REGISTRATION = re.compile(r"registration name (\S+) ip (\S+) port (\d{1,5}) type (\S+)")
+_LARGEST_PORT = (1 << 16) - 1
 
 
 class Address(NamedTuple):
@@ -35,7 +37,7 @@ async def is_alive(address: Address) -> bool:
     try:
         async with asyncio.timeout(_PROBE):
             _, writer = await asyncio.open_connection(*address)
-    except (OSError, TimeoutError):
+    except (OSError, TimeoutError, ValueError):  # ValueError: no name of a machine
         return False
     writer.close()
     return True
@@ -68,7 +70,7 @@ class NameServer:
 
     async def _address(self, request: str, name: str) -> Address | None:
         found = _REGISTRATION.search(await self._ask(request))
-        if found is None or found[1] != name or int(found[3]) == 0:
+        if found is None or found[1] != name or not 0 < int(found[3]) <= _LARGEST_PORT:
             return None
         return Address(found[2], int(found[3]))
 
@@ -83,12 +85,14 @@ class NameServer:
                 reader, writer = await asyncio.open_connection(*self.address, limit=_LONGEST)
                 try:
                     writer.write(f"NAME_SERVER {request}\n".encode())
-                    lines = []
+                    answer = b""
                     while line := await reader.readline():
-                        lines.append(line.decode("utf-8", "replace"))
-                        if line.startswith(b"***") or len(lines) > _LONGEST:
+                        answer += line
+                        if line.startswith(b"***"):
                             break
-                    return "".join(lines)
+                        if len(answer) > _LONGEST:
+                            raise ValueError(f"more than {_LONGEST} bytes")
+                    return answer.decode("utf-8", "replace")
                 finally:
                     writer.close()
                     with contextlib.suppress(OSError):

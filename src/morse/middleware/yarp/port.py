@@ -271,7 +271,10 @@ class Port:
             await output.open(address)
         except (OSError, ValueError) as error:
             return [-1, f"Cannot connect to {name}: {error}\r\n"]
-        self._remove(name)
+        # only the connection to the same port, not those from a port that claims this name
+        former = self.outputs.pop(name, None)
+        if former is not None:
+            former.close()
         self.outputs[name] = output
         logger.info("yarp: %s sends to %s", self.name, name)
         return [0, f"Added connection from {self.name} to {name}\r\n"]
