@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
+
+from morse.middleware import registry
 
 if TYPE_CHECKING:
     from tests.cli.conftest import Terminal
@@ -179,3 +182,32 @@ def test_mistakes_on_the_command_line(morse: Terminal) -> None:
     assert "neither a registered environment nor a file" in morse("check", "nothing.py").err
     assert "component" in morse("check", "componnt").err
     assert morse("check", "--fix").status == 2
+
+
+@pytest.mark.parametrize(
+    "use", ["pose.add_stream('ros')", "robot.add_default_interface('ros')", "env.add_service('ros')"]
+)
+def test_a_middleware_that_cannot_connect_does_not_run(check, monkeypatch: pytest.MonkeyPatch, use: str) -> None:
+    ros = replace(registry.middleware("ros"), modules=("no_such_rospy",))
+    monkeypatch.setattr(registry, "installed", lambda: {"ros": ros})
+    text = f"{HEAD}robot = ATRV()\npose = Pose()\nrobot.append(pose)\n"
+    text += f"{END}{use}\n" if use.startswith("env") else f"{use}\n{END}"
+    answer = check(text)
+    assert answer.status == 1
+    assert "error: ros: the Python module 'no_such_rospy' is not installed" in answer.out
+    assert answer.out.splitlines()[-1] == "* old.py does not run."
+
+
+def test_nodes_by_hla_do_not_run(check) -> None:
+    answer = check(f"{HEAD}robot = ATRV()\n{END}env.configure_multinode(protocol='hla')\n")
+    assert "use protocol='socket'" in lines_of(answer.out)[4]
+    assert answer.status == 1
+
+
+def test_texts_for_the_numbers_of_axes(check, morse: Terminal) -> None:
+    script = f"{HEAD}robot = ATRV()\nimu = IMU()\nrobot.append(imu)\n"
+    script += "imu.alter('Noise', accel_std={'x': '0.1', 'y': 0.2})\n"
+    answer = check(script + END, "--fix")
+    assert "(x) takes a number, got the text '0.1'; write 0.1" in lines_of(answer.out)[5]
+    assert answer.status == 0
+    assert "{'x': 0.1, 'y': 0.2}" in (morse.directory / "old_fixed.py").read_text()

@@ -54,6 +54,7 @@ def _surveyed(options: RunOptions, text: str | None = None) -> Survey:
     # imported on demand, because they load the builder and the simulator
     from morse.builder.legacy.check import Finding, survey
     from morse.launch.load import load
+    from morse.middleware.registry import missing_modules
 
     result = survey(options, text)
     if result.scene is not None and not result.stops:
@@ -61,6 +62,8 @@ def _surveyed(options: RunOptions, text: str | None = None) -> Survey:
             load(result.scene).close()
         except (MorseError, ValueError, OSError) as error:
             result.note(Finding(0, str(error), stops=True))
+        for message in missing_modules(result.scene.managers()):
+            result.note(Finding(0, message, stops=True))
     return result
 
 

@@ -27,7 +27,7 @@ from morse.core.hints import closest
 from morse.core.plugins import entry_points
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
     from importlib.metadata import EntryPoint
 
     from morse.core.declarations import Option
@@ -67,6 +67,7 @@ class Middleware:
         default_reader: the same for actuators; None if actuators cannot be commanded.
         needs_network: whether it opens connections; if not, it is used in every simulation.
         not_carried: names of component classes without streams.
+        modules: Python modules of others without which it cannot connect.
         takes_old_names: whether its streams can be given by class paths of MORSE 1.4 that are not classes any more.
     """
 
@@ -79,6 +80,7 @@ class Middleware:
     default_reader: str | None = _KIND_STREAM
     needs_network: bool = True
     not_carried: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ()
     takes_old_names: bool = False
 
     def has_stream(self, classpath: str) -> bool:
@@ -141,6 +143,21 @@ def installed() -> dict[str, Middleware]:
         except MorseMiddlewareError as error:
             logger.warning("%s", error)
     return found
+
+
+def missing_modules(managers: Collection[str]) -> list[str]:
+    """A message for each middleware that cannot connect because a module is not installed; nothing is imported.
+
+    Args:
+        managers: class paths of stream and request managers.
+    """
+    return [
+        f"{described.name}: the Python module '{module}' is not installed"
+        for described in installed().values()
+        if {described.stream_manager, described.request_manager} & set(managers)
+        for module in described.modules
+        if find_spec(module) is None
+    ]
 
 
 def middleware(name: str) -> Middleware:

@@ -61,6 +61,14 @@ class Scene:
     nearby_paths: list[str] = field(default_factory=list)
     project: AbstractContextManager[object] = field(default_factory=nullcontext)
 
+    def managers(self) -> set[str]:
+        """The class paths of all stream and request managers that the scene uses."""
+        used = set(self.simulation_managers)
+        for component in self.components:
+            used.update(component.managers, (stream.manager for stream in component.streams))
+            used.update(overlay.manager for overlay in component.overlays)
+        return used
+
     def copy(self) -> Scene:
         """Return a copy that shares no objects that a simulation changes; meshes and images are shared."""
         shared: dict[int, object] = {id(self.project): self.project}

@@ -11,7 +11,7 @@ import pytest
 
 import morse
 from morse.builder import ATRV, Environment, MotionVW, Pose
-from morse.core.exceptions import MorseMultinodeError
+from morse.builder.errors import ScriptError
 from morse.core.network import Network
 from morse.middleware.multinode.server import MultinodeServer
 from morse.middleware.socket.listener import listen, port_of
@@ -130,7 +130,7 @@ def test_an_unknown_node_simulates_everything_and_is_named(
 
 
 def test_a_protocol_that_is_not_available(node: Callable[..., Simulation], port: int) -> None:
-    with pytest.raises(MorseMultinodeError, match="use protocol='socket'"):
+    with pytest.raises(ScriptError, match="use protocol='socket'"):
         node("left", port, protocol="hla")
 
 

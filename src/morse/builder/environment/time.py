@@ -14,6 +14,7 @@ from morse.builder.legacy.notices import notice
 from morse.builder.names import frames
 from morse.core import log
 from morse.core.clock import SLOWEST
+from morse.core.exceptions import MorseMultinodeError
 from morse.middleware import registry
 from morse.scene import TimeStrategies
 
@@ -212,6 +213,11 @@ class TimeMethods(EnvironmentDescription):
                 all robots of its script, and sends their poses to the server.
         """
         what = "env.configure_multinode({})"
+        if checks.choice(protocol, _PROTOCOLS, what.format("protocol")) != "socket":
+            raise MorseMultinodeError(
+                f"env.configure_multinode(protocol={protocol!r}): no run-time infrastructure of HLA with "
+                "Python bindings is distributed; use protocol='socket'"
+            )
         # 1.4 documents the port as a text
         port = int(server_port) if isinstance(server_port, str) and server_port.isdecimal() else server_port
         number = checks.integer(port, what.format("server_port"), minimum=1)
@@ -225,7 +231,7 @@ class TimeMethods(EnvironmentDescription):
             shares[checks.text(node, what.format("distribution"))] = robots
         self._distribution = shares
         self._multinode = {
-            "protocol": checks.choice(protocol, _PROTOCOLS, what.format("protocol")),
+            "protocol": protocol,
             "server_address": checks.text(server_address, what.format("server_address")),
             "server_port": number,
             "distribution": shares,

@@ -35,8 +35,16 @@ def options(owner: str, declared: Mapping[str, Option], given: Mapping[str, Any]
 def _option(option: Option, value: Any, what: str) -> Any:
     if not isinstance(option.type, tuple):
         return _value(spec_of_option(option), value, what)
-    takes_number = isinstance(value, str) and float in option.type and str not in option.type
-    return values.number(value, what) if takes_number else value
+    if float not in option.type or str in option.type:
+        return value
+    # a number for each axis
+    if isinstance(value, dict) and dict in option.type:
+        return {axis: _number(part, f"{what} ({axis})") for axis, part in value.items()}
+    return _number(value, what)
+
+
+def _number(value: Any, what: str) -> Any:
+    return values.number(value, what) if isinstance(value, str) else value
 
 
 def _value(spec: Spec, value: Any, what: str) -> Any:

@@ -31,4 +31,5 @@ MIDDLEWARE = Middleware(
     default_reader="morse.middleware.mavlink.stream.MavlinkStream",
     # MAVLink has no messages for images and point clouds
     not_carried=("Camera", "CameraUnit", "StereoUnit", "MocapControl"),
+    modules=("pymavlink",),
 )

@@ -30,4 +30,5 @@ MIDDLEWARE = Middleware(
     default_reader="morse.middleware.moos.streams.MoosReader",
     # images and clouds would be megabytes of text in each tick
     not_carried=("Camera", "CameraUnit", "StereoUnit", "MocapControl"),
+    modules=("pymoos2",),
 )

@@ -32,4 +32,5 @@ MIDDLEWARE = Middleware(
     default_reader="morse.middleware.mqtt.streams.MqttReader",
     # these classes carry cameras or nothing, and have no data
     not_carried=("StereoUnit", "MocapControl"),
+    modules=("paho",),
 )

@@ -7,7 +7,6 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
-from morse.core.exceptions import MorseMultinodeError
 from morse.core.hints import nearest
 from morse.core.observer import Observer
 from morse.middleware.multinode.connection import ServerConnection
@@ -42,11 +41,6 @@ class Node(Observer):
     def __init__(
         self, context: Context, options: dict[str, Any], name: str, move: Callable[[str, Pose], object]
     ) -> None:
-        if options["protocol"] != "socket":
-            raise MorseMultinodeError(
-                f"env.configure_multinode(protocol={options['protocol']!r}): no run-time infrastructure of HLA with "
-                "Python bindings is distributed; use protocol='socket'"
-            )
         self._context, self._name, self._move = context, name, move
         self._place = f"{options['server_address']}:{options['server_port']}"
         self._connection = ServerConnection(options["server_address"], int(options["server_port"]))

@@ -36,4 +36,5 @@ MIDDLEWARE = Middleware(
     default_reader="morse.middleware.ros.stream.RosStream",
     not_carried=("StereoUnit", "MocapControl"),
     takes_old_names=True,
+    modules=("rosgraph", "rospy"),
 )
