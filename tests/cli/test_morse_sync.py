@@ -100,3 +100,10 @@ def test_wrong_options(arguments: list[str], capsys: pytest.CaptureFixture[str])
         main(arguments)
     assert ended.value.code == 2
     assert "morse_sync: error" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("port", ["0", "65536", "-1", "6000.5", "99999999999999999999", "\u0661", ""])
+def test_a_port_that_is_none_is_named(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["-p", "0.1", f"-P{port}" if port else "--port="])
+    assert f"'{port}' is not a TCP port from 1 to 65535" in capsys.readouterr().err

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 #: collision shapes, rays and images take about 1 kB for each
 MOST_TRIANGLES = 5_000_000
+#: corners of a polygon
+MOST_CORNERS = 10_000
 #: nodes, and meshes with one material; each takes about 0.7 ms
 MOST_PARTS = 5_000
 #: bytes of a binary STL file: before its triangles, and of each of them
@@ -46,6 +48,19 @@ def check_parts(path: str | Path, count: int, what: str) -> None:
     if count > MOST_PARTS:
         number = str(count) if count < 1000 * MOST_PARTS else "millions of"
         raise AssetError(path, f"it has {number} {what}, at most {MOST_PARTS} can be read: join some of them")
+
+
+def check_corners(path: Path, corners: int) -> None:
+    """Refuse a file with a polygon of too many corners.
+
+    Raises:
+        AssetError: they exceed `MOST_CORNERS`.
+    """
+    if corners > MOST_CORNERS:
+        raise AssetError(
+            path, f"it has a polygon of {corners:,} corners, at most {MOST_CORNERS:,} can be read: divide it into "
+            "triangles",
+        )  # fmt: skip
 
 
 def check_stl(path: Path) -> None:

@@ -16,6 +16,8 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
+from morse.cli.ports import port_number
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -82,9 +84,13 @@ def _parser() -> argparse.ArgumentParser:
         "-t", "--timeout", type=_positive, default=10.0, help="timeout for the connection to the simulation, s"
     )
     parser.add_argument("-H", "--host", default="localhost", help="host of the simulation")
-    parser.add_argument("-P", "--port", type=int, default=6000, help="its sync_port")
+    parser.add_argument("-P", "--port", type=_port, default=6000, help="its sync_port")
     parser.add_argument("-d", "--debug", action="store_true", help="print the duration of each period")
     return parser
+
+
+def _port(text: str) -> int:
+    return port_number(text, 1)
 
 
 def _positive(text: str) -> float:

@@ -9,6 +9,7 @@ import sys
 import threading
 from typing import TYPE_CHECKING, Any
 
+from morse.cli.ports import port_number
 from morse.core.exceptions import MorseError
 from morse.core.network import Network
 from morse.launch.ending_signals import ending_signals
@@ -61,6 +62,4 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _port(text: str) -> int:
-    if not (text.isascii() and text.isdecimal() and len(text) <= 5 and int(text) < 1 << 16):
-        raise argparse.ArgumentTypeError(f"'{text:.40}' is not a TCP port from 0 to 65535")
-    return int(text)
+    return port_number(text, 0)

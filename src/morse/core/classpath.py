@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import importlib
 import inspect
-import linecache
 import sys
 from typing import Any
 
 from morse.core.exceptions import MorseError
 from morse.core.hints import closest
+from morse.system.source_lines import source_line
 
 #: modules that users do not write
 _OURS = ("morse.", "builtins", "abc", "typing")
@@ -27,7 +27,7 @@ def _read_sources(cls: type[Any]) -> None:
     for base in cls.__mro__:
         file = getattr(sys.modules.get(base.__module__), "__file__", None)
         if file and not base.__module__.startswith(_OURS):
-            linecache.getlines(file)
+            source_line(file, 1)
 
 
 def load_class(classpath: str) -> type[Any]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.hints import closest
 from morse.core.quoting import escaped
+from morse.system.source_lines import source_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,12 +40,16 @@ def is_users(filename: str) -> bool:
 
 
 def _read(frames: list[tuple[FrameType, int]]) -> list[traceback.FrameSummary]:
-    try:
-        # a module of the user may have a loader that fails to return the lines
-        return list(traceback.StackSummary.extract(iter(frames)))
-    except Exception:
-        codes = [(frame.f_code, line) for frame, line in frames]
-        return [traceback.FrameSummary(c.co_filename, n, c.co_name, lookup_line=False, line="") for c, n in codes]
+    return [
+        traceback.FrameSummary(frame.f_code.co_filename, number, frame.f_code.co_name, lookup_line=False, line=text)
+        for frame, number in frames
+        for text in [_line(frame, number)]
+    ]
+
+
+def _line(frame: FrameType, number: int) -> str:
+    # a module of the user may have a loader that fails to return the lines
+    return str(_safely(lambda: source_line(frame.f_code.co_filename, number, frame.f_globals), ""))
 
 
 def describe(error: BaseException) -> str:

@@ -34,14 +34,15 @@ _GRACE = 2.0
 
 def user_line(frame: FrameType | None) -> str | None:
     """Return the innermost line of component code, as ``slope.py:10, in default_action``; None without user code."""
-    inner: traceback.FrameSummary | None = None
+    inner: str | None = None
     below = False
-    for entry in traceback.extract_stack(frame):
-        if entry.filename in _CALLERS:
+    for one, line in reversed([] if frame is None else list(traceback.walk_stack(frame))):
+        file = one.f_code.co_filename
+        if file in _CALLERS:
             below = True
-        elif below and _is_users(entry.filename):
-            inner = entry
-    return None if inner is None else f"{inner.filename}:{inner.lineno}, in {inner.name}"
+        elif below and _is_users(file):
+            inner = f"{file}:{line}, in {one.f_code.co_name}"
+    return inner
 
 
 def _is_users(filename: str) -> bool:

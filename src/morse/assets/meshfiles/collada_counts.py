@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
-from morse.assets.triangle_limit import MOST_PARTS, check_parts, check_triangles
+from morse.assets.triangle_limit import MOST_PARTS, check_corners, check_parts, check_triangles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,6 +31,9 @@ def check_instances(path: Path, root: Element) -> None:
     geometries = {one.get("id"): _geometry(one) for one in root.iterfind("./{*}library_geometries/{*}geometry")}
     counts = _Counts(path, geometries)
     counts.nodes = {node.get("id"): node for node in root.iter() if _kind(node) == "node"}
+    for primitive in root.iter():
+        if _kind(primitive) in ("polylist", "polygons"):
+            check_corners(path, _largest_polygon(primitive))
     check_parts(path, sum(meshes for meshes, _ in geometries.values()), "primitives")
     parts, triangles = counts.inside(scenes[_target(use)])
     check_parts(path, parts, "nodes and meshes that its scene shows")
@@ -84,11 +87,23 @@ def _geometry(geometry: Element) -> tuple[int, int]:
 
 
 def _corners(primitive: Element) -> int:
-    inputs = [child.get("offset", "0") for child in primitive if _kind(child) == "input"]
-    width = max((int(offset) for offset in inputs if offset.isdecimal()), default=0) + 1
-    corners = sum(len((list_.text or "").split()) for list_ in _lists(primitive)) // width
+    corners = sum(len((list_.text or "").split()) for list_ in _lists(primitive)) // _width(primitive)
     # a polygon of n corners has n - 2 triangles
     return corners if _kind(primitive) == "triangles" else 3 * corners
+
+
+def _largest_polygon(primitive: Element) -> int:
+    """The number of corners of the largest polygon."""
+    if _kind(primitive) == "polygons":
+        return max((len((list_.text or "").split()) for list_ in _lists(primitive)), default=0) // _width(primitive)
+    counts = (word for child in primitive if _kind(child) == "vcount" for word in (child.text or "").split())
+    return max((int(word) for word in counts if word.isdecimal() and len(word) < 19), default=0)
+
+
+def _width(primitive: Element) -> int:
+    """The number of indices of a corner."""
+    inputs = [child.get("offset", "0") for child in primitive if _kind(child) == "input"]
+    return max((int(offset) for offset in inputs if offset.isdecimal()), default=0) + 1
 
 
 def _lists(primitive: Element) -> Iterator[Element]:

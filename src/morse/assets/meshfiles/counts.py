@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
 from morse.assets.meshfiles.gltf_counts import check_gltf
-from morse.assets.triangle_limit import check_parts, check_triangles
+from morse.assets.triangle_limit import check_corners, check_parts, check_triangles
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,8 +21,6 @@ _MOST_MARKS = 300_000_000
 #: bytes of the header of a PLY file, and elements that it defines
 _PLY_HEADER, _PLY_ELEMENTS = 1 << 16, 100
 _PLY_ELEMENT = re.compile(rb"^\s*element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
-#: maximum number of corners of a polygon
-_MOST_CORNERS = 10_000
 
 
 def check_counts(path: Path) -> None:
@@ -54,17 +52,9 @@ def _check_obj(path: Path, text: bytes) -> None:
     triangles = 0
     for face in _OBJ_FACES.finditer(text):
         corners = len(face[0].split()) - 1
-        _check_corners(path, corners)
+        check_corners(path, corners)
         triangles += max(corners - 2, 0)
     check_triangles(path, [triangles])
-
-
-def _check_corners(path: Path, corners: int) -> None:
-    if corners > _MOST_CORNERS:
-        raise AssetError(
-            path, f"it has a polygon of {corners:,} corners, at most {_MOST_CORNERS:,} can be read: divide it into "
-            "triangles",
-        )  # fmt: skip
 
 
 def _check_ply(path: Path, header: bytes, size: int) -> None:

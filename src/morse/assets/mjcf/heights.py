@@ -57,9 +57,14 @@ def height_mesh(name: str, size: tuple[float, ...], heights: NDArray[np.float64]
         heights: (R, C) m; rows along Y, columns along X.
     """
     rows, columns = heights.shape
-    y, x = np.meshgrid(np.linspace(-size[1], size[1], rows), np.linspace(-size[0], size[0], columns), indexing="ij")
-    vertices = np.stack([x, y, heights], axis=-1).reshape(-1, 3).astype(np.float32)
-    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-    right, up, across = corner + 1, corner + columns, corner + columns + 1
-    triangles = np.concatenate([np.stack([corner, right, across], 1), np.stack([corner, across, up], 1)])
-    return Mesh(name, vertices, triangles.astype(np.int32), np.zeros(len(triangles), dtype=np.int32))
+    vertices = np.empty((rows, columns, 3), dtype=np.float32)
+    vertices[..., 0] = np.linspace(-size[0], size[0], columns)
+    vertices[..., 1] = np.linspace(-size[1], size[1], rows)[:, None]
+    vertices[..., 2] = heights
+    corner = (np.arange(rows - 1, dtype=np.int32)[:, None] * columns + np.arange(columns - 1, dtype=np.int32)).ravel()
+    triangles = np.empty((2, len(corner), 3), dtype=np.int32)
+    for half, offsets in zip(triangles, ((0, 1, columns + 1), (0, columns + 1, columns)), strict=True):
+        for place, offset in enumerate(offsets):
+            np.add(corner, np.int32(offset), out=half[:, place])
+    faces = triangles.reshape(-1, 3)
+    return Mesh(name, vertices.reshape(-1, 3), faces, np.zeros(len(faces), dtype=np.int32))

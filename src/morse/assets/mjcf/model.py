@@ -188,6 +188,7 @@ class _Reading:
         self.model = model
         self.lost: list[str] = []
         self.handled: set[int] = set()
+        self._meshes: dict[int, tuple[NDArray[np.float32], NDArray[np.int32]]] = {}
 
     def name(self, kind: str, index: int) -> str:
         return mujoco.mj_id2name(self.model, _OBJECTS[kind], index) or f"{kind}{index}"
@@ -285,10 +286,14 @@ class _Reading:
         return data.reshape(rows, columns) * float(m.hfield_size[index][2])
 
     def mesh(self, index: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-        m = self.model
-        vertices = slice(m.mesh_vertadr[index], m.mesh_vertadr[index] + m.mesh_vertnum[index])
-        faces = slice(m.mesh_faceadr[index], m.mesh_faceadr[index] + m.mesh_facenum[index])
-        return np.array(m.mesh_vert[vertices], dtype=np.float32), np.array(m.mesh_face[faces], dtype=np.int32)
+        """The arrays of a mesh; the shapes that use it share them."""
+        if index not in self._meshes:
+            m = self.model
+            points = slice(m.mesh_vertadr[index], m.mesh_vertadr[index] + m.mesh_vertnum[index])
+            faces = slice(m.mesh_faceadr[index], m.mesh_faceadr[index] + m.mesh_facenum[index])
+            vertices = np.array(m.mesh_vert[points], dtype=np.float32)
+            self._meshes[index] = vertices, np.array(m.mesh_face[faces], dtype=np.int32)
+        return self._meshes[index]
 
     def motor(self, index: int) -> MotorData | None:
         m = self.model

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import linecache
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseBuilderError
+from morse.system.source_lines import source_line
 
 if TYPE_CHECKING:
     from morse.scene import SourceLine
@@ -29,7 +29,7 @@ class Step:
     @property
     def source(self) -> str:
         """The text of the line, or an empty string if the file is not readable."""
-        return linecache.getline(self.where.file, self.where.line).strip()
+        return source_line(self.where.file, self.where.line)
 
     def __str__(self) -> str:
         return f"{self.where}: {self.source}" if self.source else str(self.where)
