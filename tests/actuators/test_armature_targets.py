@@ -68,6 +68,27 @@ def test_out_of_reach_it_points_there_and_rests(run):
     assert values(sim) == pytest.approx(here, abs=1e-6)
 
 
+def test_out_of_reach_it_keeps_the_orientation_of_the_target(run):
+    # MORSE 1.4 ends here
+    sim = load(run)
+    sim.robot.arm.place_IK_target(TARGET, [1.0, 0.0, 0.3105], None, False).result()
+    sim.step(120)
+    assert place(sim) == pytest.approx([0.778, 0.0, 0.363], abs=0.02)
+    upright = tip_of(values(sim))[:3, 2]
+    assert math.asin(upright[0]) == pytest.approx(0.02, abs=0.01)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.2, -2.4])
+def test_out_of_reach_it_keeps_the_orientation_in_every_direction(run, angle):
+    sim = load(run)
+    far = [2.0 * math.cos(angle), 2.0 * math.sin(angle), 0.6]
+    sim.robot.arm.place_IK_target(TARGET, far, None, False).result()
+    sim.step(300)
+    x, y, _ = place(sim)
+    assert math.atan2(y, x) == pytest.approx(angle, abs=0.02)
+    assert tip_of(values(sim))[2, 2] > math.cos(0.15)
+
+
 def test_a_target_moves_at_its_speed(run):
     sim = load(run)
     arm = sim.robot.arm

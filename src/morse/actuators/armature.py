@@ -15,6 +15,7 @@ from morse.core.quoting import shown
 from morse.core.services import async_service, interruptible, service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_kind, add_property, each
+from morse.helpers.inverse_kinematics import LEVER
 from morse.helpers.joint_trajectory import Trajectory, points_of
 from morse.mathutils import Euler
 from morse.mathutils.rotations import nine, product
@@ -72,6 +73,9 @@ class Armature(DynamicJoints):
     _ik_linear_speed: float
 
     not_state: ClassVar[tuple[str, ...]] = ("_targets",)
+
+    #: weight of an error of one radian of a target, m
+    _lever: ClassVar[float] = LEVER
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
@@ -244,7 +248,7 @@ class Armature(DynamicJoints):
         return [target.local_pose() for target in self._targets.values()]
 
     def _seen(self) -> list[Any]:
-        return seen_from(self.chain, self._targets.values())
+        return seen_from(self.chain, self._targets.values(), self._lever)
 
     def _are_led(self) -> bool:
         """Whether the bones follow their targets: a target was moved, and no joint received a setpoint since then."""

@@ -77,14 +77,18 @@ def targets_of(obj: Any) -> dict[str, Any]:
     return {child.name: child for child in obj.children if BONE in child.properties}
 
 
-def seen_from(chain: Chain, targets: Iterable[Any]) -> list[Target]:
-    """Return the poses of the targets of existing bones, in the frame of the armature."""
+def seen_from(chain: Chain, targets: Iterable[Any], lever: float) -> list[Target]:
+    """Return the targets of existing bones, in the frame of the armature.
+
+    Args:
+        lever: weight of an error of one radian, m.
+    """
     found = []
     for target in targets:
         index = chain.index(str(target.properties[BONE]))
         if index is not None:
             (x, y, z), r = target.local_pose()
-            found.append(Target(index, ((x, y, z), tuple(r))))
+            found.append(Target(index, ((x, y, z), tuple(r)), lever))
     return found
 
 

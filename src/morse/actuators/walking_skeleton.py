@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.actuators.armature import Armature
 
@@ -26,6 +26,9 @@ class WalkingSkeleton(Armature):
     with the property ``gait``, whose bones turn forward for positive angles, and the property ``Animations`` of the
     robot.
     """
+
+    # a limb has too few joints for any pose: its place precedes its orientation
+    _lever: ClassVar[float] = 0.3
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

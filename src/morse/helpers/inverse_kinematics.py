@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     from morse.helpers.chain import Chain, Pose
 
-#: weight of an error of one radian, m
-_LEVER = 0.3
+#: default weight of an error of one radian, m: an arm that cannot reach its target keeps the orientation, as in 1.4
+LEVER = 1.5
 #: maximum step of a joint in one iteration, rad or m
 _STRIDE = 0.4
 #: damping, as a factor of the squared error: far from the target, steps are short and safe; near the target, they are
@@ -44,10 +44,12 @@ class Target(NamedTuple):
     Attributes:
         bone: index of the bone.
         pose: position and rotation, in the frame of the armature.
+        lever: weight of an error of one radian, m.
     """
 
     bone: int
     pose: Pose
+    lever: float = LEVER
 
 
 class Solution(NamedTuple):
@@ -55,7 +57,7 @@ class Solution(NamedTuple):
 
     Attributes:
         values: values of all joints of the chain.
-        error: squared error, m^2; an error of 1 rad counts as 0.3 m.
+        error: squared error, m^2; an error of 1 rad counts as the lever of its target.
         is_final: whether further iterations would not improve the values.
     """
 
@@ -114,14 +116,15 @@ def _errors(chain: Chain, targets: Sequence[Target], frames: Sequence[Pose]) -> 
     for target in targets:
         (x, y, z), rotation = chain.tip(frames[target.bone], target.bone)
         (tx, ty, tz), wanted = target.pose
+        lever = target.lever
         a, b, c = rotation_vector(rotation, wanted)
         # rotation from the axes of the bone to those of the armature
         r = rotation
         found += (tx - x, ty - y, tz - z)
         found += (
-            _LEVER * (r[0] * a + r[1] * b + r[2] * c),
-            _LEVER * (r[3] * a + r[4] * b + r[5] * c),
-            _LEVER * (r[6] * a + r[7] * b + r[8] * c),
+            lever * (r[0] * a + r[1] * b + r[2] * c),
+            lever * (r[3] * a + r[4] * b + r[5] * c),
+            lever * (r[6] * a + r[7] * b + r[8] * c),
         )
     return np.array(found)
 
@@ -138,6 +141,7 @@ def _jacobian(
     result = np.zeros((6 * len(targets), len(movable)))
     for k, (target, path) in enumerate(zip(targets, paths, strict=True)):
         tx, ty, tz = chain.tip(frames[target.bone], target.bone)[0]
+        lever = target.lever
         for number in path:
             index = chain.joints[number]
             bone = chain.bones[index]
@@ -147,7 +151,7 @@ def _jacobian(
                 change = (a, b, c, 0.0, 0.0, 0.0)
             else:
                 x, y, z = tx - px, ty - py, tz - pz
-                change = (b * z - c * y, c * x - a * z, a * y - b * x, _LEVER * a, _LEVER * b, _LEVER * c)
+                change = (b * z - c * y, c * x - a * z, a * y - b * x, lever * a, lever * b, lever * c)
             result[6 * k : 6 * k + 6, columns[number]] = change
     return result
 
