@@ -74,6 +74,28 @@ class Silent(Exception):
         raise Strange
 
 
+class Sealed(Exception):
+    """No attribute can be read."""
+
+    def __getattribute__(self, name: str) -> Any:
+        raise ValueError(name)
+
+
+class Nameless(type):
+    """The class cannot tell its name."""
+
+    @property
+    def __name__(cls) -> str:  # type: ignore[override]
+        raise ValueError("no name")
+
+    def __repr__(cls) -> str:
+        raise ValueError("no representation")
+
+
+class Anonymous(Exception, metaclass=Nameless):
+    """An error of such a class."""
+
+
 def deep() -> None:
     deep()
 
@@ -109,5 +131,7 @@ FAULTS: dict[str, Any] = {
     "Closed": lambda: _raise(Closed("closed")),
     "Equal": lambda: _raise(Equal("equal")),
     "Misnamed": lambda: _raise(Misnamed()),
+    "Sealed": lambda: _raise(Sealed("sealed")),
+    "Anonymous": lambda: _raise(Anonymous("anonymous")),
     "Silent": lambda: _raise(Silent("silent")),
 }

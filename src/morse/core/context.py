@@ -131,7 +131,9 @@ class Context:
 
     def component(self, name: str) -> Object | None:
         """The robot, sensor or actuator of that name, or None."""
-        return self.components.get(name) or self.robots.get(name)
+        # a component of the user may define its truth or its length
+        component = self.components.get(name)
+        return self.robots.get(name) if component is None else component
 
     def server(self, kind: Callable[[Any], _S]) -> _S:
         """Return the server for requests of components (see `morse.core.requests`).

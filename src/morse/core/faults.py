@@ -54,17 +54,17 @@ def _line(frame: FrameType, number: int) -> str:
 
 def describe(error: BaseException) -> str:
     """Return the error message, and the lines of user code that led to the error."""
-    frames = user_frames(error.__traceback__)
+    frames = user_frames(trace_of(error))
     if not frames:
         # the traceback does not contain user code
         text = message(error)
-        return text if isinstance(error, OSError) and text else summary(error)
+        return text if is_a(error, OSError) and text else summary(error)
     return "\n".join([f"{summary(error)}{_meant(error)}", *_lines(frames)])
 
 
 def place(error: BaseException) -> str:
     """Return the innermost line of user code that led to an error, else the innermost line of all."""
-    frames = user_frames(error.__traceback__) or _read(list(traceback.walk_tb(error.__traceback__))[-1:])
+    frames = user_frames(trace_of(error)) or _read(list(traceback.walk_tb(trace_of(error)))[-1:])
     return "\n".join(_lines(frames[-1:]))
 
 
@@ -81,14 +81,35 @@ def _lines(frames: list[traceback.FrameSummary]) -> list[str]:
 
 def summary(error: BaseException) -> str:
     """Return class and message of an error."""
-    text = message(error)
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+    text, name = message(error), class_name(type(error))
+    return f"{name}: {text}" if text else name
+
+
+def class_name(cls: type) -> str:
+    """Return the name of a class, whose metaclass may be unable to tell it."""
+    return str(type.__dict__["__name__"].__get__(cls))
+
+
+def is_a(part: object, classes: type | tuple[type, ...]) -> bool:
+    """Whether an object is of a class; `isinstance` would ask the object, which may raise."""
+    return issubclass(type(part), classes)
+
+
+def attribute(part: object, name: str, otherwise: Any = None) -> Any:
+    """Return an attribute of an object of the user; otherwise something else."""
+    return _safely(lambda: getattr(part, name, otherwise), otherwise)
+
+
+def trace_of(error: BaseException) -> TracebackType | None:
+    """Return the traceback of an error, whose attributes may raise."""
+    trace: TracebackType | None = BaseException.__dict__["__traceback__"].__get__(error)
+    return trace
 
 
 def message(error: BaseException) -> str:
     """Return the message of an error, shortened; the error may be unable to tell it."""
     text = _safely(lambda: str(error), None)
-    if not isinstance(text, str):
+    if type(text) is not str:
         return "(its message cannot be read)"
     # a terminal must not obey it, and every log must be able to encode it
     shown = "\n".join(map(escaped, text[:_LONGEST].split("\n")))
@@ -99,16 +120,18 @@ def name_of(part: object) -> str:
     """Return the name of a component, else that of the class or the function that a part of the simulation is."""
     named: Any = part
     name = _safely(lambda: named.name(), None)
-    if isinstance(name, str) and name:
+    if type(name) is str and name:
         return escaped(name[:_LONGEST])
     own = _safely(lambda: named.__qualname__, None)
-    return escaped(own[:_LONGEST]) if isinstance(own, str) and own else type(part).__name__
+    return escaped(own[:_LONGEST] if type(own) is str and own else class_name(type(part)))
 
 
 def definition(part: object) -> str:
     """Return file and line of the class or the function of a part as a line of a traceback; empty if it has none."""
-    function = getattr(part, "__func__", part) if inspect.isroutine(part) else type(part)
-    code = getattr(function, "__code__", None)
+    function: Any = type(part)
+    if _safely(lambda: inspect.isroutine(part), False):
+        function = attribute(part, "__func__", part)
+    code = attribute(function, "__code__")
     if code is not None:
         return f'  File "{code.co_filename}", line {code.co_firstlineno}, in {function.__qualname__}'
     return str(_safely(lambda: _of_class(function), ""))
@@ -121,7 +144,7 @@ def _of_class(cls: Any) -> str:
         (function.__code__ for function in functions if inspect.isfunction(function)),
         key=lambda code: code.co_firstlineno,
     )
-    return f'  File "{code.co_filename}", line {code.co_firstlineno}, in {cls.__name__}'
+    return f'  File "{code.co_filename}", line {code.co_firstlineno}, in {class_name(cls)}'
 
 
 def _safely(function: Callable[[], Any], otherwise: Any) -> Any:
@@ -136,8 +159,11 @@ def _safely(function: Callable[[], Any], otherwise: Any) -> Any:
 
 def _meant(error: BaseException) -> str:
     """Return the most similar attribute, if an attribute does not exist."""
-    if not isinstance(error, AttributeError) or error.name is None or error.obj is None:
+    if not is_a(error, AttributeError):
+        return ""
+    name, owner = attribute(error, "name"), attribute(error, "obj")
+    if type(name) is not str or owner is None:
         return ""
     # objects of users may define __dir__
-    near = _safely(lambda: closest(error.name, dir(error.obj)), None)
+    near = _safely(lambda: closest(name, dir(owner)), None)
     return f"; did you mean '{near}'?" if near is not None else ""

@@ -12,7 +12,19 @@ import logging
 from operator import methodcaller
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from morse.core.faults import ENDINGS, definition, describe, is_users, name_of, place, user_frames
+from morse.core.faults import (
+    ENDINGS,
+    attribute,
+    class_name,
+    definition,
+    describe,
+    is_a,
+    is_users,
+    name_of,
+    place,
+    trace_of,
+    user_frames,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, MutableSequence, Sequence
@@ -24,6 +36,7 @@ logger = logging.getLogger(__name__)
 
 #: consequence of an error while a part is being closed
 _AGAIN = "is left as it is"
+_NOTHING = object()
 #: calls the method of an observer
 before_tick, after_tick = methodcaller("before_tick"), methodcaller("after_tick")
 
@@ -113,16 +126,16 @@ class Guard:
         Raises:
             KeyboardInterrupt, SystemExit: the error is not a failure, but ends the program.
         """
-        if isinstance(error, ENDINGS):
+        if is_a(error, ENDINGS):
             raise error
         if self.raises is not None and self.raises(error, who):
             return
         text = describe(error)
-        if not user_frames(error.__traceback__):
+        if not user_frames(trace_of(error)):
             lines = definition(part)
             if not lines or not is_users(lines.split('"')[1]):
                 lines = place(error)
-            text += f"\n{lines}" if lines and not isinstance(error, OSError) else ""
+            text += f"\n{lines}" if lines and not is_a(error, OSError) else ""
         logger.error("[ERROR][MORSE] %s failed and %s: %s", who, what, text)
 
     def deactivate(self, component: Any, error: BaseException, culprit: object = None) -> None:
@@ -138,21 +151,21 @@ class Guard:
         if culprit is None:
             self.failed(component, name, "is deactivated", error)
         else:
-            who = f"the modifier {type(culprit).__name__} of {name}"
+            who = f"the modifier {class_name(type(culprit))} of {name}"
             self.failed(culprit, who, f"{name} is deactivated, because its data are not modified", error)
         self._context.failed.add(name)
         component.switch_off()
 
     def close(self, component: Any, functions: MutableSequence[Any], function: Any, error: BaseException) -> None:
         """Close a stream of a component, and nothing else; if the component has lost its data, that is the fault."""
-        if not isinstance(vars(component).get("local_data", {}), dict):
+        if not is_a(vars(component).get("local_data", {}), dict):
             if component._active:  # each of its streams finds out
                 self.deactivate(component, _without_data(component, error))
             return
         stream = _stream_of(function)
         self.failed(stream, f"the stream {name_of(stream)} of {name_of(component)}", "is closed", error)
         functions[:] = [one for one in functions if one is not function and _stream_of(one) is not stream]
-        drop = getattr(getattr(stream, "manager", None), "drop", None)
+        drop = attribute(attribute(stream, "manager"), "drop")
         if drop is not None:
             self.run(lambda: drop(stream), lambda again: self.failed(stream, name_of(stream), _AGAIN, again))
 
@@ -163,8 +176,8 @@ class Guard:
 
     def dismiss(self, observers: MutableSequence[Any], observer: Any, error: BaseException) -> None:
         """Remove an observer, and close it; of a middleware, also all of its streams."""
-        own = vars(observer).get("classpath") if hasattr(observer, "__dict__") else None
-        who = f"the middleware {own}" if isinstance(own, str) else f"the observer {type(observer).__name__}"
+        own = attribute(observer, "__dict__", {}).get("classpath")
+        who = f"the middleware {own}" if is_a(own, str) else f"the observer {class_name(type(observer))}"
         self.failed(observer, who, "is removed", error)
         observers[:] = [one for one in observers if one is not observer]
         managers = self._context.stream_managers
@@ -187,19 +200,19 @@ def _ignored(_error: BaseException) -> None:
 
 def _stream_of(function: Any) -> Any:
     """The stream whose method a component calls; the function itself if it does not belong to a stream."""
-    owner = getattr(function, "__self__", function)
-    if not hasattr(owner, "component_instance"):
+    owner = attribute(function, "__self__", function)
+    if attribute(owner, "component_instance", _NOTHING) is _NOTHING:
         return function
-    return getattr(owner, "stream", owner)
+    return attribute(owner, "stream", owner)
 
 
 def _manager_of(function: Any) -> Any:
-    return getattr(_stream_of(function), "manager", None)
+    return attribute(_stream_of(function), "manager")
 
 
 def _without_data(component: Any, error: BaseException) -> BaseException:
-    kind = type(vars(component).get("local_data")).__name__
-    return TypeError(f"self.local_data is a dictionary of the data, not {kind}").with_traceback(error.__traceback__)
+    kind = class_name(type(vars(component).get("local_data")))
+    return TypeError(f"self.local_data is a dictionary of the data, not {kind}").with_traceback(trace_of(error))
 
 
 # -- calls of components, which are frequent -----------------------------------------------------

@@ -13,6 +13,7 @@ from morse.core.journal import COMMAND, RESTORE, SPAWN, Entry
 from morse.core.state import Reader, StateError, Writer
 from morse.simulation.own_state import InputsState
 from morse.simulation.state import State
+from morse.system.packed_keys import check_keys
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -77,6 +78,7 @@ class InputRecording:
         if not content.startswith(_HEAD):
             raise StateError(f"{file} is not a recording of inputs, or has another version")
         try:
+            check_keys(content, len(_HEAD))
             (seed, start, last, waiting), entries = msgspec.msgpack.decode(content[len(_HEAD) :], type=tuple[Any, Any])
             state = None if start is None else State.from_bytes(start)
             unread = Reader(NoReferences()).value(waiting)
@@ -162,6 +164,7 @@ def entry_from_bytes(data: bytes) -> Entry:
         StateError: the bytes are damaged.
     """
     try:
+        check_keys(data)
         return _unpacked(msgspec.msgpack.decode(data))
     except (ValueError, TypeError, LookupError, RecursionError, ArithmeticError) as error:
         raise StateError(f"an input is damaged: {error}") from None
@@ -179,6 +182,7 @@ def waiting_from_bytes(data: bytes) -> dict[str, dict[str, Any]]:
         StateError: the bytes are damaged.
     """
     try:
+        check_keys(data)
         return dict(Reader(NoReferences()).value(msgspec.msgpack.decode(data)))
     except (ValueError, TypeError, LookupError, RecursionError, ArithmeticError) as error:
         raise StateError(f"the commands at the end are damaged: {error}") from None

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from morse.core.state import StateError
+from morse.system.packed_keys import check_keys
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ class State:
         if not content.startswith(_HEAD):
             raise StateError("this is not a saved state of MORSE, or it has another version")
         try:
+            check_keys(content, len(_HEAD))
             parts = msgspec.msgpack.decode(content[len(_HEAD) :], type=dict[str, Any])
             state = cls(parts)
             _ = state.tick

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from morse.core.state.errors import StateError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
 
 #: maximum number of items that references to earlier lists may stand for
 _MOST = 10_000_000
 #: maximum nesting depth, references included
 _DEEPEST = 340
+#: maximum number of items of a set with the same hash: the hashes of numbers and tuples are known to everybody
+_MOST_ALIKE = 100
+_Item = TypeVar("_Item")
 
 
 class Extents:
@@ -54,6 +60,21 @@ class Extents:
             raise StateError("the saved state is nested too deeply")
         self.repeat(items)
         self._height = max(self._height, height)
+
+    @staticmethod
+    def spread(items: Iterable[_Item]) -> Iterator[_Item]:
+        """Iterate over items of a set, or keys of a dictionary.
+
+        Raises:
+            StateError: many have the same hash: each of them would be compared with all others.
+        """
+        counts: dict[int, int] = {}
+        for item in items:
+            code = hash(item)
+            counts[code] = count = counts.get(code, 0) + 1
+            if count > _MOST_ALIKE:
+                raise StateError("the saved state contains a set or a dictionary in which too many hashes are equal")
+            yield item
 
     def repeat(self, items: int) -> None:
         """Count items of an earlier value once more.

@@ -7,16 +7,24 @@ them.
 from __future__ import annotations
 
 import dis
-import inspect
 import sys
 from collections import deque
 from functools import cache
-from types import FunctionType
+from types import (
+    BuiltinFunctionType,
+    ClassMethodDescriptorType,
+    FunctionType,
+    MethodDescriptorType,
+    MethodType,
+    MethodWrapperType,
+    WrapperDescriptorType,
+)
 from typing import Any
 
 import numpy as np
 
 from morse.core.declarations import properties
+from morse.core.faults import class_name, is_a
 from morse.core.state.errors import StateError
 from morse.core.state.simple import TAKEN_APART
 from morse.helpers.transformation import Transformation3d
@@ -34,6 +42,10 @@ _KINDS: tuple[tuple[str, tuple[type, ...]], ...] = (
     ("a dictionary", (dict,)),
     ("a pose", (Transformation3d,)),
 )
+_ROUTINES = (
+    *(BuiltinFunctionType, FunctionType, MethodType, MethodWrapperType),
+    *(ClassMethodDescriptorType, MethodDescriptorType, WrapperDescriptorType),
+)
 _DATA = (
     *(cls for _, classes in _KINDS for cls in classes),
     *(Vector, Quaternion, Euler, Color, Matrix, *TAKEN_APART),
@@ -45,14 +57,19 @@ def kind_of(value: Any) -> Any:
     """The kind of a value: words for data, the class of other objects."""
     if value is MISSING:
         return "nothing"
-    word = next((word for word, classes in _KINDS if isinstance(value, classes)), None)
-    return word or ("a function" if inspect.isroutine(value) else type(value))
+    word = next((word for word, classes in _KINDS if is_a(value, classes)), None)
+    return word or ("a function" if is_routine(value) else type(value))
+
+
+def is_routine(value: Any) -> bool:
+    """Whether a value is a function or a method; the class of an object of the user may raise."""
+    return issubclass(type(value), _ROUTINES)
 
 
 def word_of(value: Any) -> str:
     """The kind of a value in words, for messages."""
     kind = kind_of(value)
-    return kind if isinstance(kind, str) else f"an object of the class {kind.__name__}"
+    return kind if isinstance(kind, str) else f"an object of the class {class_name(kind)}"
 
 
 def misfit(value: Any, present: Any) -> StateError:
@@ -62,7 +79,7 @@ def misfit(value: Any, present: Any) -> StateError:
 
 def is_data(value: Any) -> bool:
     """Whether a value is data: its methods do nothing but compute."""
-    return isinstance(value, _DATA)
+    return is_a(value, _DATA)
 
 
 def fits(value: Any, present: Any, created: frozenset[type] = frozenset()) -> bool:
@@ -88,7 +105,7 @@ def fits_roughly(value: Any, present: Any) -> bool:
         return True
     if before == "nothing":
         # methods and functions were checked when they were read
-        return inspect.isroutine(value) or not callable(value)
+        return is_routine(value) or not callable(value)
     if isinstance(kind, str) or isinstance(before, str):
         return False
     return any(base.__module__.partition(".")[0] not in sys.stdlib_module_names for base in _common(kind, before))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.abstractobject import AbstractObject
+from morse.core.faults import is_a
 from morse.core.local_data import LocalData
 from morse.core.state import arrays
 from morse.core.state.attributes import check_name, reorder
@@ -24,6 +25,7 @@ from morse.core.state.kinds import (
     fits_roughly,
     is_data,
     is_of_morse,
+    is_routine,
     misfit,
     own_attributes,
     word_of,
@@ -92,7 +94,7 @@ class Reader:
             "tuple": lambda data, now: tuple(self._items(data[1], now)),
             "named tuple": self._named_tuple,
             "set": self._set,
-            "frozenset": lambda data, _: frozenset(self._items(data[1], MISSING)),
+            "frozenset": lambda data, _: frozenset(Extents.spread(self._items(data[1], MISSING))),
             "deque": self._deque,
             "bytearray": lambda data, _: self._keep(bytearray(data[1])),
             "namespace": self._namespace,
@@ -195,7 +197,7 @@ class Reader:
         return self._keep(now)
 
     def _items(self, saved: list[Any], now: Any) -> list[Any]:
-        present = list(now) if isinstance(now, (list, tuple, deque)) else []
+        present = list(now) if is_a(now, (list, tuple, deque)) else []
         self._extents.count(len(saved))
         return [self.value(item, present[i] if i < len(present) else MISSING) for i, item in enumerate(saved)]
 
@@ -208,11 +210,11 @@ class Reader:
         target: set[Any] = self._target(now, set, set)
         items = self._items(data[1], MISSING)
         target.clear()
-        target.update(items)
+        target.update(Extents.spread(items))
         return target
 
     def _deque(self, data: list[Any], now: Any) -> deque[Any]:
-        fits = isinstance(now, deque) and now.maxlen == data[1]
+        fits = is_a(now, deque) and now.maxlen == data[1]
         target: deque[Any] = self._target(now if fits else MISSING, deque, lambda: deque(maxlen=data[1]))
         items = self._items(data[2], now)
         target.clear()
@@ -222,7 +224,7 @@ class Reader:
     def _dict(self, data: list[Any], now: Any) -> dict[Any, Any]:
         cls = _DICTS[data[0]]
         target: dict[Any, Any] = self._target(now, cls, cls)
-        items = self._pairs(data[1], dict.copy(now) if isinstance(now, dict) else {})
+        items = self._pairs(data[1], dict.copy(now) if is_a(now, dict) else {})
         target.clear()
         target.update(items)
         if isinstance(target, defaultdict) and data[2] is not None:
@@ -232,8 +234,9 @@ class Reader:
     def _pairs(self, saved: list[Any], present: dict[Any, Any]) -> dict[Any, Any]:
         items = {}
         self._extents.count(len(saved))
-        for key, item in saved:
-            read = self.value(key)
+        # the keys are read one by one, because later ones may refer to the values of earlier ones
+        keys = Extents.spread(self.value(key) for key, _ in saved)
+        for read, (_, item) in zip(keys, saved, strict=True):
             items[read] = self.value(item, present.get(read, MISSING))
         return items
 
@@ -276,7 +279,7 @@ class Reader:
 
     def _generator(self, data: list[Any], now: Any) -> Any:
         name = data[1]
-        fits = isinstance(now, np.random.Generator) and type(now.bit_generator).__name__ == name
+        fits = is_a(now, np.random.Generator) and type(now.bit_generator).__name__ == name
         target = self._target(now if fits else MISSING, np.random.Generator, lambda: arrays.generator(name))
         state = self.value(data[2])
         arrays.check_generator(name, state)
@@ -296,7 +299,7 @@ class Reader:
         return target
 
     def _pose(self, data: list[Any], now: Any) -> Transformation3d:
-        cls = type(now) if isinstance(now, Transformation3d) else Transformation3d
+        cls = type(now) if is_a(now, Transformation3d) else Transformation3d
         target: Transformation3d = self._target(now, cls, Transformation3d)
         _, position, rotation = data
         if len(position) != 3 or len(rotation) != 9:
@@ -334,7 +337,7 @@ class Reader:
         elif base is set:
             items = self._items(data[3], MISSING)
             set.clear(target)
-            set.update(target, items)
+            set.update(target, Extents.spread(items))
         return target
 
     def _assign(self, target: Any, saved: list[Any], present: dict[str, Any]) -> None:
@@ -370,13 +373,13 @@ class Reader:
             yield name, value
 
     def _check(self, value: Any, present: Any) -> None:
-        if self._trusted:
+        if value is present or self._trusted:
             return
         if not (fits(value, present, self._created) if self._strict else fits_roughly(value, present)):
             raise misfit(value, present)
 
     def _method(self, data: list[Any], now: Any) -> Any:
-        present = getattr(now, "__self__", MISSING)
+        present = getattr(now, "__self__", MISSING) if is_routine(now) else MISSING
         owner, name = self.value(data[1], present), data[2]
         cls = type(owner)
         if name.startswith("__") or not inspect.isroutine(getattr(cls, name, None)):
@@ -392,7 +395,7 @@ class Reader:
     def _global(self, data: list[Any], now: Any) -> Any:
         found = self._references.find_global(data[1])
         if inspect.isroutine(found):
-            if not (inspect.isroutine(now) or self._trusted):
+            if not (is_routine(now) or self._trusted):
                 raise StateError(f"the saved state contains the function {data[1]!r:.80} in place of {word_of(now)}")
             return found
         place = len(self._met)

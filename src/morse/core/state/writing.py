@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.faults import ENDINGS, class_name
 from morse.core.local_data import Later, LocalData
 from morse.core.state import arrays
 from morse.core.state.simple import TAKEN_APART
@@ -140,11 +141,18 @@ class Writer:
         if self._depth >= DEEPEST:
             return self._cannot_be_saved(value, f"nested more than {DEEPEST} deep")
         self._depth += 1
+        numbers, path = len(self._met), len(self._path)
         try:
             name = None if cls in _CONSTANT else self._references.global_name(value)
             if name is not None:
                 return ["global", name, AS_IS if inspect.isroutine(value) else self._written(value, cls)]
             return self._written(value, cls)
+        except (*ENDINGS, MemoryError):
+            raise
+        except BaseException as error:  # an object of the user may raise whatever is asked of it
+            self._forget(numbers)
+            del self._path[path:]
+            return self._cannot_be_saved(value, f"{class_name(cls)} raises {class_name(type(error))}")
         finally:
             self._depth -= 1
 
@@ -160,8 +168,14 @@ class Writer:
         self._numbers[id(value)] = len(self._met)
         self._met.append(value)  # keeps the object alive, so that its id is not reused
 
+    def _forget(self, numbers: int) -> None:
+        """Withdraw the numbers of values whose owner is not written."""
+        for value in self._met[numbers:]:
+            del self._numbers[id(value)]
+        del self._met[numbers:]
+
     def _cannot_be_saved(self, value: Any, why: str = "") -> Any:
-        why = why or type(value).__name__
+        why = why or class_name(type(value))
         self.unsaved.append(f"{'.'.join(self._path)} ({why})")
         return AS_IS
 

@@ -26,6 +26,7 @@ from morse.scene import (
     Scene,
     Zone,
 )
+from morse.system.packed_keys import check_keys
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -71,6 +72,7 @@ class Unpacking:
         self.omitted: list[str] = []
         self.replaced: list[str] = []
         try:
+            check_keys(data)
             found = _descriptions.decode(data)
             for what in ("nodes", "components", "meshes", "materials", "images"):
                 count = len(getattr(found, what))
@@ -205,6 +207,7 @@ def unpacked_scene(data: bytes, objects: Unpacking) -> tuple[Scene, dict[str, An
         RecordingError: the description is damaged.
     """
     try:
+        check_keys(data)
         found = _scenes.decode(data)
         settings = found.settings
         _check_finite("the settings", *_numbers(asdict(settings)))

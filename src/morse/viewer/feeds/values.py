@@ -25,7 +25,7 @@ class ValuesFeed:
         """Send the data that pages show."""
         now = self._context.clock.time
         for name in sorted(self._server.wishes.values):
-            component = self._context.components.get(name) or self._context.robots.get(name)
+            component = self._context.component(name)
             if component is not None:
                 data = {str(field): shown(value) for field, value in component.local_data.items()}
                 self._server.send(Values(name, now, data))

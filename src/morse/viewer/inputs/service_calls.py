@@ -122,7 +122,7 @@ class ServiceCalls(RequestManager):
             self._server.send(Answer(event.request, True, value))
 
     def _property(self, component: str, name: str) -> Any:
-        owner = self._context.components.get(component) or self._context.robots[component]
+        owner: Any = self._context.component(component)
         declared = properties(type(owner)).items()
         return next((getattr(owner, python_name) for python_name, p in declared if p.name == name), None)
 
