@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morse.viewer.view_messages import Values
@@ -27,8 +28,16 @@ class ValuesFeed:
         for name in sorted(self._server.wishes.values):
             component = self._context.component(name)
             if component is not None:
-                data = {str(field): shown(value) for field, value in component.local_data.items()}
-                self._server.send(Values(name, now, data))
+                data = self._context.guard.run(partial(_data_of, component), _not_shown)
+                self._server.send(Values(name, now, data or {}, "The data cannot be read." if data is None else ""))
+
+
+def _data_of(component: Any) -> dict[str, Any]:
+    return {str(field): shown(value) for field, value in component.local_data.items()}
+
+
+def _not_shown(_error: BaseException) -> None:
+    """A component that fails is named when it acts."""
 
 
 def shown(value: Any) -> Any:

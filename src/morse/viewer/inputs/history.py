@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import logging
 import math
 import time
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.viewer.server import ViewServer
+
+logger = logging.getLogger(__name__)
 
 #: simulated seconds between two saved states while time runs; seconds for which they are kept, simulated and wall-clock
 _EVERY, _SPAN = 0.5, 60.0
@@ -74,6 +77,7 @@ class Rewinder:
         self._now = now
         self._wall = wall
         self._rest_until = -math.inf
+        self._is_warned = False
         self._server = server
         self._kept: list[_Kept] = []
         self._bytes = 0
@@ -99,7 +103,14 @@ class Rewinder:
 
     def _save(self, now: float) -> None:
         begin = self._wall()
-        state = self._simulation.save()
+        try:
+            state = self._simulation.save()
+        except MorseError as error:  # from ``get_state`` of a component of the user
+            if not self._is_warned:
+                self._is_warned = True
+                logger.warning("the live view cannot return to this time: %s", error)
+            self._rest_until = self._wall() + _EVERY
+            return
         self._add(_Kept(now, state, size_of(state), begin))
         end = self._wall()
         self._rest_until = end + (end - begin) * (1.0 / _SHARE - 1.0)
