@@ -7,6 +7,7 @@ them.
 from __future__ import annotations
 
 import dis
+import inspect
 import sys
 from collections import deque
 from functools import cache
