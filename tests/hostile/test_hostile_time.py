@@ -188,7 +188,7 @@ def open_websocket(cost: float, *, polite: bool = True) -> tuple[PacedConnection
         made = PacedConnection(
             Arrivals(processor, lambda: 10.0 if transport.is_open else 0.0), ServerProtocol(), server, max_queue=4
         )
-        made.guest = SimpleNamespace(begin=lambda _: None, stage=0, keeps_place=False)  # type: ignore[assignment]
+        made.place = SimpleNamespace(begin=lambda _: None, stage=0, keeps_place=False)  # type: ignore[assignment]
         made.connection_made(transport)  # type: ignore[arg-type] # a stand-in
         made.data_received(HANDSHAKE)
         assert made.request is not None
@@ -259,7 +259,7 @@ def test_connections_that_are_opened_again_and_again_get_the_part_of_one_client(
             made = PacedConnection(arrivals, ServerProtocol(), server)
             made.loop = rests  # type: ignore[assignment] # a stand-in
             rests.create_task = asyncio.ensure_future  # type: ignore[attr-defined]
-            made.guest = SimpleNamespace(begin=lambda _: None, stage=0, keeps_place=False)  # type: ignore[assignment]
+            made.place = SimpleNamespace(begin=lambda _: None, stage=0, keeps_place=False)  # type: ignore[assignment]
             made.connection_made(Transport(polite=True))  # type: ignore[arg-type] # a stand-in
             made.data_received(HANDSHAKE)
             connections.append(made)

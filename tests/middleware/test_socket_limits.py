@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from socket_bench import Bench, Peer, wait_until
 
 from morse.core import status
+from morse.core.acceptors import Descriptors
 from morse.core.complaints import Complaints
-from morse.core.doors import Descriptors
 from morse.core.services import concurrent_service
 from morse.middleware.socket import limits, lines
 from morse.middleware.socket.calls import Calls

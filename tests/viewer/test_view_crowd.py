@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 def test_silent_connections_do_not_keep_pages_out(served, monkeypatch, caplog) -> None:
     server, url = served
-    monkeypatch.setattr(server._hub._door, "_most", 4)
+    monkeypatch.setattr(server._hub._acceptor, "_most", 4)
     with Client(url) as page:
         page.expect("welcome")
         silent = [socket.create_connection(("127.0.0.1", port_of(url)), timeout=60.0) for _ in range(8)]
@@ -34,7 +34,7 @@ def test_silent_connections_do_not_keep_pages_out(served, monkeypatch, caplog) -
         with Client(url) as other:
             other.expect("welcome")
             page.expect("seat", pages=2)
-        assert len(server._hub._door.guests) <= 4
+        assert len(server._hub._acceptor.connections) <= 4
         for one in silent:
             one.close()
     assert "to make room" in caplog.text

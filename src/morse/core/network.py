@@ -53,22 +53,22 @@ class _WatchfulSelector(selectors.DefaultSelector):
 
 
 class _Loop(asyncio.SelectorEventLoop):
-    """A loop whose servers can accept their connections through a door."""
+    """A loop whose servers can accept their connections through an acceptor."""
 
     async def create_server(  # type: ignore[override] # one more option
-        self, protocol_factory: Callable[[], asyncio.BaseProtocol], *args: Any, door: Any = None, **options: Any
+        self, protocol_factory: Callable[[], asyncio.BaseProtocol], *args: Any, acceptor: Any = None, **options: Any
     ) -> asyncio.AbstractServer:
         """See `asyncio.loop.create_server`.
 
         Args:
-            door: a `morse.core.doors.streams.StreamDoor`; ``protocol_factory`` then makes its visitors.
+            acceptor: a `morse.core.acceptors.streams.StreamAcceptor`; ``protocol_factory`` then makes its protocols.
         """
-        if door is None:
+        if acceptor is None:
             return await super().create_server(protocol_factory, *args, **options)
         bound = await super().create_server(protocol_factory, *args, start_serving=False, **options)
         listeners = [sock.dup() for sock in bound.sockets]
         bound.close()
-        server: asyncio.AbstractServer = door.serve(listeners, protocol_factory)
+        server: asyncio.AbstractServer = acceptor.serve(listeners, protocol_factory)
         return server
 
 

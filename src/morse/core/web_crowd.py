@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from websockets.asyncio.server import ServerConnection
 from websockets.frames import Frame, Opcode
 
-from morse.core.doors.streams import Visitor
+from morse.core.acceptors.streams import AcceptedProtocol
 
 if TYPE_CHECKING:
     from websockets.protocol import Event
 
-    from morse.core.doors.streams import StreamGuest
+    from morse.core.acceptors.streams import StreamConnection
 
 _DATA = (Opcode.TEXT, Opcode.BINARY)
 
@@ -20,7 +20,7 @@ MOST_WAITING = 4
 """Maximum number of received messages of a client that wait to be processed; then its connection is not read."""
 
 
-class Connection(Visitor, ServerConnection):
+class Connection(AcceptedProtocol, ServerConnection):
     """A connection to a web server.
 
     If there are too many, those without a complete request leave first, then those that have not sent a message over a
@@ -30,15 +30,15 @@ class Connection(Visitor, ServerConnection):
     def process_event(self, event: Event) -> None:
         """See `websockets.asyncio.server.ServerConnection`."""
         super().process_event(event)
-        self.guest.stage = 1
+        self.place.stage = 1
         if isinstance(event, Frame) and event.opcode in _DATA:
-            self.guest.keeps_place = True
+            self.place.keeps_place = True
 
 
-def guest_of(connection: ServerConnection) -> StreamGuest:
-    """The guest of a connection of a server with a door."""
+def place_of(connection: ServerConnection) -> StreamConnection:
+    """The entry of a connection in the acceptor of its server."""
     assert isinstance(connection, Connection)
-    return connection.guest
+    return connection.place
 
 
 _REFUSAL = "The simulation has no place for one more connection. Close others, or try again later.\n"

@@ -14,9 +14,9 @@ from urllib.parse import urlsplit
 from websockets.asyncio.server import broadcast, serve
 from websockets.exceptions import ConnectionClosed
 
+from morse.core.acceptors.streams import StreamAcceptor
 from morse.core.budget import ENTRY, PARSED, OverBudget
 from morse.core.complaints import Complaints
-from morse.core.doors.streams import StreamDoor
 from morse.core.web_connection import PacedConnection, sender_of
 from morse.core.web_crowd import MOST_WAITING, NO_PLACE
 from morse.viewer import page_messages as pm
@@ -98,7 +98,9 @@ class Hub:
         self._evaluation: asyncio.TimerHandle | None = None
         self._wishes_waiting = False
         self._complaints = Complaints(logger)
-        self._door = StreamDoor("live view", most=_MOST_CONNECTIONS, complaints=self._complaints, refusal=NO_PLACE)
+        self._acceptor = StreamAcceptor(
+            "live view", most=_MOST_CONNECTIONS, complaints=self._complaints, refusal=NO_PLACE
+        )
         self._arrivals = arrivals
         self._quiet = logging.Logger("morse.viewer.connections", logging.CRITICAL + 1)  # no log of invalid requests
 
@@ -122,7 +124,7 @@ class Hub:
                     port,
                     process_request=self._answer,
                     create_connection=partial(PacedConnection, self._arrivals),  # type: ignore[arg-type] # a factory is sufficient
-                    door=self._door,
+                    acceptor=self._acceptor,
                     compression=None,
                     max_size=MAX_MESSAGE,
                     max_queue=MOST_WAITING,
@@ -190,7 +192,7 @@ class Hub:
         sending: asyncio.Task[None] | None = None
         sender = sender_of(connection)
         try:
-            page = await self._welcome(connection)
+            page = await self._accepted(connection)
             if page is None:
                 return
             sending = asyncio.create_task(page.send_forever())
@@ -209,7 +211,7 @@ class Hub:
             if page is not None:
                 self._leave(page)
 
-    async def _welcome(self, connection: ServerConnection) -> Page | None:
+    async def _accepted(self, connection: ServerConnection) -> Page | None:
         try:
             async with asyncio.timeout(_FIRST_MESSAGE):
                 hello = decode_page_message(await connection.recv())

@@ -11,8 +11,8 @@ import time
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
+from morse.core.acceptors import Acceptor
 from morse.core.complaints import Complaints
-from morse.core.doors import Door
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.quoting import shown
 from morse.middleware.mavlink.framing import V1, V2
@@ -194,29 +194,29 @@ class TcpLink(Link):
         self._address, self._family = address, family
         self._connections: list[_Connection] = []
         self._next_attempt = 0.0
-        self._door: Door | None = None
+        self._acceptor: Acceptor | None = None
         if listens:
             listener = socket.socket(family, socket.SOCK_STREAM)
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            self._door = Door(f"mavlink: {device}", self._join, most=_MOST_PEERS, complaints=Complaints(logger))
+            self._acceptor = Acceptor(f"mavlink: {device}", self._join, most=_MOST_PEERS, complaints=Complaints(logger))
             try:
                 listener.bind(address)
-                self._door.open(listener)
+                self._acceptor.open(listener)
             except OSError as error:
                 listener.close()
                 raise _refused(device, error) from None
 
     def _join(self, sock: socket.socket, address: Any) -> None:
-        assert self._door is not None
-        one = _Connection(sock, address, self._door.leave)
-        self._door.join(one)
+        assert self._acceptor is not None
+        one = _Connection(sock, address, self._acceptor.leave)
+        self._acceptor.join(one)
         self._connections.append(one)
 
     def _look_for_others(self) -> None:
-        if self._door is not None:
-            self._door.accept()
+        if self._acceptor is not None:
+            self._acceptor.accept()
         self._connections = [one for one in self._connections if not one.over]
-        if self._door is None and not self._connections and time.monotonic() >= self._next_attempt:
+        if self._acceptor is None and not self._connections and time.monotonic() >= self._next_attempt:
             self._next_attempt = time.monotonic() + _PAUSE
             sock = socket.socket(self._family, socket.SOCK_STREAM)
             sock.setblocking(False)
@@ -248,8 +248,8 @@ class TcpLink(Link):
         """See `Link.close`."""
         for one in self._connections:
             one.end()
-        if self._door is not None:
-            self._door.close()
+        if self._acceptor is not None:
+            self._acceptor.close()
 
 
 _WAYS = {"udpout": (UdpLink, False), "udpin": (UdpLink, True), "udp": (UdpLink, True), "tcp": (TcpLink, False),

@@ -8,8 +8,8 @@ import logging
 import socket
 from typing import TYPE_CHECKING, Any
 
+from morse.core.acceptors import Acceptor
 from morse.core.complaints import Complaints
-from morse.core.doors import Door
 from morse.middleware.socket.connection import Connection
 from morse.middleware.socket.limits import MAX_CLIENTS, Limits, limits_of
 
@@ -53,8 +53,8 @@ class LineServer:
     ) -> None:
         self.name = name
         self.complaints = Complaints(logger)
-        self._door = Door(name, self._join, most=MAX_CLIENTS, complaints=self.complaints, refusal=refusal)
-        self.clients: set[Any] = self._door.guests
+        self._acceptor = Acceptor(name, self._join, most=MAX_CLIENTS, complaints=self.complaints, refusal=refusal)
+        self.clients: set[Any] = self._acceptor.connections
         self.limits: Limits
         self._listener = listener
         self._make = make
@@ -71,7 +71,7 @@ class LineServer:
         self._network = network
         self.limits = limits_of(network)
         self.limits.servers.add(self)
-        self._door.open(self._listener, network.loop, self._watch, network.ignore)
+        self._acceptor.open(self._listener, network.loop, self._watch, network.ignore)
 
     def _watch(self, listener: socket.socket, accept: Callable[[], None]) -> None:
         assert self._network is not None
@@ -84,7 +84,7 @@ class LineServer:
         client = self._make(self)
         connection = Connection(self._network, sock, comes_first=self._comes_first)
         peer = f"{address[0]}:{address[1]}" if isinstance(address, tuple) else "?"
-        self._door.join(client)
+        self._acceptor.join(client)
         client.connection_made(connection, peer)
         connection.start(client)
         if self._comes_first:
@@ -92,12 +92,12 @@ class LineServer:
 
     def leave(self, client: LineClient) -> None:
         """Remove a client that has disconnected."""
-        self._door.leave(client)
+        self._acceptor.leave(client)
 
     async def close(self) -> None:
         """Stop accepting, send the remaining bytes, and close. Clients that do not read are disconnected."""
         if self._network is not None:
-            self._door.close()
+            self._acceptor.close()
             self._network = None
             self.limits.servers.discard(self)
         self._listener.close()

@@ -14,12 +14,12 @@ from urllib.parse import quote
 from websockets.asyncio.server import serve
 from websockets.exceptions import ConnectionClosed
 
+from morse.core.acceptors.streams import StreamAcceptor
 from morse.core.complaints import Complaints
-from morse.core.doors.streams import StreamDoor
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.web_access import Access
 from morse.core.web_connection import PacedConnection, sender_of
-from morse.core.web_crowd import MOST_WAITING, NO_PLACE, guest_of
+from morse.core.web_crowd import MOST_WAITING, NO_PLACE, place_of
 from morse.middleware.web.client import WebClient
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class WebServer(Generic[_C]):
         self.port = 0
         self.complaints = Complaints(logger)
         most = self._most + _UNFINISHED
-        self._door = StreamDoor(name, most=most, complaints=self.complaints, refusal=NO_PLACE)
+        self._acceptor = StreamAcceptor(name, most=most, complaints=self.complaints, refusal=NO_PLACE)
         self._server: Server | None = None
         self._quiet = logging.Logger(
             "morse.middleware.web.connections", logging.CRITICAL + 1
@@ -129,7 +129,7 @@ class WebServer(Generic[_C]):
                     subprotocols=self._subprotocols or None,  # type: ignore[arg-type] # words are subprotocols
                     compression=None,
                     create_connection=partial(PacedConnection, self._context.network.arrivals),  # type: ignore[arg-type] # a factory is sufficient
-                    door=self._door,
+                    acceptor=self._acceptor,
                     max_size=MAX_MESSAGE,
                     max_queue=MOST_WAITING,
                     open_timeout=_PATIENCE,
@@ -179,13 +179,13 @@ class WebServer(Generic[_C]):
 
     def _make_room(self) -> bool:
         """Disconnect the oldest client that has not sent a message; False if all have."""
-        guests = [(guest_of(client.connection), client) for client in self.clients]
-        silent = [(guest.importance(), guest, client) for guest, client in guests if not guest.keeps_place]
+        connections = [(place_of(client.connection), client) for client in self.clients]
+        silent = [(place.importance(), place, client) for place, client in connections if not place.keeps_place]
         if not silent:
             return False
-        _, guest, client = min(silent, key=lambda one: one[0])
+        _, place, client = min(silent, key=lambda one: one[0])
         self.complaints.warn("many", f"{self._name}: {client.peer} is disconnected to make room: it sends nothing")
-        guest.dismiss()
+        place.dismiss()
         self.clients.discard(client)
         return True
 

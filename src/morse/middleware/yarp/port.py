@@ -8,9 +8,9 @@ import logging
 import re
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from morse.core.acceptors import DESCRIPTORS
+from morse.core.acceptors.streams import AcceptedProtocol, StreamAcceptor
 from morse.core.complaints import Complaints
-from morse.core.doors import DESCRIPTORS
-from morse.core.doors.streams import StreamDoor, Visitor
 from morse.core.quoting import shown
 from morse.middleware.yarp import wire
 from morse.middleware.yarp.bottle import BottleError, Vocab, decode, encode
@@ -61,7 +61,7 @@ class _Input(NamedTuple):
     sender: Sender
 
 
-class _Visitor(Visitor, asyncio.StreamReaderProtocol):
+class _Visitor(AcceptedProtocol, asyncio.StreamReaderProtocol):
     """A connection to a port."""
 
 
@@ -88,12 +88,12 @@ class Port:
         self._inputs: set[_Input] = set()
         self._number = 0
         self._complaints = Complaints(logger)
-        self._door = StreamDoor(f"yarp: {name}", most=_MOST_CONNECTIONS, complaints=self._complaints)
+        self._acceptor = StreamAcceptor(f"yarp: {name}", most=_MOST_CONNECTIONS, complaints=self._complaints)
 
     async def open(self, listener: socket.socket) -> None:
         """Accept connections."""
         self._number = listener.getsockname()[1]
-        self._door.serve([listener], lambda: _Visitor(asyncio.StreamReader(limit=_LARGEST), self._serve))
+        self._acceptor.serve([listener], lambda: _Visitor(asyncio.StreamReader(limit=_LARGEST), self._serve))
 
     async def close(self) -> None:
         """End all connections, after the messages that still wait were sent."""
@@ -101,7 +101,7 @@ class Port:
             async with asyncio.timeout(_TIMEOUT / 5):
                 while not all(output.is_idle for output in self.outputs.values()):
                     await asyncio.sleep(0.005)
-        self._door.close()
+        self._acceptor.close()
         for one in list(self._inputs):
             one.writer.close()
         for output in list(self.outputs.values()):
@@ -120,7 +120,7 @@ class Port:
         try:
             async with asyncio.timeout(_TIMEOUT):
                 one = await self._greet(reader, writer)
-            writer.transport.get_protocol().guest.keeps_place = True  # type: ignore[attr-defined] # a visitor
+            writer.transport.get_protocol().place.keeps_place = True  # type: ignore[attr-defined] # a protocol
             self._inputs.add(one)
             await (self._lines(one) if one.carrier in (wire.TEXT, wire.TEXT_ACK) else self._messages(one))
         except (OSError, asyncio.IncompleteReadError, TimeoutError):

@@ -11,9 +11,9 @@ import pytest
 from limited import connect, eventually, is_closed, reset, told_once
 
 from event_loops import run_apart
+from morse.core.acceptors import Acceptor
+from morse.core.acceptors.streams import AcceptedProtocol, StreamAcceptor
 from morse.core.complaints import Complaints
-from morse.core.doors import Door
-from morse.core.doors.streams import StreamDoor, Visitor
 from morse.core.network import Network
 from morse.middleware.mavlink.links import open_link
 from morse.middleware.multinode.server import MultinodeServer
@@ -27,7 +27,7 @@ logger = logging.getLogger("morse.test")
 
 
 class Caller:
-    """A guest of a door that calls `Door.accept` itself."""
+    """A connection of an acceptor that calls `Acceptor.accept` itself."""
 
     def __init__(self, sock: socket.socket) -> None:
         self.socket = sock
@@ -52,41 +52,41 @@ def test_a_flood_of_resets_keeps_nobody_waiting(caplog: pytest.LogCaptureFixture
 
     def enter(sock: socket.socket, _: Any) -> None:
         callers.append(Caller(sock))
-        door.join(callers[-1])
+        acceptor.join(callers[-1])
 
-    door = Door("a port", enter, most=4, complaints=Complaints(logger))
+    acceptor = Acceptor("a port", enter, most=4, complaints=Complaints(logger))
     listener = listen("127.0.0.1", (0,))
-    door.open(listener)
+    acceptor.open(listener)
     # nothing is accepted meanwhile, as while a tick holds the processor
     for _ in range(400):
         sock = socket.create_connection(("127.0.0.1", port_of(listener)), timeout=5.0)
         reset(sock)
     with socket.create_connection(("127.0.0.1", port_of(listener)), timeout=5.0) as serious:
         address = serious.getsockname()
-        eventually(lambda: door.accept() or callers)
+        eventually(lambda: acceptor.accept() or callers)
         assert [caller.socket.getpeername() for caller in callers] == [address]
     assert not caplog.text
-    door.close()
+    acceptor.close()
     for caller in callers:
         caller.dismiss()
-        door.leave(caller)
+        acceptor.leave(caller)
 
 
-class _Echo(Visitor):
+class _Echo(AcceptedProtocol):
     """Keeps the place of who has sent something, and echoes it."""
 
     def data_received(self, data: bytes) -> None:
-        self.guest.keeps_place = True
-        transport: Any = self.guest._transport
+        self.place.keeps_place = True
+        transport: Any = self.place._transport
         transport.write(data)
 
 
 def test_the_oldest_silent_connection_leaves_and_who_has_spoken_stays(caplog: pytest.LogCaptureFixture) -> None:
     async def run() -> None:
-        door = StreamDoor("a port", most=3, complaints=Complaints(logger), refusal=b"full")
+        acceptor = StreamAcceptor("a port", most=3, complaints=Complaints(logger), refusal=b"full")
         listener = listen("127.0.0.1", (0,))
         number = port_of(listener)
-        server = door.serve([listener], _Echo)
+        server = acceptor.serve([listener], _Echo)
         async with asyncio.timeout(60.0):
             streams = [await asyncio.open_connection("127.0.0.1", number) for _ in range(3)]
             streams[1][1].write(b"hello")

@@ -1,4 +1,4 @@
-"""Doors for the protocols of asyncio."""
+"""Acceptors for the protocols of asyncio."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import contextlib
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from morse.core.doors.door import Door
+from morse.core.acceptors.acceptor import Acceptor
 
 if TYPE_CHECKING:
     import socket
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     from morse.core.complaints import Complaints
 
 
-class StreamGuest:
+class StreamConnection:
     """A connection with a transport of asyncio.
 
     Attributes:
         stage: how far it has come; of those that may have to leave, the lowest leaves first, then the oldest.
-        keeps_place: see `morse.core.doors.Guest`.
+        keeps_place: see `morse.core.acceptors.ClientConnection`.
     """
 
-    def __init__(self, door: Door) -> None:
-        self._door = door
+    def __init__(self, acceptor: Acceptor) -> None:
+        self._acceptor = acceptor
         self._transport: Any = None
         self._since = monotonic()
         self._is_dismissed = False
@@ -33,7 +33,7 @@ class StreamGuest:
         self.keeps_place = False
 
     def importance(self) -> tuple[float, ...]:
-        """See `morse.core.doors.Guest`."""
+        """See `morse.core.acceptors.ClientConnection`."""
         return (self.stage, self._since)
 
     def begin(self, transport: Any) -> None:
@@ -43,99 +43,99 @@ class StreamGuest:
             transport.abort()
 
     def dismiss(self) -> None:
-        """See `morse.core.doors.Guest`."""
+        """See `morse.core.acceptors.ClientConnection`."""
         self._is_dismissed = True
-        self._door.leave(self)
+        self._acceptor.leave(self)
         if self._transport is not None:
             self._transport.abort()
 
     def end(self) -> None:
         """The connection is closed."""
-        self._door.leave(self)
+        self._acceptor.leave(self)
 
 
-class Visitor(asyncio.Protocol):
-    """A base of protocols whose connections come through a `StreamDoor`.
+class AcceptedProtocol(asyncio.Protocol):
+    """A base of protocols whose connections come through a `StreamAcceptor`.
 
     Attributes:
-        guest: the connection; set before `connection_made`.
+        place: the connection; set before `connection_made`.
     """
 
-    guest: StreamGuest
+    place: StreamConnection
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """See `asyncio.Protocol`."""
-        self.guest.begin(transport)
+        self.place.begin(transport)
         super().connection_made(transport)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """See `asyncio.Protocol`."""
-        self.guest.end()
+        self.place.end()
         super().connection_lost(exc)
 
 
-class StreamDoor(Door):
+class StreamAcceptor(Acceptor):
     """Accepts connections for protocols of asyncio.
 
     Args:
-        name, most, complaints, refusal: see `morse.core.doors.Door`.
+        name, most, complaints, refusal: see `morse.core.acceptors.Acceptor`.
     """
 
     def __init__(self, name: str, *, most: int, complaints: Complaints, refusal: bytes = b"") -> None:
-        super().__init__(name, self._welcome, most=most, complaints=complaints, refusal=refusal)
+        super().__init__(name, self._accepted, most=most, complaints=complaints, refusal=refusal)
         self._factory: Callable[[], Any]
         self._joining: set[asyncio.Task[None]] = set()
 
-    def serve(self, listeners: Iterable[socket.socket], factory: Callable[[], Any]) -> DoorServer:
+    def serve(self, listeners: Iterable[socket.socket], factory: Callable[[], Any]) -> AcceptorServer:
         """Start accepting in the running loop.
 
         Args:
             listeners: bound sockets.
-            factory: makes the protocol of a connection, a `Visitor`.
+            factory: makes the protocol of a connection, a `AcceptedProtocol`.
         """
         self._factory = factory
         loop = asyncio.get_running_loop()
         for listener in listeners:
             self.open(listener, loop)
-        return DoorServer(self, loop)
+        return AcceptorServer(self, loop)
 
-    def _welcome(self, sock: socket.socket, _: Any) -> None:
-        guest = StreamGuest(self)
-        self.join(guest)
-        task = asyncio.get_running_loop().create_task(self._join(sock, guest))
+    def _accepted(self, sock: socket.socket, _: Any) -> None:
+        place = StreamConnection(self)
+        self.join(place)
+        task = asyncio.get_running_loop().create_task(self._join(sock, place))
         self._joining.add(task)
         task.add_done_callback(self._joining.discard)
 
-    async def _join(self, sock: socket.socket, guest: StreamGuest) -> None:
+    async def _join(self, sock: socket.socket, place: StreamConnection) -> None:
         def protocol() -> Any:
-            visitor = self._factory()
-            visitor.guest = guest
-            return visitor
+            protocol = self._factory()
+            protocol.place = place
+            return protocol
 
         try:
             await asyncio.get_running_loop().connect_accepted_socket(protocol, sock)
         except OSError:  # the client has left
-            guest.end()
+            place.end()
             with contextlib.suppress(OSError):
                 sock.close()
 
 
-class DoorServer(asyncio.AbstractServer):
-    """A server in the form of asyncio, whose connections come through a door."""
+class AcceptorServer(asyncio.AbstractServer):
+    """A server in the form of asyncio, whose connections come through an acceptor."""
 
-    def __init__(self, door: StreamDoor, loop: asyncio.AbstractEventLoop) -> None:
-        self._door, self._loop = door, loop
+    def __init__(self, acceptor: StreamAcceptor, loop: asyncio.AbstractEventLoop) -> None:
+        self._acceptor, self._loop = acceptor, loop
         self._is_serving = True
 
     @property
     def sockets(self) -> tuple[socket.socket, ...]:
         """The sockets that listen."""
-        return tuple(self._door.listeners)
+        return tuple(self._acceptor.listeners)
 
     def close(self) -> None:
         """Stop accepting."""
         self._is_serving = False
-        self._door.close()
+        self._acceptor.close()
 
     def is_serving(self) -> bool:
         """Whether it accepts connections."""
@@ -146,7 +146,7 @@ class DoorServer(asyncio.AbstractServer):
         return self._loop
 
     async def start_serving(self) -> None:
-        """Nothing is left to do: `StreamDoor.serve` has started it."""
+        """Nothing is left to do: `StreamAcceptor.serve` has started it."""
 
     async def serve_forever(self) -> None:
         """Nothing is left to do: the loop of the simulation runs until its end."""

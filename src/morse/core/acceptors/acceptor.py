@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
 from weakref import WeakKeyDictionary
 
-from morse.core.doors.descriptors import DESCRIPTORS
+from morse.core.acceptors.descriptors import DESCRIPTORS
 
 if TYPE_CHECKING:
     import asyncio
@@ -25,7 +25,7 @@ _AT_A_TIME, _TURN, _LEAVING = 64, 0.002, 8
 _PAUSE = 1.0
 
 
-class Guest(Protocol):
+class ClientConnection(Protocol):
     """A connection of a client."""
 
     @property
@@ -39,38 +39,38 @@ class Guest(Protocol):
         """Close the connection because another one needs its place."""
 
 
-class Lobby:
-    """The doors that share a thread.
+class Acceptors:
+    """The acceptors that share a thread.
 
     Attributes:
-        doors: the open doors.
+        acceptors: the open acceptors.
         leaving: number of connections that are about to be closed.
     """
 
     def __init__(self) -> None:
-        self.doors: set[Door] = set()
+        self.acceptors: set[Acceptor] = set()
         self.leaving = 0
 
     @property
     def count(self) -> int:
         """The number of connections."""
-        return sum(len(door.guests) for door in self.doors)
+        return sum(len(acceptor.connections) for acceptor in self.acceptors)
 
-    def most_dispensable(self) -> Door | None:
-        """The door with the most connections that may have to leave; None if all keep their places."""
-        door = max(self.doors, key=lambda door: len(door.dispensable()), default=None)
-        return door if door is not None and door.dispensable() else None
-
-
-_lobbies: WeakKeyDictionary[asyncio.AbstractEventLoop, Lobby] = WeakKeyDictionary()
+    def most_dispensable(self) -> Acceptor | None:
+        """The acceptor with the most connections that may have to leave; None if all keep their places."""
+        acceptor = max(self.acceptors, key=lambda acceptor: len(acceptor.dispensable()), default=None)
+        return acceptor if acceptor is not None and acceptor.dispensable() else None
 
 
-def lobby_of(loop: asyncio.AbstractEventLoop) -> Lobby:
-    """The lobby of an event loop."""
-    return _lobbies.setdefault(loop, Lobby())
+_by_loop: WeakKeyDictionary[asyncio.AbstractEventLoop, Acceptors] = WeakKeyDictionary()
 
 
-class Door:
+def acceptors_of(loop: asyncio.AbstractEventLoop) -> Acceptors:
+    """The acceptors of an event loop."""
+    return _by_loop.setdefault(loop, Acceptors())
+
+
+class Acceptor:
     """Accepts connections while there are places and file descriptors.
 
     If there are too many connections, one that has not sent anything valid is closed, else the new one. A connection
@@ -84,7 +84,7 @@ class Door:
         refusal: bytes that a client gets before its connection is closed because there is no place for it.
 
     Attributes:
-        guests: the connections.
+        connections: the connections.
     """
 
     def __init__(
@@ -97,10 +97,10 @@ class Door:
         refusal: bytes = b"",
     ) -> None:
         self.name = name
-        self.guests: set[Any] = set()
+        self.connections: set[Any] = set()
         self._enter, self._most, self._complaints, self._refusal = enter, most, complaints, refusal
         self._listeners: list[socket.socket] = []
-        self._lobby = Lobby()
+        self._acceptors = Acceptors()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._watch: Callable[[socket.socket], object] = lambda _: None
         self._ignore: Callable[[socket.socket], object] = lambda _: None
@@ -124,11 +124,11 @@ class Door:
         listener.setblocking(False)
         self._listeners.append(listener)
         if loop is not None:
-            self._loop, self._lobby = loop, lobby_of(loop)
+            self._loop, self._acceptors = loop, acceptors_of(loop)
             add = watch if watch is not None else loop.add_reader
             self._watch = lambda one: add(one, lambda: self._accept_from(one))
             self._ignore = ignore if ignore is not None else loop.remove_reader
-        self._lobby.doors.add(self)
+        self._acceptors.acceptors.add(self)
         self._watch(listener)
 
     @property
@@ -142,36 +142,36 @@ class Door:
             self._ignore(listener)
             listener.close()
         self._listeners.clear()
-        self._lobby.doors.discard(self)
+        self._acceptors.acceptors.discard(self)
 
-    def join(self, guest: Guest) -> None:
+    def join(self, place: ClientConnection) -> None:
         """Add a connection."""
-        self.guests.add(guest)
+        self.connections.add(place)
         DESCRIPTORS.enter()
 
-    def leave(self, guest: Guest) -> None:
+    def leave(self, place: ClientConnection) -> None:
         """Remove a connection that is closed; it may be called again."""
-        if guest in self.guests:
-            self.guests.discard(guest)
+        if place in self.connections:
+            self.connections.discard(place)
             DESCRIPTORS.leave()
 
     def dispensable(self) -> list[Any]:
         """The connections that may have to leave."""
-        return [guest for guest in self.guests if not guest.keeps_place]
+        return [place for place in self.connections if not place.keeps_place]
 
     def make_room(self) -> bool:
         """Close the least important connection; False if all keep their places."""
-        leaving = min(self.dispensable(), key=lambda guest: guest.importance(), default=None)
+        leaving = min(self.dispensable(), key=lambda place: place.importance(), default=None)
         if leaving is None:
             return False
         peer = getattr(leaving, "peer", "a silent connection")
-        text = f"{self.name}: {peer} is disconnected to make room: there are {len(self.guests)} clients"
+        text = f"{self.name}: {peer} is disconnected to make room: there are {len(self.connections)} clients"
         self._complaints.warn("many", text)
         leaving.dismiss()
         self.leave(leaving)
         if self._loop is not None:
             # its socket is closed in the next turn
-            self._lobby.leaving += 1
+            self._acceptors.leaving += 1
             self._loop.call_soon(self._has_left)
         return True
 
@@ -185,7 +185,7 @@ class Door:
     def _accept_from(self, listener: socket.socket) -> None:
         until = perf_counter() + _TURN
         for _ in range(_AT_A_TIME):
-            if self._lobby.leaving >= _LEAVING or perf_counter() > until or listener not in self._listeners:
+            if self._acceptors.leaving >= _LEAVING or perf_counter() > until or listener not in self._listeners:
                 return
             try:
                 sock, address = listener.accept()
@@ -205,16 +205,16 @@ class Door:
                 self._enter(sock, address)
 
     def _has_place(self) -> bool:
-        if len(self.guests) >= self._most:
+        if len(self.connections) >= self._most:
             return self.make_room()
         if DESCRIPTORS.has_room():
             return True
-        crowded = self._lobby.most_dispensable()
+        crowded = self._acceptors.most_dispensable()
         return crowded is not None and crowded.make_room()
 
     def _refuse(self, sock: socket.socket) -> None:
-        why = f"all {len(self.guests)} connections are in use"
-        if len(self.guests) < self._most:
+        why = f"all {len(self.connections)} connections are in use"
+        if len(self.connections) < self._most:
             why = "the limit of open files of the process leaves no more connections (ulimit -n)"
         self._complaints.warn("full", f"{self.name}: a client is refused: {why}")
         with contextlib.suppress(OSError), sock:
@@ -235,7 +235,7 @@ class Door:
             self._watch(listener)
 
     def _has_left(self) -> None:
-        self._lobby.leaving -= 1
+        self._acceptors.leaving -= 1
 
 
 def _is_reset(sock: socket.socket) -> bool:
