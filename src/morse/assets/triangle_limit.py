@@ -17,6 +17,8 @@ MOST_TRIANGLES = 5_000_000
 MOST_CORNERS = 10_000
 #: nodes, and meshes with one material; each takes about 0.7 ms
 MOST_PARTS = 5_000
+#: materials; each takes about 1.3 ms
+MOST_MATERIALS = 2_000
 #: bytes of a binary STL file: before its triangles, and of each of them
 _STL_HEADER, _STL_TRIANGLE = 84, 50
 
@@ -39,15 +41,15 @@ def check_triangles(path: str | Path, counts: Iterable[int]) -> None:
         )
 
 
-def check_parts(path: str | Path, count: int, what: str) -> None:
+def check_parts(path: str | Path, count: int, what: str, most: int = MOST_PARTS) -> None:
     """Refuse a file with too many parts.
 
     Raises:
-        AssetError: they exceed `MOST_PARTS`.
+        AssetError: they exceed the limit.
     """
-    if count > MOST_PARTS:
-        number = str(count) if count < 1000 * MOST_PARTS else "millions of"
-        raise AssetError(path, f"it has {number} {what}, at most {MOST_PARTS} can be read: join some of them")
+    if count > most:
+        number = str(count) if count < 1000 * most else "millions of"
+        raise AssetError(path, f"it has {number} {what}, at most {most} can be read: join some of them")
 
 
 def check_corners(path: Path, corners: int) -> None:
@@ -64,14 +66,16 @@ def check_corners(path: Path, corners: int) -> None:
 
 
 def check_stl(path: Path) -> None:
-    """Refuse a binary STL file with too many triangles, or of another length, before it is read.
+    """Refuse an STL file with too many solids or triangles, or a binary one of another length, before it is read.
 
     Raises:
-        AssetError: the number in its header is too large, or does not match its size.
+        AssetError: a number is too large, or that in the header of a binary file does not match its size.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
         header = file.read(_STL_HEADER)
+    if _is_text(header):
+        check_parts(path, path.read_bytes().count(b"endsolid"), "solids")
     if len(header) < _STL_HEADER:
         if not _is_text(header):
             raise AssetError(path, f"it is cut off: a binary STL file has at least {_STL_HEADER} bytes, it has {size}")

@@ -18,7 +18,7 @@ from morse.scene.bone_frames import start_frames, start_value
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Container, Iterable, Iterator
 
     from numpy.typing import NDArray
 
@@ -246,14 +246,18 @@ class Articulated:
         if not self._made:
             return
         by_name = {(made.slot.armature, made.bone.name): made for made in self._made}
-        loads = self._loads()
+        leaders: dict[JointSlot, _Made] = {}
         for made in self._made:
             armature = made.slot.armature
-            bones = armature.bones
+            if made.bone.leader >= 0 and (leader := by_name.get((armature, armature.bones[made.bone.leader].name))):
+                leaders[made.slot] = leader
+        loads = self._loads(leaders)
+        for made in self._made:
+            armature = made.slot.armature
             if made.bone.kind.is_loose:
                 continue
-            if made.bone.leader >= 0 and (leader := by_name.get((armature, bones[made.bone.leader].name))):
-                self._follow(made, leader)
+            if made.slot in leaders:
+                self._follow(made, leaders[made.slot])
                 continue
             motor = self._spec.add_actuator(
                 name=made.joint.name, target=made.joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT
@@ -277,8 +281,8 @@ class Articulated:
         equality.data = data
         equality.solref = [2.0 * float(self._spec.option.timestep), 1.0]
 
-    def _loads(self) -> dict[JointSlot, Load]:
-        """Return the largest load of each motor, whatever the other joints do."""
+    def _loads(self, followers: Container[JointSlot]) -> dict[JointSlot, Load]:
+        """Return the largest load of each motor, whatever the other joints do; joints that follow have no motor."""
         below: dict[Frame, list[Frame]] = {}
         for frame in self._groups:
             if frame.motion is Motion.JOINT and frame.parent is not None:
@@ -286,7 +290,7 @@ class Articulated:
         found: dict[JointSlot, Load] = {}
         for frame, group in self._groups.items():
             for made in group.joints:
-                if made.bone.kind.is_loose:
+                if made.bone.kind.is_loose or made.slot in followers:
                     continue
                 slides = made.bone.kind is JointKind.PRISMATIC
                 mass, inertia, moment = self._reached(frame, made.anchor, below)

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
 from morse.assets.meshfiles.gltf_counts import check_gltf
-from morse.assets.triangle_limit import check_corners, check_parts, check_triangles
+from morse.assets.triangle_limit import MOST_MATERIALS, check_corners, check_parts, check_triangles
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 #: lines of OBJ files that begin an object, a group or a material; faces; vertices
 _OBJ_PARTS = re.compile(rb"^[ \t]*(?:o|g|usemtl)[ \t]", re.MULTILINE)
+_OBJ_MATERIALS = re.compile(rb"^[ \t]*usemtl[ \t]+(.*)$", re.MULTILINE)
 _OBJ_FACES = re.compile(rb"^[ \t]*f[ \t].*$", re.MULTILINE)
 _OBJ_VERTICES = re.compile(rb"^[ \t]*v[ \t]", re.MULTILINE)
 #: maximum product of the parts of an OBJ file and its vertices: the reader marks for each part which it uses
@@ -43,6 +44,7 @@ def _check_obj(path: Path, text: bytes) -> None:
     text = text.replace(b"\r\n", b"\n").replace(b"\\\n", b"")
     parts = sum(1 for _ in _OBJ_PARTS.finditer(text))
     check_parts(path, parts, "objects, groups and materials")
+    check_parts(path, len(set(_OBJ_MATERIALS.findall(text))), "materials", MOST_MATERIALS)
     vertices = sum(1 for _ in _OBJ_VERTICES.finditer(text))
     if parts * vertices > _MOST_MARKS:
         raise AssetError(
