@@ -27,6 +27,9 @@ class SteerForce(Actuator):
     Each wheel is driven by 0.4 times the force. As in MORSE 1.4, a negative force drives forward. Each front wheel is
     braked by 0.1 times, each rear wheel by 1.3 times the brake force, until the car stands still. The car turns about a
     point on the line of its rear axle: its yaw rate is v tan(steer) / wheelbase. Without force it keeps rolling.
+
+    With ``env.use_physics_of_1_4()`` the car is slower: it has rolling friction, and the brake is an impulse, N s, of
+    each tick, which usually stops the car at once.
     """
 
     _name = "Steer, force, brake"
@@ -59,7 +62,9 @@ class SteerForce(Actuator):
         if not mass:
             return
         dt = 1.0 / self.clock.frequency
+        # in the engine of 1.4, the brake was an impulse of each step
+        braking = 1.0 if self.context.world.physics_of_1_4 else dt
         speed = self._steering.speed() - 4.0 * _ENGINE * data["force"] / mass * dt
-        lost = _BRAKE * data["brake"] / mass * dt
+        lost = _BRAKE * data["brake"] / mass * braking
         speed = math.copysign(max(abs(speed) - lost, 0.0), speed)
         self._steering.drive(speed, min(max(data["steer"], -self._most), self._most))

@@ -4,7 +4,8 @@ A scene selects it by ``env.use_physics_of_1_4()``. Friction and damping then ac
 in the two physics steps that a tick of 1.4 had: each step scales the velocity by ``(1 - d)^(T/2)``, with the damping
 ``d`` of the robot, and reduces it by ``mu g T/2``. Sensors measure the velocity after both steps.
 
-The centre of mass of robots without driven wheels is at their origin, so that forces there do not turn them.
+The centre of mass of robots without driven wheels is at their origin, so that forces there do not turn them. The linear
+damping of bodies that only forces move is smaller than that of driven robots.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ FLOOR = 0.5
 _ROBOT = 0.5
 #: share of the relative loss of speed by which friction reduces the yaw rate
 _YAW_LOSS = 0.4
+#: linear damping of a body that only forces move, relative to that of a driven robot
+FREE_DAMPING = 0.6
 #: yaw rate of a robot that skids on more than two wheels, relative to its command
 SKIDDING = 0.98
 
@@ -58,17 +61,19 @@ class Slowdown(NamedTuple):
     friction: float
 
     @classmethod
-    def of(cls, body: BodySettings, gravity: float, period: float) -> Slowdown:
+    def of(cls, body: BodySettings, rolling: float | None, gravity: float, period: float) -> Slowdown:
         """The losses of a robot.
 
         Args:
+            rolling: friction of a robot that rolls on passive wheels, if its script sets none; None: it slides.
             gravity: m/s^2.
             period: duration of a tick, s.
         """
         linear, angular = (
             (1.0 - min(max(d, 0.0), 0.999)) ** (0.5 * period) for d in (body.linear_damping, body.angular_damping)
         )
-        return cls(linear, angular, 0.5 * friction_of(body) * gravity * period)
+        friction = friction_of(body) if rolling is None or body.friction is not None else FLOOR * rolling
+        return cls(linear, angular, 0.5 * friction * gravity * period)
 
     def slow(self, command: Command, touches: bool) -> Slowing:
         """Reduce the command of a tick.

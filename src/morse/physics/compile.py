@@ -12,7 +12,7 @@ import numpy as np
 
 from morse.mathutils.portable import matmul
 from morse.physics.articulated import Articulated, JointSlot
-from morse.physics.calibration import friction_of
+from morse.physics.calibration import FREE_DAMPING, friction_of
 from morse.physics.couplings import CouplingBuilder, TendonSlot
 from morse.physics.feet import Stance, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
@@ -420,7 +420,7 @@ class _Builder:
                 joint = int(model.body_jntadr[body.id])
                 slot.qpos, slot.dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
             if slot.frame.motion is Motion.FREE:
-                set_damping(model, slot)
+                set_damping(model, slot, self.physics_of_1_4)
                 if slot.feet and not _is_weightless(slot.frame):
                     model.body_gravcomp[slot.body] = 0.0
             if slot.frame.motion is Motion.HINGE:
@@ -436,13 +436,17 @@ def _is_weightless(frame: Frame) -> bool:
     return not frame.node.body.gravity or bool(frame.node.properties.get("NoGravity"))
 
 
-def set_damping(model: mujoco.MjModel, slot: Slot) -> None:
+def set_damping(model: mujoco.MjModel, slot: Slot, of_1_4: bool) -> None:
     """Set the damping of a free body, given as the share of the velocity that it loses per second.
 
     ``v' = -c v`` with ``exp(-c) = 1 - d`` keeps ``1 - d`` of the velocity after a second.
+
+    Args:
+        of_1_4: whether the scene has the physics of MORSE 1.4; see `morse.physics.calibration`.
     """
     body = slot.frame.node.body
     linear, angular = (-math.log(1.0 - min(max(d, 0.0), 0.999)) for d in (body.linear_damping, body.angular_damping))
+    linear *= FREE_DAMPING if of_1_4 else 1.0
     model.dof_damping[slot.dof : slot.dof + 3] = linear * model.body_mass[slot.body]
     model.dof_damping[slot.dof + 3 : slot.dof + 6] = angular * float(model.body_inertia[slot.body].mean())
 

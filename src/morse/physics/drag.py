@@ -48,7 +48,9 @@ class Drag:
                 geoms = [*(geom for geoms in slot.geoms.values() for geom in geoms), *slot.feet]
                 self._rough[index] = (body.friction or 0.0, self._lever(slot), geoms)
             if state.physics_of_1_4:
-                self._slowdowns[index] = Slowdown.of(body, gravity, state.period)
+                named = slot.frame.node.properties.get("RollingFriction")
+                rolling = named if isinstance(named, float) and 0.0 <= named < math.inf else None
+                self._slowdowns[index] = Slowdown.of(body, rolling, gravity, state.period)
 
     def _lever(self, slot: Slot) -> float:
         """Return the distance from the vertical axis of a robot to its contact with the floor, m."""

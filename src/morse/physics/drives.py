@@ -255,7 +255,7 @@ class Drives:
         else:
             self._sliding.discard(index)
             self._gliding.leave(index)
-            set_damping(model, slot)
+            set_damping(model, slot, state.physics_of_1_4)
         fixed = slot.frame.node.body.friction is not None or state.physics_of_1_4
         for node, geoms in slot.geoms.items():
             if not is_caster(node):

@@ -36,6 +36,7 @@ from morse.physics.saving import Saving
 from morse.physics.scene_change import SceneChange
 from morse.physics.single_ray import cast_ray
 from morse.physics.snapshot import Snapshots, VelocitySnapshots
+from morse.physics.sunken import raise_sunken
 from morse.physics.touching import Touching
 from morse.physics.traction import Traction
 from morse.physics.transfer import Transfer
@@ -271,6 +272,8 @@ class World(ObjectWorld):
         self.is_stirred = True
         self.known_contacts = None
         forward(self, self._hold_joints)
+        if raise_sunken(self, self.bodies):
+            forward(self, self._hold_joints)
         kinematics.refresh(self)
 
     def _hold_joints(self) -> None:

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 class World(WorldPoses, Protocol):
     """All bodies, and the physics."""
 
+    @property
+    def physics_of_1_4(self) -> bool:
+        """Whether robots are as slow as in the engine of MORSE 1.4."""
+
     def add(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration] = ()) -> Sequence[Body]:
         """Add nodes, with all nodes below them, while the simulation runs.
 

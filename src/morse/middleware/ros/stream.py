@@ -5,14 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.middleware.ros.mapping import STREAM_OPTIONS
+from morse.middleware.ros2.kinds.states import joint_state
 from morse.middleware.ros2.poses import pose_of
-from morse.middleware.ros2.stream import Ros2Stream
+from morse.middleware.ros2.stream import Ros2Stream, Sending
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.core.kinds import BoundKind
+    from morse.core.kinds import BoundKind, Message
     from morse.helpers.transformation import Transformation3d
+    from morse.middleware.ros2.outlets import Outlet
 
     #: parent frame, child frame, pose
     Frame = tuple[str, str, Transformation3d]
@@ -46,10 +48,26 @@ class RosStream(Ros2Stream):
         """See `Ros2Stream.ports`; the option ``topic_suffix`` replaces ``image``."""
         suffix = self.kwargs["topic_suffix"]
         found = super().ports(bound)
+        if self._merges_joints():
+            return [port._replace(make=self._all_joints, is_copy=False) for port in found if bound is self.kinds[0]]
         if suffix is None or bound.kind.name != "image":
             return found
         name = suffix.strip("/")
         return [port._replace(topic=name + port.topic.removeprefix("image")) for port in found]
+
+    def _offered(self, bound: BoundKind, outlets: list[Outlet]) -> list[Sending]:
+        if not self._merges_joints():
+            return super()._offered(bound, outlets)
+        offer = self.manager.offer(self, bound, outlets[0], below=False)
+        return [] if offer is None else [Sending(*offer)]
+
+    def _merges_joints(self) -> bool:
+        """Whether the stream has the joints of several sensors, which 1.4 sent in one message."""
+        several = self.direction == "OUT" and len(self.kinds) > 1
+        return several and all(bound.kind.name == "joints" for bound in self.kinds)
+
+    def _all_joints(self, message: Message, frame: str) -> dict[str, Any]:
+        return joint_state([bound.gather() for bound in self.kinds])
 
     # -- transforms of 1.4 -------------------------------------------------------------------
 

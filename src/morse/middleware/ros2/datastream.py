@@ -128,16 +128,21 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
 
     # -- topics ------------------------------------------------------------------------------
 
-    def offer(self, stream: Ros2Stream, bound: BoundKind, outlet: Outlet) -> tuple[str, Outlet, Publisher] | None:
+    def offer(
+        self, stream: Ros2Stream, bound: BoundKind, outlet: Outlet, *, below: bool = True
+    ) -> tuple[str, Outlet, Publisher] | None:
         """A topic that a stream publishes; None if it is optional and the backend does not have the message.
+
+        Args:
+            below: whether the topic is that of the kind and of the outlet, below that of the component.
 
         Raises:
             MorseMiddlewareError: the topic is that of another component, or the backend does not have the message.
         """
         base = self.names.topic(stream.component_instance, stream.kwargs)
         # a component whose own topic has this message needs no second topic below it
-        below = "" if bound.topic.rpartition("/")[2] == outlet.topic else outlet.topic
-        topic = "/".join(part for part in (base, bound.topic, below) if part)
+        last = "" if bound.topic.rpartition("/")[2] == outlet.topic else outlet.topic
+        topic = "/".join(part for part in (base, bound.topic, last) if part) if below else base
         qos = outlet.qos._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else outlet.qos
         owner = self._claims.get(topic)
         if owner is not None:

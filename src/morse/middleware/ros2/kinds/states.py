@@ -12,7 +12,7 @@ from morse.middleware.ros2.outlets import Inlet, Outlet
 from morse.middleware.ros2.parts import header, time, xyz
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from morse.core.kinds import BoundKind, Message
 
@@ -103,6 +103,15 @@ def _joints(message: Message, frame: str) -> dict[str, Any]:
         "name": list(message.names),
         **{name: () if values is None else values for name, values in quantities.items()},
     }
+
+
+def joint_state(messages: Sequence[Message]) -> dict[str, Any]:
+    """Return a JointState of the joints in several messages; of the quantities, those that all messages have."""
+    first, *others = [_joints(message, "") for message in messages]
+    for name in ("name", *_QUANTITIES):
+        parts = [list(part[name]) for part in (first, *others)]
+        first[name] = [value for part in parts for value in part] if all(parts) else []
+    return first
 
 
 def _from_joints(message: Mapping[str, Any], bound: BoundKind) -> dict[str, Any]:
