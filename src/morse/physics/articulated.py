@@ -14,7 +14,7 @@ from morse.physics.layout import Motion
 from morse.physics.motors import Load, Motor, weight
 from morse.physics.poses import as_array, relative_pose
 from morse.scene import Articulation, JointDynamics, JointKind, controls_of
-from morse.scene.bone_frames import start_frames, start_value
+from morse.scene.bone_frames import BonePose, start_frames, start_value
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -99,6 +99,8 @@ class Articulated:
         self._spec = spec
         self._groups: dict[Frame, _Group] = {}
         self._made: list[_Made] = []
+        #: poses of the bones at the start, by armature: all frames of an armature need them
+        self._starts: dict[Node, list[BonePose]] = {}
 
     # -- masses ----------------------------------------------------------------------------
 
@@ -156,7 +158,9 @@ class Articulated:
         assert armature is not None
         outer = rigid_frame(armature)
         scale = sum(float(outer.stretch[i][i]) for i in range(3)) / 3.0
-        bones, frames = armature.bones, start_frames(armature.bones, scale)
+        bones, frames = armature.bones, self._starts.get(armature)
+        if frames is None:
+            frames = self._starts[armature] = start_frames(bones, scale)
         base, turned = np.array(outer.position), as_array(outer.rotation)
         origin, rotation = np.array(pose.position), as_array(pose.rotation)
         found = []
