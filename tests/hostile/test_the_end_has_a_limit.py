@@ -8,7 +8,8 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from threading import Event
+from threading import Event, Thread
+from threading import enumerate as enumerate_threads
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -192,3 +193,19 @@ def test_busy_threads_of_executors_are_named(caplog: pytest.LogCaptureFixture) -
         release.set()
     assert statuses == [3]
     assert "busy_0" in caplog.text
+
+
+def test_the_thread_that_watches_the_end_ends_too() -> None:
+    def watchers() -> list[Thread]:
+        return [thread for thread in enumerate_threads() if thread.name == "morse end"]
+
+    before = watchers()
+    ending = Ending()
+    for _ in range(3):
+        ending.run("a part", lambda: None)
+    new = [thread for thread in watchers() if thread not in before]
+    assert len(new) == 1
+    new[0].join(60.0)
+    assert not new[0].is_alive()
+    ending.run("a part", lambda: None)
+    assert [thread for thread in watchers() if thread not in before]

@@ -26,6 +26,8 @@ logger = logging.getLogger(__name__)
 LIMIT, _GRACE = 5.0, 2.0
 #: interval between two checks, wall-clock seconds
 _INTERVAL = 0.05
+#: checks without a part that ends, after which the thread that checks ends
+_IDLE = 10
 _LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
 
 
@@ -56,11 +58,12 @@ class Ending:
 
     def run(self, who: str, function: Callable[[], object]) -> None:
         """End a part, given its name for the log."""
-        self._ident, self._since, self._told = threading.get_ident(), self._now(), -1.0
-        self._who, self.interrupts = who, False
-        if self._thread is None:
-            self._thread = threading.Thread(target=self._watch, name="morse end", daemon=True)
-            self._thread.start()
+        with self._lock:
+            self._ident, self._since, self._told = threading.get_ident(), self._now(), -1.0
+            self._who, self.interrupts = who, False
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._watch, name="morse end", daemon=True)
+                self._thread.start()
         try:
             try:
                 function()
@@ -76,10 +79,17 @@ class Ending:
 
     def _watch(self) -> None:
         pause = threading.Event()
+        idle = 0
         while not pause.wait(_INTERVAL):
             with self._lock:
                 if self._who is not None:
+                    idle = 0
                     self._look(self._who, self._now())
+                    continue
+                idle += 1
+                if idle > _IDLE:
+                    self._thread = None  # the next part starts another one
+                    return
 
     def _look(self, who: str, now: float) -> None:
         if self._told < 0.0:
