@@ -21,7 +21,7 @@ def started(monkeypatch):
     runs = []
     module = types.ModuleType("morse.launch.run")
 
-    def run(options):
+    def run(options, **_):
         runs.append(options)
         return 7
 
@@ -342,7 +342,7 @@ def test_bad_options_get_one_line(morse, project, started, words):
 
 
 def test_a_crash_of_the_simulator_leaves_its_mark_in_the_log(morse, project, started, monkeypatch):
-    def crash(options):
+    def crash(options, **_):
         raise RuntimeError("the world has ended")
 
     monkeypatch.setattr(sys.modules["morse.launch.run"], "run", crash)

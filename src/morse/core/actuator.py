@@ -14,6 +14,8 @@ from morse.core.object import Object
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from morse.core.robot import Robot
+
 
 class Actuator(Object):
     """Does something with the data it receives: read ``local_data`` in ``default_action``.
@@ -24,6 +26,8 @@ class Actuator(Object):
         command_end: simulated time at which the present command ends, s; None if it does not end.
         obeys_controls: whether it reads the keys or the gamepad of the live view.
     """
+
+    robot_parent: Robot
 
     obeys_controls: ClassVar[bool] = False
     command_end: float | None = None

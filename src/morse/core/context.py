@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from morse.core.network import Network
     from morse.core.object import Object
     from morse.core.request_manager import MorseServices
-    from morse.core.robot import Robot
     from morse.core.world import World
     from morse.scene import Scene
 
@@ -93,8 +92,8 @@ class Context:
     seed: int = 0
     host: str = "127.0.0.1"
     strict: bool = False
-    robots: dict[str, Robot] = field(default_factory=dict)
-    external_robots: dict[str, Robot] = field(default_factory=dict)
+    robots: dict[str, Any] = field(default_factory=dict)
+    external_robots: dict[str, Any] = field(default_factory=dict)
     components: dict[str, Object] = field(default_factory=dict)
     stream_managers: dict[str, Any] = field(default_factory=dict)
     service_objects: list[AbstractObject] = field(default_factory=list)

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.group import Group
     from morse.core.moving_parts import MovingPart
-    from morse.core.robot import Robot
     from morse.core.world import Body
 
 logger = logging.getLogger(__name__)
@@ -60,11 +59,11 @@ class Object(Requesting, AbstractObject):
                 return described
         return super().__new__(cls)
 
-    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
+    def __init__(self, obj: Body, parent: Any = None) -> None:
         super().__init__()
         self.bge_object = obj
-        #: only a robot has none
-        self.robot_parent: Robot = parent  # type: ignore[assignment]
+        #: a `Robot` for sensors and actuators
+        self.robot_parent: Any = parent
         self.context: Context = _context.current()
         self.clock = self.context.clock
         self._active = True

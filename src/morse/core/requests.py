@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from morse.core.context import Context
     from morse.core.guard import Guard
-    from morse.core.world import Body, RayBundle
+    from morse.core.world import Body, RayBundle, World
 
 
 class Server(Protocol):
@@ -42,7 +41,7 @@ class Requesting:
     requests: Sequence[Request] = ()
     rays: RayBundle = None  # type: ignore[assignment] # who reads it has called `add_rays`
     bge_object: Body
-    context: Context
+    context: Any
 
     def add_request(self, request: Any) -> Any:
         """Register a request that is answered before each action; call it in ``__init__``.
@@ -80,7 +79,8 @@ class Requesting:
             ValueError: an array has another shape, a number is not finite, a direction has length 0, or the reach is
                 not positive.
         """
-        bundle = self.context.world.rays.bundle(self.bge_object, directions, reach, origins, upright=upright)
+        world: World = self.context.world
+        bundle = world.rays.bundle(self.bge_object, directions, reach, origins, upright=upright)
         if self.rays is None:
             self.rays = bundle
         self.add_request(bundle)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from morse.core.noise import Noise
     from morse.core.realism import Realism
+    from morse.core.robot import Robot
     from morse.core.watched_space import WatchedSpace
     from morse.scene.realism import RealismModel
 
@@ -33,6 +34,8 @@ class Sensor(Object):
         realism: delay and noise, or None for an ideal sensor.
         capturing: whether a camera captures images at present; None for a sensor without images.
     """
+
+    robot_parent: Robot
 
     add_data("timestamp", 0.0, "float", "Simulated time of the measurement", unit="s")
 

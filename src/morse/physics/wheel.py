@@ -11,9 +11,9 @@ from morse.physics.wheel_shapes import wheel_axis, wheel_size
 if TYPE_CHECKING:
     import mujoco
 
+    from morse.core.world import Body
     from morse.physics.compile import Slot
     from morse.physics.engine_state import EngineState
-    from morse.physics.gameobject import GameObject
     from morse.physics.posed import Posed
 
 
@@ -30,7 +30,7 @@ class Wheel:
     #: created from the scene, without a state; cached values of the engine are not saved
     is_apparatus = True
 
-    def __init__(self, state: EngineState, wheel: GameObject, robot: Posed) -> None:
+    def __init__(self, state: EngineState, wheel: Body, robot: Posed) -> None:
         self._state = state
         self.object = wheel
         self._model: mujoco.MjModel | None = None

@@ -63,8 +63,11 @@ class Ticker:
         self._watched = -1
         self._review_at, self._has_changed = 0, True
         self.separate()
-        # in reverse order, as in 1.4: of several actuators of a robot, the one created first has the last word
-        self._actuators: Schedule[Any] = Schedule(arranged(loaded.actuators[::-1], self._act), frequency)
+        # in reverse order, as in 1.4: of several actuators of a robot, the one created first has the last word; but
+        # keys and sticks that are held always have it
+        actuators = loaded.actuators[::-1]
+        actuators.sort(key=lambda actuator: bool(getattr(actuator, "obeys_controls", False)))
+        self._actuators: Schedule[Any] = Schedule(arranged(actuators, self._act), frequency)
         self._sensors: Schedule[Any] = Schedule(arranged(loaded.sensors, self._act), frequency, _phase)
         self._groups = [
             unit for units in (self._actuators, self._sensors) for unit in units if isinstance(unit, Together)

@@ -9,6 +9,7 @@ import socket
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -336,12 +337,15 @@ def test_connections_that_send_nothing_do_not_keep_clients_out(start: Callable[.
 
 
 def test_only_the_latest_of_many_large_commands_wait() -> None:
-    inlet = WebInlet(None, "/topic")  # type: ignore[arg-type] # not closed here
+    lost: list[str] = []
+    topics = SimpleNamespace(complain_of_loss=lost.append)
+    inlet = WebInlet(topics, "/topic")  # type: ignore[arg-type] # not closed here
     for number in range(32):
         inlet.put(bytes([number]) * 100_000)
     waiting = inlet.take()
     assert sum(map(len, waiting)) <= 1 << 20
     assert waiting[-1][0] == 31
+    assert len(lost) == 32 - len(waiting)
 
 
 def test_who_does_not_read_misses_messages_and_stops_nobody(start: Callable[..., tuple[Any, int]]) -> None:
