@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from threading import Event, Thread
+from threading import Event
 from threading import enumerate as enumerate_threads
 from typing import TYPE_CHECKING, Any
 
@@ -196,16 +196,11 @@ def test_busy_threads_of_executors_are_named(caplog: pytest.LogCaptureFixture) -
 
 
 def test_the_thread_that_watches_the_end_ends_too() -> None:
-    def watchers() -> list[Thread]:
-        return [thread for thread in enumerate_threads() if thread.name == "morse end"]
-
-    before = watchers()
+    before = set(enumerate_threads())
     ending = Ending()
-    for _ in range(3):
+    for _ in range(2):
         ending.run("a part", lambda: None)
-    new = [thread for thread in watchers() if thread not in before]
-    assert len(new) == 1
-    new[0].join(60.0)
-    assert not new[0].is_alive()
-    ending.run("a part", lambda: None)
-    assert [thread for thread in watchers() if thread not in before]
+        ending.run("another part", lambda: None)
+        (watch,) = set(enumerate_threads()) - before
+        ending.rest()
+        assert not watch.is_alive()

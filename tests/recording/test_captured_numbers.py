@@ -84,8 +84,9 @@ def test_they_are_those_of_the_streams(tmp_path: Path, monkeypatch: pytest.Monke
     assert found.keys() == wanted.keys()
     for topic, every in wanted.items():
         assert found[topic] == every, topic
-    alone = {f"robot.{name.lower()}" for name in ALONE} | {"robot.arm.joints"}
-    together = {f"m{number}.{name}" for number in range(4) for name in ("imu", "gps", "velocity")}
+    # the magnetic field of an IMU is turned into its axes by a function, so that its messages are encoded in the tick
+    alone = {f"robot.{name.lower()}" for name in ALONE if name != "IMU"} | {"robot.arm.joints"}
+    together = {f"m{number}.{name}" for number in range(4) for name in ("gps", "velocity")}
     assert silent >= alone | together
     # a message that changes in other ways than its numbers
     names = [decode("std_msgs/msg/String", data)["data"] for _, data in found["/robot/bumper/names"]]
@@ -94,7 +95,7 @@ def test_they_are_those_of_the_streams(tmp_path: Path, monkeypatch: pytest.Monke
     assert speeds[-1] == pytest.approx(0.4)
 
 
-def test_a_failing_function_deactivates_its_sensor_and_not_the_recording(tmp_path: Path) -> None:
+def test_a_failing_function_closes_its_stream_and_not_the_recording(tmp_path: Path) -> None:
     script, path = tmp_path / "scene.py", tmp_path / "run.mcap"
     script.write_text(SMALL)
     with morse.load(script) as sim, sim.record(path) as recorder:
@@ -105,7 +106,7 @@ def test_a_failing_function_deactivates_its_sensor_and_not_the_recording(tmp_pat
         bound = recorder._streams.streams["robot.imu"][0].kinds[0]
         bound._sources = [(slot, _Failing()) for slot, _ in bound._sources]
         sim.step(6)
-        assert not imu.active
+        assert imu.active
         assert recorder.running
     with McapFile(path) as file:
         topics = {channel.topic: number for number, channel in file.channels.items()}

@@ -26,8 +26,6 @@ logger = logging.getLogger(__name__)
 LIMIT, _GRACE = 5.0, 2.0
 #: interval between two checks, wall-clock seconds
 _INTERVAL = 0.05
-#: checks without a part that ends, after which the thread that checks ends
-_IDLE = 10
 _LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
 
 
@@ -55,6 +53,7 @@ class Ending:
         self._who: str | None = None
         self._ident, self._since, self._told = 0, 0.0, -1.0
         self._thread: threading.Thread | None = None
+        self._is_over = threading.Event()
 
     def run(self, who: str, function: Callable[[], object]) -> None:
         """End a part, given its name for the log."""
@@ -62,6 +61,7 @@ class Ending:
             self._ident, self._since, self._told = threading.get_ident(), self._now(), -1.0
             self._who, self.interrupts = who, False
             if self._thread is None:
+                self._is_over.clear()
                 self._thread = threading.Thread(target=self._watch, name="morse end", daemon=True)
                 self._thread.start()
         try:
@@ -73,23 +73,22 @@ class Ending:
         except Overdue:
             self._who = None
 
+    def rest(self) -> None:
+        """No part ends at present: end the thread that limits the time, until the next part ends."""
+        thread, self._thread = self._thread, None
+        if thread is not None:
+            self._is_over.set()
+            thread.join()
+
     def hurry(self) -> None:
         """Do not wait any longer for the part that is ending now."""
         self._limit = 0.0
 
     def _watch(self) -> None:
-        pause = threading.Event()
-        idle = 0
-        while not pause.wait(_INTERVAL):
+        while not self._is_over.wait(_INTERVAL):
             with self._lock:
                 if self._who is not None:
-                    idle = 0
                     self._look(self._who, self._now())
-                    continue
-                idle += 1
-                if idle > _IDLE:
-                    self._thread = None  # the next part starts another one
-                    return
 
     def _look(self, who: str, now: float) -> None:
         if self._told < 0.0:

@@ -479,10 +479,15 @@ class Simulation(Recorded, Handles):
         overlays = list(self.context.overlays.values())
         self.context.overlays.clear()
         for part in [*overlays, *loaded.actuators, *loaded.sensors, *loaded.robots, *loaded.modifier_objects]:
-            self.finalize_one(part)
+            self._finalize(part)
+        self.ending.rest()
 
     def finalize_one(self, part: Any) -> None:
         """Finalize a component, a modifier or an overlay."""
+        self._finalize(part)
+        self.ending.rest()
+
+    def _finalize(self, part: Any) -> None:
         self._end_part(part, name_of(part), lambda: part.finalize())
 
     def _end_part(self, part: Any, who: str, end: Callable[[], object]) -> None:
@@ -493,11 +498,13 @@ class Simulation(Recorded, Handles):
         """Stop the request managers."""
         for manager in self.context.services.everybody():
             self._end_part(manager, type(manager).__name__, manager.finish)
+        self.ending.rest()
 
     def finalize_observers(self) -> None:
         """Close the observers: streams are sent and closed, the view ends."""
         for observer in list(self.observers):
             self._end_part(observer, type(observer).__name__, observer.close)
+        self.ending.rest()
 
     def end(self) -> None:
         """Stop the network as the last step."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -261,8 +262,8 @@ class SocketRequestManager(RequestManager):
 
 
 def _wanted_port() -> int:
-    text = variables.text(_PORT_VARIABLE)
+    text = os.environ.get(_PORT_VARIABLE)
     try:
-        return variables.checked_whole(_PORT_VARIABLE, text) if text else PORT
+        return PORT if text is None else variables.checked_whole(_PORT_VARIABLE, text.strip())
     except ValueError as error:
         raise MorseMiddlewareError(str(error)) from None

@@ -8,8 +8,8 @@ def main():
     healed = []
     with Morse() as simu:
         robot = simu.robot
-        while victims := robot.finder.get()["victim_dict"]:
-            name, victim = next(iter(victims.items()))  # the nearest one is the first
+        while victims := [one for one in robot.finder.get()["victim_dict"].items() if one[1]["severity"] > 0]:
+            name, victim = victims[0]  # the nearest one is the first
             print("%s lies at (%.1f, %.1f)" % (name, victim["coordinate"]["x"], victim["coordinate"]["y"]))
             robot.goal.goto(victim["coordinate"]["x"], victim["coordinate"]["y"], 0.0, 2.0, 1.5).result()
             healed.append(robot.finder.heal().result())

@@ -10,7 +10,7 @@ robot.append(goal)
 
 finder = SearchAndRescue()
 finder.translate(x=0.3, z=0.6)
-finder.properties(Abilities="1,2", Heal_range=3.0, Angle=120.0, Distance=12.0)
+finder.properties(Abilities="1,2,3", Heal_range=3.0, Angle=120.0, Distance=12.0)
 robot.append(finder)
 
 robot.add_default_interface("socket")
