@@ -229,8 +229,7 @@ def publish(component: Any, functions: MutableSequence[Any]) -> None:
         except BaseException as error:
             failures = [*(failures or ()), (function, error)]
     if failures is not None:
-        for function, failure in failures:
-            component.context.guard.close(component, functions, function, failure)
+        _close(component, functions, failures)
 
 
 def read(component: Any, functions: MutableSequence[Any]) -> bool:
@@ -244,9 +243,13 @@ def read(component: Any, functions: MutableSequence[Any]) -> bool:
         except BaseException as error:
             failures = [*(failures or ()), (function, error)]
     if failures is not None:
-        for function, failure in failures:
-            component.context.guard.close(component, functions, function, failure)
+        _close(component, functions, failures)
     return received
+
+
+def _close(component: Any, functions: MutableSequence[Any], failures: Sequence[tuple[Any, BaseException]]) -> None:
+    for function, failure in failures:
+        component.context.guard.close(component, functions, function, failure)
 
 
 def modify(component: Any, modifiers: Sequence[Any]) -> bool:

@@ -346,12 +346,7 @@ class GameObject(LegacyNames):
     def drive(
         self, linear: Sequence[float], angular: Sequence[float], *, position: bool = False, ground: bool = False
     ) -> None:
-        """Move with a velocity in the axes of the object during the next tick.
-
-        Args:
-            position: whether the object moves without gaining momentum.
-            ground: whether gravity and contacts control the vertical speed and the roll and pitch rates.
-        """
+        """See `morse.core.world.Body.drive`."""
         self._world.drives.command(
             self.slot, Command(floats3(linear, VELOCITY), floats3(angular, ANGULAR_VELOCITY), position, ground)
         )
@@ -372,15 +367,7 @@ class GameObject(LegacyNames):
     def pull(
         self, anchor: Sequence[float], target: Sequence[float], stiffness: float, damping: float, strongest: float
     ) -> None:
-        """Pull a point of the body towards a target during the next tick, like a damped spring.
-
-        Args:
-            anchor: the point, in the frame of the object, m.
-            target: the target in the world, m.
-            stiffness: spring constant divided by the mass, 1/s^2.
-            damping: damping constant divided by the mass, 1/s.
-            strongest: largest acceleration, m/s^2.
-        """
+        """See `morse.core.world.Body.pull`."""
         held, _ = rigid.compose(*self.world_pose(), floats3(anchor, POSITION), rigid.IDENTITY)
         self._world.bodies.pull(self.slot, held, floats3(target, POSITION), stiffness, damping, strongest)
 
@@ -436,13 +423,7 @@ class GameObject(LegacyNames):
         xray: int = 0,
         poly: int = 0,
     ) -> tuple[GameObject | None, Vector | None, Vector | None]:
-        """Return the first object on the line to a point: object, hit point and normal, or three None.
-
-        Args:
-            dist: length of the ray, m, which may be beyond the target; 0 for up to the target.
-            prop: if given, only objects with this property are hit.
-            xray: whether the ray passes through objects without the property.
-        """
+        """See `morse.core.world.Body.rayCast`."""
         start = self.world_pose()[0] if objfrom is None else _point(objfrom)
         return self._world.cast(start, _point(objto), dist, prop, bool(xray), self)
 

@@ -118,36 +118,16 @@ class World(ObjectWorld):
     # -- adding and removing ---------------------------------------------------------------
 
     def add(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration] = ()) -> list[GameObject]:
-        """Add nodes, with all nodes below them, while the simulation runs.
-
-        The model is recompiled. Existing bodies keep their state and their objects.
-
-        Args:
-            roots: nodes without a parent, with computed collision shapes; they are added at the end of the scene.
-            components: the declarations of their components; the declarations of robots determine how they move.
-
-        Returns:
-            The objects of all added nodes.
-
-        Raises:
-            ValueError: a name already exists, or the engine refuses a shape; the world is then unchanged.
-        """
+        """See `morse.core.world.World.add`."""
         self._change(lambda change: change.add(roots, components))
         return [self._objects[node] for root in roots for node in root.walk()]
 
     def remove(self, objects: Sequence[Posed]) -> None:
-        """Remove objects, with all objects below them; objects that were attached with `setParent` are detached.
-
-        A removed object raises `RemovedError` when it is used.
-        """
+        """See `morse.core.world.World.remove`."""
         self._change(lambda change: change.remove([obj.node for obj in objects]))
 
     def arrange(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration], zones: Sequence[Zone]) -> None:
-        """Set the nodes of the world to exactly these, in this order; existing objects keep their state.
-
-        Raises:
-            ValueError: the engine refuses a shape; the world is then unchanged.
-        """
+        """See `morse.core.world.World.arrange`."""
         self._change(lambda change: change.arrange(roots, components, zones))
 
     def replace(self, node: Node, new: Node) -> GameObject:

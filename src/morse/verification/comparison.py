@@ -171,8 +171,7 @@ def largest_difference(type_name: str, was: bytes, now: bytes) -> tuple[str, flo
     The difference is infinite if anything but a number differs.
     """
     name, largest = "", 0.0
-    pairs = zip_longest(_leaves(decode(type_name, was)), _leaves(decode(type_name, now)))
-    for before, after in pairs:
+    for before, after in _pairs(type_name, was, now):
         if before is None or after is None or before[0] != after[0]:
             return (before or after)[0], math.inf
         one, other = before[1], after[1]
@@ -189,14 +188,18 @@ def largest_difference(type_name: str, was: bytes, now: bytes) -> tuple[str, flo
 def difference(type_name: str, was: bytes, now: bytes) -> str:
     """The first field in which two messages differ."""
     with contextlib.suppress(CdrError, ValueError, TypeError):
-        pairs = zip_longest(_leaves(decode(type_name, was)), _leaves(decode(type_name, now)))
-        for before, after in pairs:
+        for before, after in _pairs(type_name, was, now):
             name = (before or after)[0]
             if before is None or after is None or before[0] != after[0]:
                 return f"{name} is not in both"
             if repr(before[1]) != repr(after[1]):
                 return f"{name} was {before[1]!r}, is {after[1]!r}"
     return f"{len(was)} bytes differ from {len(now)} bytes"
+
+
+def _pairs(type_name: str, was: bytes, now: bytes) -> Iterator[Any]:
+    """The leaves of two messages of one type, in pairs; None where one message is shorter."""
+    return zip_longest(_leaves(decode(type_name, was)), _leaves(decode(type_name, now)))
 
 
 def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:

@@ -71,20 +71,7 @@ class Rays:
         *,
         upright: bool = False,
     ) -> RayBundle:
-        """Create the rays of a sensor.
-
-        Args:
-            obj: the object of the sensor.
-            directions: (N, 3) vectors in its frame, of nonzero length.
-            reach: largest distance, m; may be infinite.
-            origins: (N, 3) m in its frame; None if all rays start at its origin.
-            upright: directions and origins are given along the axes of the world, independent of the orientation of the
-                sensor.
-
-        Raises:
-            ValueError: an array has the wrong shape or contains a value that is not finite, or the reach is not
-                positive.
-        """
+        """See `morse.core.world.Rays.bundle`."""
         if not reach > 0.0:
             raise ValueError(f"the reach of a ray has to be greater than 0 m, given {reach!r}")
         checked = self.checked_directions(directions)
