@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from morse.simulation.ticking import Ticker
+from morse.simulation.ticks.ticking import Ticker
 
 _tick = Ticker.tick
 

@@ -12,7 +12,7 @@ from component_library.markdown import block, code, page, prose, section, table
 from morse.builder import workspace
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
 from morse.builder.names.classes import load_class
-from morse.core.builder_defaults import BuilderDefaults, builder_defaults
+from morse.core.classes.builder_defaults import BuilderDefaults, builder_defaults
 from morse.core.declarations import data_fields
 from morse.core.object import Object
 from morse.middleware import registry

@@ -172,7 +172,7 @@ def test_many_clients_of_many_streams(start: Start) -> None:
 @pytest.mark.timeout(3600)
 @needs_footprint
 def test_a_hundred_clients_of_a_hundred_streams_for_ten_minutes(start: Start) -> None:
-    from morse.middleware.socket.listener import allow_many_sockets
+    from morse.wire.listener import allow_many_sockets
 
     allow_many_sockets()
     assert HZ == 60

@@ -7,9 +7,9 @@ import math
 from types import SimpleNamespace
 
 import pytest
+from morse.middleware.sockets.jointstate import JOINTS, PR2JointStatePublisher
 
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.middleware.sockets.jointstate import JOINTS, PR2JointStatePublisher
 
 SCENE = """
 from morse.builder import *

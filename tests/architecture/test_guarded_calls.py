@@ -34,10 +34,11 @@ WITHIN = {
     ("core/realism.py", "default_action"), ("core/external_object.py", "take_input"),
     ("core/external_object.py", "action"), ("core/datastream.py", "action"),
     # asked by the guard of `serve`, and passed to `Guard.each`
-    ("core/requests.py", "serve"), ("simulation/ticking.py", "action"), ("simulation/ticking.py", "update_pose"),
-    ("core/group.py", "settle"), ("core/object.py", "settle"),
+    ("core/requests.py", "serve"), ("simulation/ticks/ticking.py", "action"),
+    ("simulation/ticks/ticking.py", "update_pose"),
+    ("core/groups/group.py", "settle"), ("core/object.py", "settle"),
     # listens at a port
-    ("core/network.py", "serve"),
+    ("core/clients/network.py", "serve"),
 }  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from morse.assets import search
-from morse.core import plugins
+from morse.core.classes import plugins
 
 SONAR = """
 from morse.core.sensor import Sensor

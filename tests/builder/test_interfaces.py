@@ -144,7 +144,7 @@ def test_a_middleware_that_maps_kinds_carries_every_component(monkeypatch: pytes
     for component in (Pose(), MotionVW()):
         component.add_stream("everything")
         (stream,) = declaration(component).streams
-        assert (stream.manager, stream.stream) == ("everything.Manager", "morse.core.kind_stream.KindStream")
+        assert (stream.manager, stream.stream) == ("everything.Manager", "morse.core.streams.kind_stream.KindStream")
 
 
 def test_components_of_the_socket_that_have_no_stream() -> None:

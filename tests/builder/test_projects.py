@@ -30,7 +30,7 @@ class Sonar(Sensor):
 """
 EYES = "from morse.core.actuator import Actuator\nclass Eyes(Actuator):\n    pass\n"
 ROVER = """
-from morse.core.builder_defaults import RobotDefaults
+from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.robot import Robot
 
 class Rover(Robot):

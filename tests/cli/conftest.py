@@ -44,7 +44,7 @@ class Terminal:
 
 @pytest.fixture
 def untouched_logging():
-    """Undo `morse.core.log.setup`: other tests capture the log in another way."""
+    """Undo `morse.core.reports.log.setup`: other tests capture the log in another way."""
     root = logging.getLogger("morse")
     before = root.level, root.propagate, list(root.handlers)
     yield

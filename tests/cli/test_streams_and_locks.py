@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from morse.simulation.profile import Profile
+from morse.simulation.ticks.profile import Profile
 
 FULL = Path("/dev/full")
 RUN = f"{sys.executable} -m morse run --headless --speed max --duration 0.1"

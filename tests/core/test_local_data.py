@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from morse.core.local_data import Later, LocalData
 from morse.core.realism import copied
-from morse.middleware.socket.encoding import to_json
+from morse.core.streams.local_data import Later, LocalData
+from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -14,8 +14,8 @@ import pexpect
 import pytest
 
 import morse
-from morse.core import log
-from morse.core.log import ENDSECTION, SECTION, MorseFormatter
+from morse.core.reports import log
+from morse.core.reports.log import ENDSECTION, SECTION, MorseFormatter
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(morse.__file__).parents[1])}
 
@@ -153,7 +153,7 @@ def test_default_level_is_info(capsys):
 
 SESSION = """
 import logging, os, signal
-from morse.core import log
+from morse.core.reports import log
 log.setup(colors={colors!r})
 print("printed")
 logging.getLogger("morse").warning("careful")

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from morse.core.network import Network
-from morse.middleware.socket.listener import listen, port_of
+from morse.core.clients.network import Network
+from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

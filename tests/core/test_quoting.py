@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.core.hints import nearest
-from morse.core.quoting import escaped, quoted, short, shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import escaped, quoted, short, shown
 
 anything = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.binary(),

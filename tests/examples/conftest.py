@@ -14,7 +14,7 @@ def run(monkeypatch):
     """Runs an example with its client, faster than real time, and returns the result of the client."""
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     # ticks that a busy machine delays are not run in a burst, in which robots would drive on before the client is heard
-    monkeypatch.setattr("morse.simulation.pacing._GIVE_UP", 0.05)
+    monkeypatch.setattr("morse.simulation.ticks.pacing._GIVE_UP", 0.05)
     started = []
 
     def start(name, speed=4.0):

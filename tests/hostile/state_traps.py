@@ -17,7 +17,7 @@ from morse.core.declarations import add_data
 from morse.core.modifier import AbstractModifier
 from morse.core.sensor import Sensor
 from morse.core.state import StateError
-from morse.simulation.state import State
+from morse.simulation.states.state import State
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -212,7 +212,7 @@ def _values() -> dict[str, Any]:
         "of a component": _object("state_traps:Trap"),
         "with its own state": ["own", "state_traps:Mean", ["dict", []]],
         "of MORSE": _object("morse.helpers.ramp:Ramp"),
-        "of the network": _object("morse.core.network:Network"),
+        "of the network": _object("morse.core.clients.network:Network"),
         "of a process": _object("subprocess:Popen"),
         "an enumeration": ["enum", "morse.scene:NodeKind", "MESH", None],
         "a named tuple": ["named tuple", "morse.core.context:Controls", [["frozenset", []], ["tuple", []], None]],

@@ -11,14 +11,14 @@ import pytest
 from limited import connect, eventually, is_closed, reset, told_once
 
 from event_loops import run_apart
-from morse.core.acceptors import Acceptor
-from morse.core.acceptors.streams import AcceptedProtocol, StreamAcceptor
-from morse.core.complaints import Complaints
-from morse.core.network import Network
+from morse.core.clients.acceptors import Acceptor
+from morse.core.clients.acceptors.streams import AcceptedProtocol, StreamAcceptor
+from morse.core.clients.complaints import Complaints
+from morse.core.clients.network import Network
 from morse.middleware.mavlink.links import open_link
 from morse.middleware.multinode.server import MultinodeServer
 from morse.middleware.socket import time_sync
-from morse.middleware.socket.listener import listen, port_of
+from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -17,8 +17,8 @@ from effort import examples
 from morse.core.state import Reader, StateError
 from morse.recording.errors import RecordingError
 from morse.recording.made.unpacking import Unpacking
-from morse.simulation.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
-from morse.simulation.state import State
+from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
+from morse.simulation.states.state import State
 from morse.system.packed_keys import check_keys
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from effort import examples
-from morse.core.web_access import Access
+from morse.core.clients.web_access import Access
 
 _STRANGE = [
     "evil.com@127.0.0.1:8765", "127.0.0.1#.evil", "127.0.0.1?.evil", "127.0.0.1/evil", "127.0.0.1\\.evil",

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from morse.core.complaints import Complaints
-from morse.core.folding import Folding
-from morse.core.log import MorseFormatter
+from morse.core.clients.complaints import Complaints
+from morse.core.reports.folding import Folding
+from morse.core.reports.log import MorseFormatter
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -120,7 +120,7 @@ def test_a_text_of_megabytes_is_cut_with_its_length() -> None:
 def test_asyncio_floods_are_folded_and_told_at_the_end_of_the_process() -> None:
     program = """
 import logging
-from morse.core import log
+from morse.core.reports import log
 log.setup()
 for number in range(1000):
     logging.getLogger("asyncio").error("socket.accept() out of system resource %d", number)

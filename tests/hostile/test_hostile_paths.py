@@ -15,7 +15,7 @@ import morse
 from morse.assets.loader import load
 from morse.cli.messages import CommandError
 from morse.cli.sites import Sites
-from morse.simulation.state import State
+from morse.simulation.states.state import State
 from morse.system.regular_files import SOURCE_LIMIT, read_regular
 from morse.viewer.feeds.sounds import read_sound
 
@@ -103,7 +103,7 @@ def test_a_file_that_is_read_whole(tmp_path: Path, what: str, read: Callable[[Pa
 
 def ast_of_script(path: Path) -> object:
     from morse.builder.script import _run
-    from morse.core.project_imports import ProjectImports
+    from morse.core.classes.project_imports import ProjectImports
 
     return _run(path, ProjectImports(), None)
 

@@ -23,16 +23,16 @@ import morse
 from effort import examples
 from event_loops import run_apart
 from morse.builder import ATRV, Environment, Pose
-from morse.core.network import Network
+from morse.core.clients.network import Network
 from morse.middleware.mavlink import links
 from morse.middleware.mavlink.framing import Framer
 from morse.middleware.mavlink.intake import Intake
 from morse.middleware.mavlink.links import UdpLink, open_link
 from morse.middleware.moos.packets import check_packet
 from morse.middleware.multinode.server import MultinodeServer
-from morse.middleware.socket.listener import listen, port_of
 from morse.middleware.yarp.names import Address, NameServer, is_alive
 from morse.middleware.yarp.port import Port
+from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

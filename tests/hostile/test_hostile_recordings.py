@@ -26,7 +26,7 @@ from morse.recording.made.reading import RecordedMade
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
-from morse.simulation.input_recording import entry_to_bytes
+from morse.simulation.recordings.input_recording import entry_to_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from morse.builder.errors.script_error import Step
-from morse.core.faults import describe
+from morse.core.reports.faults import describe
 from morse.launch.stuck_ticks import user_line
 from morse.scene import SourceLine
 

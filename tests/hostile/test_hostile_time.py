@@ -18,18 +18,18 @@ from limited import eventually
 from websockets.server import ServerProtocol
 
 from event_loops import run_apart
-from morse.core.arrivals import Arrivals, Sender
-from morse.core.network import Network
-from morse.core.time_share import TimeShare, TimeShares
+from morse.core.clients.arrivals import Arrivals, Sender
+from morse.core.clients.network import Network
+from morse.core.clients.time_share import TimeShare, TimeShares
+from morse.core.clients.web_connection import PacedConnection
 from morse.core.validation import ClientCommands
-from morse.core.web_connection import PacedConnection
-from morse.middleware.ros2.cdr import CdrError, encode
-from morse.middleware.ros2.sizes import check_size, largest
-from morse.middleware.socket.connection import Connection
-from morse.middleware.socket.listener import listen, port_of
 from morse.middleware.yarp.bottle import decode
 from morse.middleware.yarp.bottle import encode as bottle
 from morse.middleware.yarp.port import Port
+from morse.rosmsgs.cdr import CdrError, encode
+from morse.rosmsgs.sizes import check_size, largest
+from morse.wire.connection import Connection
+from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -434,7 +434,7 @@ def test_names_of_joints_are_limited_and_those_of_any_robot_fit() -> None:
 @pytest.mark.parametrize("floods", [1, 2, 5])
 def test_floods_of_several_middlewares_get_the_share_of_one(floods: int, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
-    monkeypatch.setattr("morse.core.time_share.perf_counter", lambda: now[0])
+    monkeypatch.setattr("morse.core.clients.time_share.perf_counter", lambda: now[0])
     together = TimeShares()
     shares, spent = [TimeShare(together) for _ in range(floods)], [0.0] * floods
     while now[0] < 130.0:

@@ -16,8 +16,8 @@ from morse.kernel.recording import NativeRecords, Numbers, Poses, Rows, Scans
 from morse.kernel.recording.arrays import DOUBLE, SINGLE, SUM, TURN
 from morse.kernel.recording.functions import functions
 from morse.mathutils.rotations import quaternion_from_rotation, rotation_from_euler
-from morse.middleware.ros2.parts import quaternion, xyzw
 from morse.recording.captures.template import Part, Template
+from morse.rosmsgs.parts import quaternion, xyzw
 
 if TYPE_CHECKING:
     import ctypes

@@ -17,7 +17,7 @@ def _free_ports(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def _long_periods(monkeypatch: pytest.MonkeyPatch) -> None:
     """A complaint is repeated after ten seconds, in which a busy machine may not reach the end of a test."""
-    monkeypatch.setattr("morse.core.complaints._PERIOD", 1e9)
+    monkeypatch.setattr("morse.core.clients.complaints._PERIOD", 1e9)
 
 
 @pytest.fixture

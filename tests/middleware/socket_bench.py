@@ -7,20 +7,21 @@ import time
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from morse.middleware.socket_datastream import SocketDatastreamManager
+from morse.middleware.socket_request_manager import SocketRequestManager
+
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
 from morse.core.actuator import Actuator
+from morse.core.clients.network import Network
 from morse.core.clock import Clock
 from morse.core.context import Context, acting
 from morse.core.declarations import add_data
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.network import Network
 from morse.core.request_manager import MorseServices
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, noninterruptible, service
 from morse.mathutils import Quaternion, Vector
-from morse.middleware.socket_datastream import SocketDatastreamManager
-from morse.middleware.socket_request_manager import SocketRequestManager
 from morse.scene import StreamDeclaration, TimeStrategies
 
 if TYPE_CHECKING:

@@ -14,16 +14,16 @@ from morse.core.actuator import Actuator
 from morse.core.datastream import AbstractDatastream, DatastreamManager
 from morse.core.declarations import Option, add_data, add_kind, euler
 from morse.core.exceptions import MorseDeclarationError, MorseMiddlewareError
-from morse.core.kind_stream import KindStream
 from morse.core.mapping import maps
 from morse.core.sensor import Sensor
+from morse.core.streams.kind_stream import KindStream
 from morse.core.validation import OptionError
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-KIND_STREAM = "morse.core.kind_stream.KindStream"
+KIND_STREAM = "morse.core.streams.kind_stream.KindStream"
 
 
 class Place(Sensor):

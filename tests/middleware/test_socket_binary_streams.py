@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from morse.middleware.socket_datastream import SocketPublisher
 from socket_bench import Bench, Peer, wait_until
 
 from morse.middleware.socket import frame_client
-from morse.middleware.socket_datastream import SocketPublisher
 from pymorse import frames
 
 if TYPE_CHECKING:

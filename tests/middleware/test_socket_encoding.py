@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils import Euler, Matrix, Quaternion, Vector
-from morse.middleware.socket.encoding import from_json, to_json
+from morse.wire.encoding import from_json, to_json
 
 scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text()
 values = st.recursive(scalars, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=20)

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from morse.core.local_data import Later, LocalData
+from morse.core.streams.local_data import Later, LocalData
 from morse.middleware.socket.frames import TYPES, data_frame, line_frame, notice_frame
 from pymorse import frames
 

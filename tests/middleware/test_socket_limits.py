@@ -17,15 +17,15 @@ from hypothesis import strategies as st
 from socket_bench import Bench, Peer, wait_until
 
 from morse.core import status
-from morse.core.acceptors import Descriptors
-from morse.core.complaints import Complaints
+from morse.core.clients.acceptors import Descriptors
+from morse.core.clients.complaints import Complaints
 from morse.core.services import concurrent_service
-from morse.middleware.socket import limits, lines
 from morse.middleware.socket.calls import Calls
-from morse.middleware.socket.encoding import from_json, to_json
-from morse.middleware.socket.inbox import Inbox
-from morse.middleware.socket.limits import Budget, limits_of
 from morse.middleware.socket.turns import Turns
+from morse.wire import limits, lines
+from morse.wire.encoding import from_json, to_json
+from morse.wire.inbox import Inbox
+from morse.wire.limits import Budget, limits_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -127,7 +127,7 @@ def test_services_take_a_share_of_the_time_only(bench: Bench, monkeypatch: pytes
     def pass_time(seconds: float) -> None:
         clock[0] += seconds
 
-    monkeypatch.setattr("morse.core.time_share.perf_counter", lambda: clock[0])
+    monkeypatch.setattr("morse.core.clients.time_share.perf_counter", lambda: clock[0])
     bench.requests.register_service("robot1.motion", lambda: pass_time(0.005), "slow")
     greedy = bench.connect()
     greedy.send(b"1 robot1.motion slow\n" * 900)
@@ -346,7 +346,7 @@ def test_what_was_done_for_a_client_alone_ends_with_it(bench: Bench, client: Pee
 def test_complaints_of_many_kinds_are_counted_too(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("morse.core.complaints._PERIOD", 10.0)  # as it is without conftest.py
+    monkeypatch.setattr("morse.core.clients.complaints._PERIOD", 10.0)  # as it is without conftest.py
     now = [0.0]
     complaints = Complaints(logging.getLogger("morse.test"), lambda: now[0])
     for n in range(100_000):
@@ -370,7 +370,7 @@ def test_a_service_that_breaks_down_again_and_again_is_logged_once(
 def test_nothing_that_clients_send_gets_into_the_log_raw(
     bench: Bench, client: Peer, evil: str, caplog: pytest.LogCaptureFixture
 ) -> None:
-    from morse.core.log import MorseFormatter
+    from morse.core.reports.log import MorseFormatter
 
     def fail(value: object) -> None:
         raise ValueError(f"the user's code repeats {value}")

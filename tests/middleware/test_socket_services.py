@@ -16,8 +16,8 @@ from effort import examples
 from morse.core import status
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import service_client
-from morse.middleware.socket.limits import MAX_CLIENTS
 from morse.middleware.socket.request_manager import SocketRequestManager
+from morse.wire.limits import MAX_CLIENTS
 
 
 def test_the_transcript_of_1_4(bench: Bench, client: Peer) -> None:
@@ -247,7 +247,7 @@ def test_a_long_request_is_taken(bench: Bench, client: Peer) -> None:
 def test_a_line_without_an_end_is_cut_off(
     bench: Bench, client: Peer, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("morse.middleware.socket.lines.MAX_LINE", 100_000)
+    monkeypatch.setattr("morse.wire.lines.MAX_LINE", 100_000)
     with contextlib.suppress(ConnectionError):  # it may be disconnected before all of it is sent
         client.send(b"1 robot1.motion echo [" + b"1," * 60_000)
     wait_until(client.has_ended)

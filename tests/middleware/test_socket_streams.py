@@ -12,19 +12,19 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from morse.middleware.socket_datastream import SocketDatastreamManager, SocketPublisher, SocketReader
 from socket_bench import Bench, Body, Motion, Peer, Thermometer, wait_until
 
 from effort import examples
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.sensor import Sensor
 from morse.core.validation import OptionError
-from morse.middleware.socket import server as line_server
 from morse.middleware.socket import stream_client
-from morse.middleware.socket.inbox import Inbox
-from morse.middleware.socket.listener import listen, port_of
-from morse.middleware.socket_datastream import SocketDatastreamManager, SocketPublisher, SocketReader
 from morse.scene import StreamDeclaration
+from morse.wire import server as line_server
+from morse.wire.inbox import Inbox
+from morse.wire.listener import listen, port_of
 
 
 def test_a_sensor_sends_a_line_at_each_action(bench: Bench) -> None:
@@ -313,7 +313,7 @@ def test_a_message_without_an_end_is_reported(bench: Bench, caplog: pytest.LogCa
 def test_a_message_that_never_ends_is_cut_off(
     bench: Bench, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("morse.middleware.socket.lines.MAX_LINE", 100_000)
+    monkeypatch.setattr("morse.wire.lines.MAX_LINE", 100_000)
     bench.actuator(port=0)
     client = bench.connect("robot1.motion")
     with contextlib.suppress(ConnectionError):  # it may be disconnected before all of it is sent
@@ -372,7 +372,7 @@ class TestInbox:
 
 
 def test_complaints_are_counted_not_repeated(caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("morse.core.complaints._PERIOD", 10.0)  # as it is without conftest.py
+    monkeypatch.setattr("morse.core.clients.complaints._PERIOD", 10.0)  # as it is without conftest.py
     now = [0.0]
     complaints = Complaints(logging.getLogger("morse.test"), lambda: now[0])
     for _ in range(100):

@@ -10,7 +10,7 @@ from socket_bench import Bench, Peer, wait_until
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import datastream
-from morse.middleware.socket.listener import listen, port_of
+from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

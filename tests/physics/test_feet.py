@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from worlds import box, ground, node, robot, run, world
 
-from morse.physics.feet import stance, trimmed
+from morse.physics.gliding.feet import stance, trimmed
 from morse.scene import CollisionShape, ShapeKind
 from morse.scene.corners import corners
 

@@ -9,7 +9,7 @@ from worlds import box as box_of
 from worlds import ground, node, run, scene
 
 from morse.physics import World
-from morse.physics.plane_builder import PlaneBuilder
+from morse.physics.gliding.plane_builder import PlaneBuilder
 
 #: radius of the wheels, and the compression of a contact under this load, m
 AT_REST = pytest.approx(RADIUS, abs=2e-3)

@@ -8,7 +8,7 @@ import pytest
 
 import morse
 from morse.mathutils import Matrix
-from morse.physics.poses import relative_pose
+from morse.physics.poses.poses import relative_pose
 from morse.scene import Node
 from morse.scene.frames import rigid_frame
 

@@ -10,7 +10,7 @@ import pytest
 from worlds import bits, box, ground, node, rigid, robot, run, scene, sphere, world
 
 from morse.physics import World
-from morse.physics.gone import RemovedError
+from morse.physics.objects.gone import RemovedError
 from morse.scene import ComponentDeclaration, Node
 
 

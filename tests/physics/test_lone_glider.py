@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from worlds import bits, box, ground, node, rigid, robot, world
 
-from morse.physics.drives import Drives
+from morse.physics.driving.drives import Drives
 
 TICKS = 900
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from worlds import box, ground, node, rigid, robot, world
 
-from morse.physics import glide_steps
+from morse.physics.gliding import glide_steps
 
 ROBOTS = 3
 

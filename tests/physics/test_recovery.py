@@ -11,7 +11,7 @@ from worlds import bits, box, ground, rigid, robot, run, scene, sphere, world
 
 from effort import examples
 from morse.physics import UnstableError, World
-from morse.physics.limits import RUNAWAY_SPEED
+from morse.physics.model.limits import RUNAWAY_SPEED
 from morse.scene import ComponentDeclaration
 
 ABSURD = [1e11, -1e150, 1e308, math.inf, -math.inf, math.nan]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from morse.physics.rows import Rows
+from morse.physics.poses.rows import Rows
 
 
 @pytest.mark.parametrize("count", [3, 20_000], ids=["small", "too large for copies in advance"])

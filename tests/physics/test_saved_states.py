@@ -12,7 +12,7 @@ from worlds import bits, box, ground, node, rigid, robot, scene, sphere, world
 
 from effort import examples
 from morse.physics import World
-from morse.physics.saved import SavedAttachments, SavedGrip
+from morse.physics.state.saved import SavedAttachments, SavedGrip
 from morse.scene import Node
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import morse
-from morse.middleware.ros2.cdr import decode
 from morse.recording import keeping, motion
 from morse.recording.captures import copies
 from morse.recording.mcap.reader import McapFile
+from morse.rosmsgs.cdr import decode
 
 if TYPE_CHECKING:
     from pathlib import Path

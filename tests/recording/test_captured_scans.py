@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import morse
-from morse.middleware.ros2.cdr import decode
 from morse.recording.captures import sensors
 from morse.recording.mcap.reader import McapFile
+from morse.rosmsgs.cdr import decode
 
 if TYPE_CHECKING:
     from pathlib import Path

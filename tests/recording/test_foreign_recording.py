@@ -12,9 +12,9 @@ import morse
 from morse.core.journal import SERVICE, Entry
 from morse.launch.recorded_run import options_of
 from morse.recording.errors import RecordingError
-from morse.simulation.input_recording import InputRecording
-from morse.simulation.recorders import SCRIPT
-from morse.simulation.replaying import Replay
+from morse.simulation.recordings.input_recording import InputRecording
+from morse.simulation.recordings.recorders import SCRIPT
+from morse.simulation.recordings.replaying import Replay
 
 if TYPE_CHECKING:
     from pathlib import Path

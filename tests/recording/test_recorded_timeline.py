@@ -15,8 +15,8 @@ from morse.launch.recorded_run import inputs_of
 from morse.launch.recorded_scenes import shown_scene
 from morse.recording.recording import Recording
 from morse.recording.shown import RecordedWorld
-from morse.simulation.recorded_timeline import RecordedTimeline
-from morse.simulation.timeline import Timeline
+from morse.simulation.recordings.recorded_timeline import RecordedTimeline
+from morse.simulation.recordings.timeline import Timeline
 
 if TYPE_CHECKING:
     import contextlib

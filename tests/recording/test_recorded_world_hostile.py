@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from morse.middleware.ros2.cdr import encode
-from morse.middleware.ros2.definitions import definition
 from morse.recording.errors import RecordingError
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
@@ -17,7 +15,9 @@ from morse.recording.motion import LOOKS, NODES, POSES, POSES_TYPE, TEXT_TYPE
 from morse.recording.recorder import BEGINNING
 from morse.recording.recording import Recording
 from morse.recording.shown import RecordedWorld
-from morse.simulation.recorded_timeline import _is_look
+from morse.rosmsgs.cdr import encode
+from morse.rosmsgs.definitions import definition
+from morse.simulation.recordings.recorded_timeline import _is_look
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -14,8 +14,8 @@ from recorded import SCRIPT, drive, read_by_rosbags, scene
 from rosbags.typesys import Stores, get_typestore
 
 import morse
-from morse.middleware.ros2.definitions import definition, messages
 from morse.recording.errors import RecordingError
+from morse.rosmsgs.definitions import definition, messages
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,12 +11,12 @@ from recorded import SCRIPT, drive
 import morse
 from morse.core.exceptions import MorseError
 from morse.kernel import processor
-from morse.middleware.ros2.cdr import encode
 from morse.recording.errors import RecordingError
 from morse.recording.mcap import records
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
+from morse.rosmsgs.cdr import encode
 from morse.verification.comparison import largest_difference
 from morse.verification.resimulation import resimulate
 

@@ -9,9 +9,9 @@ import pytest
 from PIL import Image
 
 from morse.core.exceptions import MorseRPCTypeError
-from morse.middleware.socket.images import image_json
 from morse.rendering.light_codes import LIGHT
 from morse.sensors.camera import CAMERA_INFO
+from morse.wire.images import image_json
 
 SCENE = """
 robot = FakeRobot("robot")

@@ -6,7 +6,7 @@ import pytest
 
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.kinds import bind
-from morse.middleware.socket.encoding import to_json
+from morse.wire.encoding import to_json
 
 SCRIPT = """
 robot = FakeRobot()

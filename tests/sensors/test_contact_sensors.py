@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from ticking import published
 
-from morse.core.kind_stream import KindStream
 from morse.core.kinds import bind
+from morse.core.streams.kind_stream import KindStream
 
 SCRIPT = """
 robot = {robot}()

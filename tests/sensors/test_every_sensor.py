@@ -7,7 +7,7 @@ import json
 import pytest
 
 import morse
-from morse.middleware.socket.encoding import to_json
+from morse.wire.encoding import to_json
 
 #: on their own robot: all except sensors with arguments, and cameras
 SENSORS = (

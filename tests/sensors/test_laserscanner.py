@@ -10,8 +10,8 @@ from ticking import angle_of, published
 
 from morse.core.exceptions import MorseRPCTypeError
 from morse.helpers.fans import MOST_RAYS, fan
-from morse.middleware.socket.encoding import to_json
 from morse.scene import Material
+from morse.wire.encoding import to_json
 
 WALLS = """
 def wall(name, x, y, sx, sy, height=4):

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from morse.core.kinds import bind
-from morse.middleware.socket.encoding import to_json
+from morse.wire.encoding import to_json
 
 G = 9.81
 DRIVEN = """

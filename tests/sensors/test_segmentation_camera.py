@@ -139,7 +139,7 @@ def test_small_things_may_be_left_out(look):
 
 
 def test_the_message_holds_pixels_labels_and_boxes(look):
-    from morse.middleware.socket.images import image_json
+    from morse.wire.images import image_json
 
     eye, _ = look()
 

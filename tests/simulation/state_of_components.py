@@ -12,7 +12,7 @@ import morse
 import morse.builder as builder
 from morse.builder.names import catalog
 from morse.core.declarations import properties
-from morse.core.pending_commands import PendingCommands
+from morse.core.streams.pending_commands import PendingCommands
 from morse.verification.contract.examples import example
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def go(simulation: Any, name: str, ticks: int) -> list[Any]:
 
 def go_on(name: str, carrier: str, content: bytes, ticks: int, *, real: bool) -> tuple[list[Any], str]:
     """For another process: restore a state, go on, and return what `go` returns and the hash."""
-    from morse.simulation.state import State
+    from morse.simulation.states.state import State
 
     if PARTS not in sys.path:
         sys.path.insert(0, PARTS)

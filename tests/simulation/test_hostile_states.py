@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from effort import examples
 from morse.core.state import StateError
-from morse.simulation.state import State
+from morse.simulation.states.state import State
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -74,7 +74,7 @@ HARMFUL = {
     "a class of Python": ["object", "subprocess:Popen", [["args", "touch /tmp/harm"]]],
     "a class that a module of MORSE has imported": [
         "object",
-        "morse.simulation.state:tempfile._TemporaryFileCloser",
+        "morse.simulation.states.state:tempfile._TemporaryFileCloser",
         [],
     ],
     "a function as a class": ["object", "os:system", []],

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from morse.simulation import pacing
-from morse.simulation.pacing import Pacer
+from morse.simulation.ticks import pacing
+from morse.simulation.ticks.pacing import Pacer
 
 
 @pytest.fixture

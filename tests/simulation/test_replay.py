@@ -12,7 +12,7 @@ import morse
 from effort import examples
 from morse.builder import ATRV, Environment, Keyboard, Morsy, MotionVW, PassiveObject, Pose, Teleport
 from morse.core.state import StateError
-from morse.simulation.input_recording import InputRecording
+from morse.simulation.recordings.input_recording import InputRecording
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.simulation.schedule import Schedule
+from morse.simulation.ticks.schedule import Schedule
 
 
 def phase_of(component):

@@ -11,9 +11,9 @@ import pytest
 import state_of_components as components
 
 import morse
-from morse.simulation.input_recording import InputRecorder
-from morse.simulation.replaying import Replay
-from morse.simulation.state import State
+from morse.simulation.recordings.input_recording import InputRecorder
+from morse.simulation.recordings.replaying import Replay
+from morse.simulation.states.state import State
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

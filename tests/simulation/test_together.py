@@ -16,10 +16,10 @@ import pytest
 import morse
 from morse.core.sensor import Sensor
 from morse.sensors.laserscanner import LaserScanner
-from morse.simulation.together import Together
+from morse.simulation.ticks.together import Together
 
 if TYPE_CHECKING:
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
 
 COUNT = 4
 
@@ -292,7 +292,7 @@ class Lower(Height):
 
 
 def test_a_subclass_that_acts_differently_acts_alone():
-    from morse.core.joining import has_group_action
+    from morse.core.groups.joining import has_group_action
     from morse.sensors.odometry import IntegratedOdometry, Odometry, RawOdometry
     from morse.sensors.pose import Pose
 
@@ -334,7 +334,7 @@ def test_arrays_are_read_row_by_row(sim):
 
 
 def test_profiles_name_groups(sim):
-    from morse.simulation.profile import Profile
+    from morse.simulation.ticks.profile import Profile
 
     profile = Profile()
     sim._ticker.component_profiles.append(profile)

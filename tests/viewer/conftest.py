@@ -12,7 +12,7 @@ from view_pages import until
 from view_simulation import CircleDriver
 from view_worlds import playground
 
-from morse.core.network import Network
+from morse.core.clients.network import Network
 from morse.viewer.server import ViewServer
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import pytest
 from view_pages import Client, fetch
 from websockets.exceptions import InvalidStatus
 
-from morse.core.web_access import Access, checked_origin
+from morse.core.clients.web_access import Access, checked_origin
 
 
 def refused(status: InvalidStatus) -> str:

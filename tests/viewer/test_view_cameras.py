@@ -12,8 +12,8 @@ from PIL import Image
 from view_pages import until
 from view_worlds import playground
 
-from morse.core.id_colors import as_colors
-from morse.core.image_colors import as_heat, depth_levels
+from morse.core.colors.id_colors import as_colors
+from morse.core.colors.image_colors import as_heat, depth_levels
 from morse.viewer.feeds.frustums import rim
 from morse.viewer.feeds.pictures import as_jpeg
 from morse.viewer.view_messages import (

@@ -15,7 +15,7 @@ from view_pages import Client, DeadPage, fetch, port_of, until
 from view_worlds import box, mesh_node
 from websockets.exceptions import ConnectionClosed
 
-from morse.core.network import Network
+from morse.core.clients.network import Network
 from morse.scene import Scene
 from morse.viewer.page_messages import CallService, Drag, DragEnd, Pause, SetSpeed, Step
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close

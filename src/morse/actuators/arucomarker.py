@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.core import mathutils
 from morse.core.actuator import Actuator
-from morse.core.builder_defaults import BuilderDefaults
+from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.limits import ANGLE, POSITION
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property, euler

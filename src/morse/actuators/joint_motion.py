@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core.actuator import Actuator
 from morse.core.declarations import DataField
-from morse.core.link_parts import link_parts
+from morse.core.parts.link_parts import link_parts
 from morse.helpers.chain import Chain
 from morse.mathutils.rotations import product, turn_back
 from morse.scene import JointKind
@@ -15,7 +15,7 @@ from morse.scene.frames import rigid_frame
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from morse.core.moving_parts import MovingPart
+    from morse.core.parts.moving_parts import MovingPart
     from morse.core.robot import Robot
     from morse.core.world import Body
 

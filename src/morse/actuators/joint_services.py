@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from morse.actuators.joint_motion import JointMotion
 from morse.core import status
+from morse.core.calls.progress import of_joints
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.hints import nearest
 from morse.core.limits import Angle, Position
-from morse.core.progress import of_joints
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 from morse.core.services import async_service, interruptible, service
 from morse.core.validation.arguments import Range, check_of
 from morse.helpers.components import add_property

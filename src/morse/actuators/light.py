@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCTypeError
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
 

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
-from morse.core.builder_defaults import BuilderDefaults
+from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.limits import ANGLE, Angle
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.helpers.components import add_data, add_kind, add_property
 
 if TYPE_CHECKING:

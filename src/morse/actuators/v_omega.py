@@ -9,7 +9,7 @@ from morse.core.robot import drives_body
 from morse.helpers.components import add_property
 
 if TYPE_CHECKING:
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
 
 
 class MotionVW(SpeedCommand):

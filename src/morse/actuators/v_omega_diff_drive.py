@@ -8,7 +8,7 @@ from morse.actuators.speed_command import SpeedCommand
 from morse.core.wheeled_robot import PhysicsDifferentialRobot
 
 if TYPE_CHECKING:
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.core.robot import Robot
     from morse.core.world import Body
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from morse.actuators.going import STOP, TRANSIT, Going, marker
 from morse.actuators.obstacle_radars import REACH, ObstacleRadars
-from morse.core.hints import nearest
+from morse.core.calls.progress import of_distance
 from morse.core.limits import LENGTH, AbsoluteSpeed, Length, Position
-from morse.core.progress import of_distance
-from morse.core.quoting import quoted
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import quoted
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property
 

@@ -10,7 +10,7 @@ from morse.core.robot import drives_body
 from morse.helpers.components import add_data, add_kind, add_property
 
 if TYPE_CHECKING:
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
 
 
 class MotionXYW(LimitedMotion):

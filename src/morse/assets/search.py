@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.formats import SUFFIXES
-from morse.core.plugins import entry_points
+from morse.core.classes.plugins import entry_points
 from morse.system import variables
 
 if TYPE_CHECKING:

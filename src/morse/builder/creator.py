@@ -11,12 +11,12 @@ from morse.builder.components.component import Component, new_object
 from morse.builder.components.realism import RealisticSensor
 from morse.builder.errors import checks
 from morse.core import declarations
-from morse.core.builder_defaults import BuilderDefaults, builder_defaults
+from morse.core.classes.builder_defaults import BuilderDefaults, builder_defaults
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 from morse.scene import Material, Node, NodeKind
 
 if TYPE_CHECKING:
-    from morse.core.builder_defaults import Visual
+    from morse.core.classes.builder_defaults import Visual
     from morse.scene import Mesh
 
 __all__ = ["ActuatorCreator", "ComponentCreator", "SensorCreator", "bpymorse"]

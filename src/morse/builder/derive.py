@@ -17,9 +17,9 @@ from morse.builder.components.lasers import LaserSensorWithArc
 from morse.builder.components.morsy import Morsy
 from morse.builder.creator import ActuatorCreator, SensorCreator
 from morse.builder.names import catalog
-from morse.core.builder_defaults import builder_defaults
+from morse.core.classes.builder_defaults import builder_defaults
+from morse.core.classes.plugins import entry_points
 from morse.core.exceptions import MorseBuilderNoComponentError
-from morse.core.plugins import entry_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

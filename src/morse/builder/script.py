@@ -22,7 +22,7 @@ from morse.builder.legacy.arguments import argv
 from morse.builder.legacy.modules import OldModules
 from morse.builder.libraries import LibrariesFirst
 from morse.builder.names.places import resource_folders, source_folders
-from morse.core.project_imports import ProjectImports
+from morse.core.classes.project_imports import ProjectImports
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None
     """Run a scene script and return the scene that it describes.
 
     The script and its components have a separate ``sys.path``, ``sys.argv`` and modules: see
-    `morse.core.project_imports`. They are stored in the attribute ``project`` of the scene.
+    `morse.core.classes.project_imports`. They are stored in the attribute ``project`` of the scene.
 
     Args:
         anew: whether to ignore cached compiled files, because the sources may have been saved a moment ago.

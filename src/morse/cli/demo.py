@@ -16,7 +16,7 @@ import typer
 from morse.cli.examples import Example, example, examples
 from morse.cli.messages import CommandError, say
 from morse.cli.run import parse_speed
-from morse.core import log
+from morse.core.reports import log
 from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:

@@ -138,7 +138,7 @@ def _complete(file: str, path: Path, topics: list[str]) -> int:
 
 def _film(file: str, path: Path, what: Filmed, scene: str, trust: bool) -> int:
     from morse.core.exceptions import MorseError
-    from morse.core.faults import describe
+    from morse.core.reports.faults import describe
     from morse.recording.recording import Recording
     from morse.rendering import picture_files
 

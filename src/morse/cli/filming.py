@@ -78,8 +78,8 @@ def film(
     from morse.launch.recorded_run import complete, guard, inputs_of
     from morse.launch.recorded_scenes import shown_scene
     from morse.rendering import picture_files
-    from morse.simulation.recorded_timeline import RecordedTimeline
-    from morse.simulation.timeline import Timeline
+    from morse.simulation.recordings.recorded_timeline import RecordedTimeline
+    from morse.simulation.recordings.timeline import Timeline
 
     inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:

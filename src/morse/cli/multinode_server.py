@@ -10,12 +10,12 @@ import threading
 from typing import TYPE_CHECKING, Any
 
 from morse.cli.ports import port_number
+from morse.core.clients.network import Network
 from morse.core.exceptions import MorseError
-from morse.core.network import Network
 from morse.launch.ending_signals import ending_signals
 from morse.middleware.multinode.messages import PORT
 from morse.middleware.multinode.server import MultinodeServer
-from morse.middleware.socket.listener import listen, port_of
+from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,7 +8,7 @@ import typer
 
 from morse.cli.messages import CommandError, complain, say
 from morse.cli.sites import registered
-from morse.core import log
+from morse.core.reports import log
 
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
@@ -58,7 +58,7 @@ def command(
 
 def _play(path: str, scene: str, _record: str | None, trust: bool, port: int, browser: bool) -> int:
     from morse.core.exceptions import MorseError
-    from morse.core.faults import describe
+    from morse.core.reports.faults import describe
     from morse.launch.playing import play, playing
     from morse.recording.recording import Recording
 
@@ -78,7 +78,7 @@ def _play(path: str, scene: str, _record: str | None, trust: bool, port: int, br
 
 def _resimulate(path: str, scene: str, record: str | None, trust: bool, _port: int, _browser: bool) -> int:
     from morse.core.exceptions import MorseError
-    from morse.core.faults import describe
+    from morse.core.reports.faults import describe
     from morse.recording.recording import Recording
     from morse.verification.resimulation import resimulate
 

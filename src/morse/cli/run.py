@@ -17,9 +17,9 @@ import typer
 from morse.cli.messages import CommandError, say
 from morse.cli.scenes import resolve
 from morse.cli.script_arguments import check_arguments
-from morse.core import log
 from morse.core.clock import SLOWEST
 from morse.core.node_name import node_name
+from morse.core.reports import log
 from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
@@ -313,7 +313,7 @@ def _origins(given: list[str]) -> list[str]:
     if not given:
         return []
     # imported only if this option is used
-    from morse.core.web_access import checked_origin
+    from morse.core.clients.web_access import checked_origin
 
     try:
         return [checked_origin(one) for one in given]

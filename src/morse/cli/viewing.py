@@ -105,8 +105,8 @@ def drawn(request: CameraRequest, show: str, fine: bool) -> NDArray[np.uint8]:
     """(H, W, 3) the present image."""
     import numpy as np
 
-    from morse.core.id_colors import as_colors
-    from morse.core.image_colors import as_pixels
+    from morse.core.colors.id_colors import as_colors
+    from morse.core.colors.image_colors import as_pixels
     from morse.rendering.light_codes import LIGHT, encoded
 
     request.server.serve([request])

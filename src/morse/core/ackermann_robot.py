@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.core.ackermann_steering import AckermannSteering
 from morse.core.declarations import add_property
+from morse.core.parts.ackermann_steering import AckermannSteering
 from morse.core.robot import Robot
 from morse.helpers.controller import PIDController
 
@@ -66,7 +66,7 @@ class PhysicsAckermannRobot(Robot):
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        #: axles of the robot (`morse.core.ackermann_steering.AckermannSteering`)
+        #: axles of the robot (`morse.core.parts.ackermann_steering.AckermannSteering`)
         self.steering = AckermannSteering(self)
         self._speed_control = PIDController(self._vel_p_gain, self._vel_d_gain, self._vel_i_gain, self._vel_limits)
         self._rate_control = PIDController(self._ang_p_gain, self._ang_d_gain, self._ang_i_gain, self._ang_limits)

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from weakref import WeakSet
 
-from morse.core.arrivals import Arrivals
-from morse.core.complaints import Complaints
+from morse.core.clients.arrivals import Arrivals
+from morse.core.clients.complaints import Complaints
+from morse.core.clients.time_share import TimeShares
 from morse.core.guard import Guard
 from morse.core.journal import Journal
-from morse.core.time_share import TimeShares
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     import numpy as np
 
     from morse.core.abstractobject import AbstractObject
+    from morse.core.clients.network import Network
     from morse.core.clock import Clock
-    from morse.core.group import Group
-    from morse.core.network import Network
+    from morse.core.groups.group import Group
     from morse.core.object import Object
     from morse.core.request_manager import MorseServices
     from morse.core.world import World
@@ -68,7 +68,7 @@ class Context:
             objects may share a name.
         network: the network thread for sockets and the live view; None for a simulation without either.
         group_taps: callbacks, called after each measurement of sensors that act together, with their
-            `morse.core.group.Group`.
+            `morse.core.groups.group.Group`.
         failed: names of the components that were deactivated because they raised exceptions.
         controls: input at the live view; it changes between ticks only.
         journal: record of all input from outside the simulation.

@@ -6,7 +6,7 @@ import inspect
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.core.classpath import load_class
+from morse.core.classes.classpath import load_class
 from morse.core.declarations import Option
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.kinds.table import GENERAL
@@ -151,7 +151,7 @@ class DatastreamManager(Observer):
     def _reader(self, stream: Any, declaration: StreamDeclaration) -> Callable[..., Any]:
         """The function of a stream that its component calls."""
         from morse.core.actuator import Actuator
-        from morse.core.command_timeout import CommandTimeout
+        from morse.core.streams.command_timeout import CommandTimeout
 
         timeout = declaration.options.get("timeout")
         if not isinstance(timeout, (int, float)) or "timeout" not in self._common_options(type(stream)):

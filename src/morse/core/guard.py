@@ -12,7 +12,7 @@ import logging
 from operator import methodcaller
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from morse.core.faults import (
+from morse.core.reports.faults import (
     ENDINGS,
     attribute,
     class_name,

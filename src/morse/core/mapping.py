@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from morse.core.exceptions import MorseDeclarationError
-from morse.core.hints import nearest
 from morse.core.kinds.table import GENERAL, KINDS
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable

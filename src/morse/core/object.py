@@ -8,10 +8,10 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core import context as _context
-from morse.core import describing
 from morse.core.abstractobject import AbstractObject
+from morse.core.classes import describing
 from morse.core.declarations import data_fields, levels, properties
-from morse.core.group import OnDemand
+from morse.core.groups.group import OnDemand
 from morse.core.requests import Requesting
 from morse.core.services import ServiceDeclaration, declared_services, service
 from morse.core.state.attributes import replace, state_of
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.declarations import DataField
-    from morse.core.group import Group
-    from morse.core.moving_parts import MovingPart
+    from morse.core.groups.group import Group
+    from morse.core.parts.moving_parts import MovingPart
     from morse.core.world import Body
 
 logger = logging.getLogger(__name__)

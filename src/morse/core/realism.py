@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import fields_of_component
 from morse.core.guard import modify, publish
-from morse.core.local_data import LocalData
 from morse.core.noise import Noise
+from morse.core.streams.local_data import LocalData
 
 if TYPE_CHECKING:
     from morse.core.sensor import Sensor

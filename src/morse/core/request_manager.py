@@ -16,10 +16,10 @@ from morse.core.exceptions import (
     MorseRPCInvokationError,
     MorseServiceError,
 )
-from morse.core.faults import ENDINGS, describe, name_of, summary
-from morse.core.hints import nearest
 from morse.core.journal import CANCEL, SERVICE
-from morse.core.quoting import quoted, short
+from morse.core.reports.faults import ENDINGS, describe, name_of, summary
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import quoted, short
 from morse.core.services import ServiceDeclaration
 from morse.core.validation.arguments import Arguments
 

@@ -6,14 +6,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import add_data, add_property
-from morse.core.link_parts import link_parts
 from morse.core.object import Object
+from morse.core.parts.link_parts import link_parts
 from morse.helpers.chain import Chain
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.core.moving_parts import MovingPart
+    from morse.core.parts.moving_parts import MovingPart
     from morse.core.world import Body
 
 

@@ -11,7 +11,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from morse.core.exceptions import MorseDeclarationError
-from morse.core.hints import nearest
+from morse.core.reports.hints import nearest
 
 
 class Unit(NamedTuple):

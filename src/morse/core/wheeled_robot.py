@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.ackermann_robot import PhysicsAckermannRobot
 from morse.core.declarations import add_property
-from morse.core.moving_parts import MovingPart
+from morse.core.parts.moving_parts import MovingPart
 from morse.core.robot import Robot
 from morse.mathutils.rotations import rows_of
 

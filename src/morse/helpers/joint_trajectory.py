@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.core.validation.spec import Spec
 
 if TYPE_CHECKING:

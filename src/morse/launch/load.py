@@ -8,8 +8,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from morse.core.hints import nearest
-from morse.core.quoting import quoted
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import quoted
 from morse.kernel import loading, threads
 from morse.scene import Scene
 from morse.simulation.options import RunOptions
@@ -113,7 +113,7 @@ def _origins(given: Any) -> list[str]:
     if not given:
         return []
     # imported only if this option is used
-    from morse.core.web_access import checked_origin
+    from morse.core.clients.web_access import checked_origin
 
     try:
         return [checked_origin(one) for one in given]
@@ -209,7 +209,7 @@ def complete(simulation: Simulation) -> None:
         RecordingError: the recording cannot be written.
         OSError: the live view cannot be opened.
     """
-    from morse.physics.overlaps import overlaps
+    from morse.physics.model.overlaps import overlaps
     from morse.simulation.fallen import Fallen
     from morse.simulation.published_data import PublishedData
 
@@ -228,7 +228,7 @@ def complete(simulation: Simulation) -> None:
     simulation.reviews.extend((PublishedData(simulation).review, Fallen(simulation).review))
     options = simulation.options
     if options.keep_last:
-        from morse.simulation.flight_recorder import FlightRecorder
+        from morse.simulation.recordings.flight_recorder import FlightRecorder
 
         simulation.flight_recorder = FlightRecorder(simulation, options.keep_last)
         simulation.observers.append(simulation.flight_recorder)

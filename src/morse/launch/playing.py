@@ -14,11 +14,11 @@ from morse.launch.ending_signals import ending_signals
 from morse.launch.load import resolve
 from morse.launch.recorded_run import complete, guard, inputs_of
 from morse.launch.recorded_scenes import shown_scene
-from morse.middleware.ros2.names import Names
 from morse.recording.errors import RecordingError
-from morse.simulation.recorded_timeline import RecordedTimeline
+from morse.rosmsgs.names import Names
+from morse.simulation.recordings.recorded_timeline import RecordedTimeline
+from morse.simulation.recordings.timeline import Timeline
 from morse.simulation.simulation import Simulation
-from morse.simulation.timeline import Timeline
 from morse.viewer.replay_view import ReplayView
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from morse.launch.recorded_scenes import ShownScene
     from morse.recording.recording import Recording
     from morse.scene import Scene
-    from morse.simulation.input_recording import InputRecording
+    from morse.simulation.recordings.input_recording import InputRecording
 
 
 @contextlib.contextmanager

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from morse.assets.search import resource_dirs
 from morse.core.exceptions import MorseBuilderError, MorseError
 from morse.core.journal import RESTORE, SPAWN, Entry
-from morse.core.quoting import quoted, shown
+from morse.core.reports.quoting import quoted, shown
 from morse.launch.recorded_scripts import (
     is_same,
     show_trusted,
@@ -24,11 +24,11 @@ from morse.recording.errors import RecordingError
 from morse.recording.inputs import LostInput
 from morse.recording.made.reading import RecordedMade
 from morse.services.foreign_models import check_model
-from morse.simulation.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
 from morse.simulation.options import RunOptions
-from morse.simulation.recorded_timeline import modules_of
-from morse.simulation.recorders import MODULES, STATE
-from morse.simulation.state import State
+from morse.simulation.recordings.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
+from morse.simulation.recordings.recorded_timeline import modules_of
+from morse.simulation.recordings.recorders import MODULES, STATE
+from morse.simulation.states.state import State
 
 if TYPE_CHECKING:
     import contextlib

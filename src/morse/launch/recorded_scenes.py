@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core.journal import EDIT
-from morse.core.quoting import quoted
+from morse.core.reports.quoting import quoted
 from morse.launch.load import described
 from morse.launch.recorded_run import options_of, plain_options
 from morse.middleware.ros2.mapping import MIDDLEWARE
 from morse.recording.errors import RecordingError
 from morse.recording.made.reading import RecordedMade
-from morse.simulation.recorded_timeline import RecordedTimeline
+from morse.simulation.recordings.recorded_timeline import RecordedTimeline
 
 if TYPE_CHECKING:
     import contextlib
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from morse.recording.recording import Recording
     from morse.scene import Scene
-    from morse.simulation.input_recording import InputRecording
     from morse.simulation.options import RunOptions
+    from morse.simulation.recordings.input_recording import InputRecording
 
 
 class ShownScene(NamedTuple):

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.formats import SUFFIXES
-from morse.core.quoting import escaped, shown
+from morse.core.reports.quoting import escaped, shown
 from morse.recording.errors import RecordingError
-from morse.simulation.recorders import SCRIPT
+from morse.simulation.recordings.recorders import SCRIPT
 
 if TYPE_CHECKING:
     import contextlib

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.builder.script import ScriptError, load_scene
+from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
-from morse.core.project_imports import ProjectImports
 from morse.launch.stamps import Stamps, script_stamp, source_stamps, sources_of
 from morse.simulation.watching.files import stamp
 from morse.simulation.watching.watch import Watch

@@ -15,10 +15,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
-from morse.core.faults import describe
-from morse.core.log import endsection, section, set_level
-from morse.core.project_imports import ProjectImports
+from morse.core.reports.faults import describe
+from morse.core.reports.log import endsection, section, set_level
 from morse.launch.ending_signals import ending_signals
 from morse.launch.load import review_settings
 from morse.launch.stamps import script_stamp, source_stamps
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from morse.launch.stamps import Stamps
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
-    from morse.simulation.profile import Profile
     from morse.simulation.simulation import Simulation
+    from morse.simulation.ticks.profile import Profile
 
     #: ends the process with a status, although a component cannot be interrupted
     Leave = Callable[[int], object] | None
@@ -228,7 +228,7 @@ def _follow(simulation: Simulation, options: RunOptions, loaded: Stamps) -> Rere
 
 def _loop(simulation: Simulation, leave: Leave = None) -> int:
     from morse.physics import UnstableError
-    from morse.simulation.profile_table import LiveProfile
+    from morse.simulation.ticks.profile_table import LiveProfile
 
     live = LiveProfile(simulation.profile) if simulation.profile is not None else None
     # present objects live until the end, so they are excluded from garbage collection

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from morse.core.project_imports import ProjectImports
+from morse.core.classes.project_imports import ProjectImports
 from morse.simulation.watching.files import stamp
 
 if TYPE_CHECKING:

@@ -21,10 +21,10 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import morse.middleware
+from morse.core.classes.plugins import entry_points
 from morse.core.declarations import says_nothing
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.hints import closest
-from morse.core.plugins import entry_points
+from morse.core.reports.hints import closest
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -49,7 +49,7 @@ _OTHER_NAMES = {
 _OLD_MANAGER = re.compile(r"morse\.middleware\.(\w+?)_(?:datastream|request_manager|mw)\.\w+")
 _GROUP = "morse.middlewares"
 _PACKAGE = "morse.middleware."
-_KIND_STREAM = "morse.core.kind_stream.KindStream"
+_KIND_STREAM = "morse.core.streams.kind_stream.KindStream"
 
 
 @dataclass(frozen=True, slots=True)

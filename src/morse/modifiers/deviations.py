@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 from morse.core.exceptions import MorseBuilderError
-from morse.core.hints import nearest
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 
 
 def deviations(option: str, given: Any, axes: tuple[str, ...]) -> dict[str, float]:

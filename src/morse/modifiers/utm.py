@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from morse.core.declarations import Option
 from morse.core.exceptions import MorseBuilderError
 from morse.core.modifier import AbstractModifier
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -10,11 +10,12 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import matmul, norm
-from morse.physics import glide_velocity, rigid
-from morse.physics.kinematics import settle_fixed
-from morse.physics.layout import Motion
-from morse.physics.limits import FORCE
-from morse.physics.moved_shapes import MovedShapes
+from morse.physics.gliding import glide_velocity
+from morse.physics.model.layout import Motion
+from morse.physics.model.limits import FORCE
+from morse.physics.model.moved_shapes import MovedShapes
+from morse.physics.poses import rigid
+from morse.physics.poses.kinematics import settle_fixed
 from morse.physics.sleep import wake
 from morse.physics.weightless import count_weightless
 from morse.scene import ShapeKind
@@ -22,9 +23,9 @@ from morse.scene import ShapeKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.physics.compile import Slot
-    from morse.physics.engine_state import EngineState
-    from morse.physics.gliding import Gliding
+    from morse.physics.gliding.gliding import Gliding
+    from morse.physics.model.compile import Slot
+    from morse.physics.state.engine_state import EngineState
     from morse.scene import CollisionShape, Node
 
 #: a few numbers of the engine are written in this way in a third of the time that an array takes
@@ -137,7 +138,7 @@ class Bodies:
     def shapes_have_moved(
         self, index: int, geoms: Sequence[int], nodes: Sequence[Node], reach: float, lowest: float
     ) -> None:
-        """Record that shapes of a slot were moved within it, see `morse.physics.linkage`.
+        """Record that shapes of a slot were moved within it, see `morse.physics.objects.linkage`.
 
         Args:
             reach: distance from the origin of the slot to the outermost point of its shapes, m.

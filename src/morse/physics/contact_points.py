@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics.engine_state import EngineState
-    from morse.physics.gliding import Gliding
+    from morse.physics.gliding.gliding import Gliding
+    from morse.physics.state.engine_state import EngineState
 
 #: arrays that gliding changes so that the contacts of the feet need not be solved
 _OF_GLIDING = ("geom_contype", "geom_conaffinity", "geom_margin", "geom_gap", "body_margin", "body_gravcomp")

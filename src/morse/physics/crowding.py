@@ -19,8 +19,8 @@ from morse.physics.weightless import count_weightless
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.physics.engine_state import EngineState
     from morse.physics.rescue import Rescue
+    from morse.physics.state.engine_state import EngineState
 
 #: largest number of contacts between moving bodies: a constant, and in addition a number for each moving body; heaps of
 #: boxes have a fraction of them

@@ -9,7 +9,7 @@ import mujoco
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.physics.engine_state import EngineState
+    from morse.physics.state.engine_state import EngineState
 
 
 def without_contacts(state: EngineState) -> None:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics.engine_state import EngineState
+    from morse.physics.state.engine_state import EngineState
 
 #: distance below which shapes may touch, m
 _NEAR = 0.02

@@ -13,19 +13,19 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import matmul
-from morse.physics import engine_values
-from morse.physics.layout import Motion
-from morse.physics.limits import RUNAWAY_DISTANCE, RUNAWAY_SPEED
+from morse.physics.model.layout import Motion
+from morse.physics.model.limits import RUNAWAY_DISTANCE, RUNAWAY_SPEED
 from morse.physics.stability import UnstableError
+from morse.physics.state import engine_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from morse.physics.compile import Slot
-    from morse.physics.engine_state import EngineState
-    from morse.physics.gliding import Gliding
+    from morse.physics.gliding.gliding import Gliding
+    from morse.physics.model.compile import Slot
+    from morse.physics.state.engine_state import EngineState
 
 logger = logging.getLogger(__name__)
 

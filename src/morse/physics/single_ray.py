@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.mathutils import Vector
-    from morse.physics.gameobject import GameObject
-    from morse.physics.object_world import ObjectWorld
+    from morse.physics.objects.gameobject import GameObject
+    from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.rays import Rays
 
 

@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.physics.engine_state import EngineState
+    from morse.physics.state.engine_state import EngineState
 
 #: value of an awake tree, from which the engine counts up to -1, "ready to sleep"
 WIDE_AWAKE = -(1 + mujoco.mjMINAWAKE)

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import matmul
-from morse.physics.layout import Motion
+from morse.physics.model.layout import Motion
 from morse.physics.nearby import boxes_of
 from morse.physics.rays.solids import body_of, owner
 from morse.scene import PhysicsType
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics.gameobject import GameObject
-    from morse.physics.object_world import ObjectWorld
+    from morse.physics.objects.gameobject import GameObject
+    from morse.physics.objects.object_world import ObjectWorld
     from morse.scene import Node
 
 

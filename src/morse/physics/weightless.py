@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import mujoco
 
 if TYPE_CHECKING:
-    from morse.physics.engine_state import EngineState
+    from morse.physics.state.engine_state import EngineState
 
 
 def count_weightless(state: EngineState) -> None:

@@ -9,37 +9,39 @@ from typing import TYPE_CHECKING, Any, cast
 import mujoco
 
 from morse.kernel.loading import library
-from morse.physics import kinematics, motors, saved
-from morse.physics.attachments import Attachments
 from morse.physics.bodies import Bodies
-from morse.physics.compile import compile_scene
 from morse.physics.contact_points import ContactPoints
 from morse.physics.crowding import Crowding
-from morse.physics.drives import Drives
-from morse.physics.engine_values import CHANGED_WHILE_RUNNING
-from morse.physics.fleet import Fleet
-from morse.physics.floor_planes import FloorPlanes
+from morse.physics.driving.drives import Drives
+from morse.physics.driving.fleet import Fleet
+from morse.physics.driving.traction import Traction
 from morse.physics.forward import forward, without_contacts
-from morse.physics.gameobject import GameObject
-from morse.physics.glide_steps import GlideSteps
-from morse.physics.gliding import Gliding
-from morse.physics.layout import Motion
-from morse.physics.linkage import Linkage
-from morse.physics.locks import Locks
-from morse.physics.lone_glider import LoneGlider
-from morse.physics.moving_poses import MovingPoses
-from morse.physics.object_list import ObjectList
-from morse.physics.object_world import ObjectWorld
+from morse.physics.gliding.floor_planes import FloorPlanes
+from morse.physics.gliding.glide_steps import GlideSteps
+from morse.physics.gliding.gliding import Gliding
+from morse.physics.gliding.lone_glider import LoneGlider
+from morse.physics.model import motors
+from morse.physics.model.compile import compile_scene
+from morse.physics.model.layout import Motion
+from morse.physics.model.sunken import raise_sunken
+from morse.physics.objects.attachments import Attachments
+from morse.physics.objects.gameobject import GameObject
+from morse.physics.objects.linkage import Linkage
+from morse.physics.objects.locks import Locks
+from morse.physics.objects.object_list import ObjectList
+from morse.physics.objects.object_world import ObjectWorld
+from morse.physics.poses import kinematics
+from morse.physics.poses.moving_poses import MovingPoses
+from morse.physics.poses.snapshot import Snapshots, VelocitySnapshots
 from morse.physics.rays import Rays
 from morse.physics.rescue import Recovery, Rescue
-from morse.physics.saving import Saving
-from morse.physics.scene_change import SceneChange
 from morse.physics.single_ray import cast_ray
-from morse.physics.snapshot import Snapshots, VelocitySnapshots
-from morse.physics.sunken import raise_sunken
+from morse.physics.state import saved
+from morse.physics.state.engine_values import CHANGED_WHILE_RUNNING
+from morse.physics.state.saving import Saving
+from morse.physics.state.scene_change import SceneChange
+from morse.physics.state.transfer import Transfer
 from morse.physics.touching import Touching
-from morse.physics.traction import Traction
-from morse.physics.transfer import Transfer
 from morse.scene import Control
 
 if TYPE_CHECKING:
@@ -49,7 +51,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.mathutils import Vector
-    from morse.physics.posed import Posed
+    from morse.physics.objects.posed import Posed
     from morse.scene import Bone, ComponentDeclaration, Node, Scene, Zone
 
 

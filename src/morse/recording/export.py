@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from morse.core.hints import nearest
+from morse.core.reports.hints import nearest
 from morse.recording.errors import RecordingError
 from morse.recording.tables import Table
 

@@ -6,9 +6,9 @@ import base64
 import json
 from typing import TYPE_CHECKING, Any
 
-from morse.middleware.ros2.backends.backend import Qos
-from morse.middleware.ros2.cdr import CdrError, decode, encode
 from morse.recording.errors import RecordingError
+from morse.rosmsgs.cdr import CdrError, decode, encode
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Callable

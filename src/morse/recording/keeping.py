@@ -5,20 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.kernel.recording import records
-from morse.middleware.ros2.cdr import encode
-from morse.middleware.ros2.kinds.states import clock
 from morse.middleware.ros2.transforms import transform
 from morse.recording.captures import CopiesCapture, FramesCapture, Layout, Lone, capture_of
 from morse.recording.captures.poses import groups_of
 from morse.recording.captures.template import STAMP, Part, Template
 from morse.recording.disk import CHUNK
+from morse.rosmsgs.cdr import encode
+from morse.rosmsgs.kinds.states import clock
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.kernel.recording import NativeRecords
-    from morse.physics.mounting import Mounting
+    from morse.physics.objects.mounting import Mounting
     from morse.recording.captures import Capture
     from morse.recording.recorded_stream import RecordedStream
     from morse.recording.streams import RecordedStreams, Tape

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 from morse.helpers.transformation import Transformation3d
 from morse.kernel.recording import records
-from morse.middleware.ros2.backends.backend import Qos
-from morse.middleware.ros2.cdr import encode
-from morse.middleware.ros2.names import MAP
-from morse.middleware.ros2.parts import header_at, quaternion, xyz
-from morse.middleware.ros2.poses import quaternion_of
 from morse.recording.captures import NodesCapture
 from morse.recording.captures.template import Part, Template
+from morse.rosmsgs.cdr import encode
+from morse.rosmsgs.names import MAP
+from morse.rosmsgs.parts import header_at, quaternion, xyz
+from morse.rosmsgs.poses import quaternion_of
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from morse.core.context import Context

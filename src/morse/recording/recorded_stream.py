@@ -5,19 +5,19 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.core.joining import may_join
+from morse.core.groups.joining import may_join
 from morse.core.kinds.binding import stamp_of
-from morse.middleware.ros2.definitions import fields_of
 from morse.middleware.ros2.stream import Ros2Stream
 from morse.recording.captures.classes import is_captured
 from morse.recording.captures.lone import Lone
+from morse.rosmsgs.definitions import fields_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
-    from morse.middleware.ros2.outlets import Outlet
+    from morse.rosmsgs.outlets import Outlet
 
 
 class Single(NamedTuple):

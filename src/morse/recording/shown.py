@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.middleware.ros2.cdr import CdrError, decode
 from morse.recording.captures.poses import POSE
 from morse.recording.errors import RecordingError
 from morse.recording.history import History
 from morse.recording.motion import LOOKS, NODES, POSES, TEXT_TYPE
+from morse.rosmsgs.cdr import CdrError, decode
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

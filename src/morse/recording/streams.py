@@ -6,13 +6,13 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseError
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
-from morse.middleware.ros2.definitions import definition
 from morse.recording.captures import Moments
 from morse.recording.keeping import Captures
 from morse.recording.mcap.records import Message
 from morse.recording.motion import Motion
+from morse.rosmsgs.definitions import definition
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.recording.disk import Disk
+    from morse.rosmsgs.qos import Qos
 
 logger = logging.getLogger(__name__)
 

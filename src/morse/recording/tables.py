@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseError
-from morse.middleware.ros2.cdr import CdrError, decode
-from morse.middleware.ros2.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 from morse.recording.errors import RecordingError
+from morse.rosmsgs.cdr import CdrError, decode
+from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from morse.middleware.ros2.definitions import MessageField
     from morse.recording.mcap.records import Message
+    from morse.rosmsgs.definitions import MessageField
 
 #: maximum length of fixed arrays with one column for each item
 _MOST_ITEMS = 36

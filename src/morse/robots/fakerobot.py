@@ -1,6 +1,6 @@
 """Fake robot."""
 
-from morse.core.builder_defaults import RobotDefaults
+from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.robot import Robot
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.core.builder_defaults import RobotDefaults
+from morse.core.classes.builder_defaults import RobotDefaults
 from morse.helpers.components import add_property
 from morse.robots.grasping import GraspingRobot
 

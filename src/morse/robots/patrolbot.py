@@ -1,6 +1,6 @@
 """PatrolBot."""
 
-from morse.core.builder_defaults import RobotDefaults
+from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.wheeled_robot import PhysicsDifferentialRobot
 
 

@@ -1,6 +1,6 @@
 """Pioneer 3-DX."""
 
-from morse.core.builder_defaults import RobotDefaults
+from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.wheeled_robot import PhysicsDifferentialRobot
 
 

@@ -1,6 +1,6 @@
 """RMax."""
 
-from morse.core.builder_defaults import RobotDefaults
+from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.robot import Robot
 
 

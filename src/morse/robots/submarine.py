@@ -1,6 +1,6 @@
 """Submarine."""
 
-from morse.core.builder_defaults import RobotDefaults
+from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.robot import Robot
 
 

@@ -1,6 +1,6 @@
 """Victim."""
 
-from morse.core.builder_defaults import RobotDefaults
+from morse.core.classes.builder_defaults import RobotDefaults
 from morse.core.robot import Robot
 from morse.core.services import service
 

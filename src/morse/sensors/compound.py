@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseRPCTypeError
-from morse.core.hints import nearest
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.helpers.components import add_property

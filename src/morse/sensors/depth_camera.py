@@ -10,7 +10,7 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.limits import ANGLE
-from morse.core.local_data import Later, LocalData
+from morse.core.streams.local_data import Later, LocalData
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseRPCTypeError
-from morse.core.hints import nearest
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.mathutils.portable import matmul

@@ -12,7 +12,7 @@ from morse.helpers.components import add_data, add_kind, add_level
 from morse.helpers.geodesy import LocalPlane
 
 if TYPE_CHECKING:
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.core.robot import Robot
     from morse.core.world import Body
 

@@ -16,7 +16,7 @@ from morse.sensors.motion_sensor import Motion, MotionSensor, changed
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.core.robot import Robot
     from morse.core.world import Body
     from morse.mathutils.rotations import Triple

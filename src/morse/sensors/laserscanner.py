@@ -10,9 +10,9 @@ import numpy as np
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.limits import ANGLE
-from morse.core.local_data import Later, LocalData
 from morse.core.sensor import Sensor
 from morse.core.services import service
+from morse.core.streams.local_data import Later, LocalData
 from morse.helpers.components import add_data, add_kind, add_level, add_property, prop
 from morse.helpers.fans import fan
 from morse.mathutils.portable import matmul
@@ -20,7 +20,7 @@ from morse.mathutils.portable import matmul
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.core.noise import Noise
     from morse.core.robot import Robot
     from morse.core.world import Body

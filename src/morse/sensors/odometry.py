@@ -13,7 +13,7 @@ from morse.helpers.transformation import Transformation3d
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.core.robot import Robot
     from morse.core.world import Body
 

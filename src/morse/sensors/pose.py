@@ -9,7 +9,7 @@ from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, euler
 
 if TYPE_CHECKING:
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
 
 
 class Pose(Sensor):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.exceptions import MorseBuilderError
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 

@@ -8,10 +8,10 @@ from morse.core import status
 from morse.core.abstractobject import AbstractObject
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.hints import nearest
-from morse.core.pending_commands import PendingCommands
-from morse.core.quoting import short
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import short
 from morse.core.services import concurrent_service
+from morse.core.streams.pending_commands import PendingCommands
 from morse.core.validation.errors import CommandError
 from morse.services.lockstep_services import Steps  # noqa: TC001 (arguments are checked against it)
 

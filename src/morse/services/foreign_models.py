@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.quoting import quoted
+from morse.core.reports.quoting import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

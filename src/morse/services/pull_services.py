@@ -9,9 +9,9 @@ import msgspec
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.hints import nearest
 from morse.core.limits import Point
-from morse.core.quoting import short
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import short
 from morse.core.services import service
 from morse.core.state import StateError
 

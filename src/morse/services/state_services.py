@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.hints import nearest
+from morse.core.reports.hints import nearest
 from morse.core.services import service
 from morse.services.disk_room import check_room, file_of
 

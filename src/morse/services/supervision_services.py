@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.core import log
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError, MorseRPCTypeError
-from morse.core.hints import nearest
 from morse.core.limits import EulerAngles, Point, QuaternionNumbers
 from morse.core.mathutils import Quaternion
-from morse.core.quoting import quoted, short
+from morse.core.reports import log
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import quoted, short
 from morse.core.services import service
 from morse.services.details import details
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from morse.core.faults import is_users, name_of
+from morse.core.reports.faults import is_users, name_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable

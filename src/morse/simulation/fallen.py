@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary, WeakSet
 
-from morse.physics.fixed_bottom import lowest_fixed
+from morse.physics.model.fixed_bottom import lowest_fixed
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -31,7 +31,7 @@ class Fallen:
         self._bottom: float | None = None
 
     def review(self, tick: int, changed: bool) -> int:
-        """Check some robots; see `morse.simulation.ticking.Ticker.reviews`."""
+        """Check some robots; see `morse.simulation.ticks.ticking.Ticker.reviews`."""
         if changed:
             self._bottom, self._next = None, tick
         if tick < self._next:

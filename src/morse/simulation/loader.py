@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
-from morse.core.classpath import load_class
+from morse.core.classes.classpath import load_class
 from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
 from morse.core.external_object import ExternalObject
-from morse.core.faults import ENDINGS, describe
+from morse.core.groups.overwritten import hidden_methods
 from morse.core.kinds import findings_of
-from morse.core.overwritten import hidden_methods
+from morse.core.reports.faults import ENDINGS, describe
 from morse.core.robot import Robot
 from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel

@@ -14,8 +14,8 @@ from morse.builder.assembly.spawning import Newcomer, describe_newcomer, maker_o
 from morse.builder.script import describing
 from morse.core.context import acting
 from morse.core.exceptions import MorseBuilderError
-from morse.core.hints import nearest
-from morse.core.quoting import short, shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import short, shown
 from morse.core.state import StateError
 from morse.recording.made.made import Made
 from morse.scene import Scene

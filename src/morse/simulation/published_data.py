@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from morse.core.overwritten import uncover
+from morse.core.groups.overwritten import uncover
 from morse.core.validation.published import misfits
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class PublishedData:
         self._begin = self._next = 0
 
     def review(self, tick: int, changed: bool) -> int:
-        """Check all sensors of users; see `morse.simulation.ticking.Ticker.reviews`."""
+        """Check all sensors of users; see `morse.simulation.ticks.ticking.Ticker.reviews`."""
         if changed:
             self._begin, self._next = tick - 1, tick
         if tick < self._next:

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from morse.recording.made.made import Made
     from morse.recording.recorder import Recorder
     from morse.scene import Scene
-    from morse.simulation.futures import LocalFuture
+    from morse.simulation.handles.futures import LocalFuture
     from morse.simulation.loader import Loaded
     from morse.simulation.options import RunOptions
-    from morse.simulation.pacing import Pacer
-    from morse.simulation.state import State
+    from morse.simulation.states.state import State
+    from morse.simulation.ticks.pacing import Pacer
 
 
 class Holder(Protocol):

@@ -10,27 +10,27 @@ from typing import TYPE_CHECKING, Any
 from morse.core import status
 from morse.core.clock import Clock
 from morse.core.context import Context, Controls, acting, forget
-from morse.core.faults import name_of
+from morse.core.groups.overwritten import uncover
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
 from morse.core.node_name import node_name
-from morse.core.overwritten import uncover
+from morse.core.reports.faults import name_of
 from morse.core.request_manager import MorseServices
 from morse.middleware.registry import needs_network
 from morse.physics import World
-from morse.simulation.component_handles import normalized
 from morse.simulation.ending import Ending
-from morse.simulation.handles import Handles
+from morse.simulation.handles.component_handles import normalized
+from morse.simulation.handles.handles import Handles
 from morse.simulation.loader import Loaded, LoadError, connect, load_components, make_stream_manager
-from morse.simulation.loop import Loop
 from morse.simulation.offering import offer_services
 from morse.simulation.ownership import Ownership
 from morse.simulation.population import Population, check_newcomer
-from morse.simulation.profile import Profile
-from morse.simulation.recorded import Recorded
-from morse.simulation.saving import Saving
-from morse.simulation.state import State
-from morse.simulation.stepping import Stepping
-from morse.simulation.ticking import Ticker
+from morse.simulation.recordings.recorded import Recorded
+from morse.simulation.states.saving import Saving
+from morse.simulation.states.state import State
+from morse.simulation.ticks.loop import Loop
+from morse.simulation.ticks.profile import Profile
+from morse.simulation.ticks.stepping import Stepping
+from morse.simulation.ticks.ticking import Ticker
 
 if TYPE_CHECKING:
     import os
@@ -54,7 +54,7 @@ class Simulation(Recorded, Handles):
     """A loaded scene that can be run; it is created by `morse.load`.
 
     Robots are attributes, and their components are attributes of the robots, with the interface of `pymorse.Morse`: see
-    `morse.simulation.handles`. Simulated time advances only in `step` and `run`.
+    `morse.simulation.handles.handles`. Simulated time advances only in `step` and `run`.
 
     Attributes:
         context: the interface of the simulation for components.
@@ -290,7 +290,7 @@ class Simulation(Recorded, Handles):
 
     @property
     def reviews(self) -> list[Callable[[int, bool], int]]:
-        """Functions that look at the components from time to time; see `morse.simulation.ticking.Ticker`."""
+        """Functions that look at the components from time to time; see `morse.simulation.ticks.ticking.Ticker`."""
         return self._ticker.reviews
 
     def viewpoint_changed(self) -> None:
@@ -384,7 +384,7 @@ class Simulation(Recorded, Handles):
         self._loop.restarted()
 
     def arrange(self, state: State, *, described: bool) -> None:
-        """Restore who is there and where, to show a recorded run; see `morse.simulation.saving.Saving.arrange`."""
+        """Restore who is there and where, to show a recorded run; see `Saving.arrange`."""
         self._check_open()
         with acting(self.context):
             self._saving.arrange(state, described=described)
@@ -538,6 +538,6 @@ def _network(options: RunOptions) -> Any:
     if not options.sockets and options.view != "web":
         return None
     # imported on demand, because it imports asyncio
-    from morse.core.network import Network
+    from morse.core.clients.network import Network
 
     return Network()

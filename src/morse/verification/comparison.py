@@ -8,18 +8,19 @@ from collections import deque
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
-from morse.middleware.ros2.cdr import CdrError, decode
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
 from morse.recording.inputs import TOPIC as INPUTS
 from morse.recording.made.writing import TOPIC as MADE
 from morse.recording.motion import TOPICS as MOTION
 from morse.recording.streams import LEFT_OUT
+from morse.rosmsgs.cdr import CdrError, decode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from morse.recording.mcap.records import Message
     from morse.recording.recording import Recording
+    from morse.rosmsgs.qos import Qos
 
 #: the largest difference, relative to numbers above 1, that counts as rounding: contacts enlarge a last bit
 _ROUNDING = 1e-6

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.script import ScriptError, load_scene
-from morse.core import log
 from morse.core.exceptions import MorseError
-from morse.core.faults import describe
+from morse.core.reports import log
+from morse.core.reports.faults import describe
 from morse.launch.load import start
 from morse.physics import UnstableError
 from morse.simulation.options import RunOptions

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.context import acting
 from morse.core.observer import Observer
-from morse.core.quoting import short
+from morse.core.reports.quoting import short
 from morse.launch.load import described, start
 from morse.launch.recorded_run import complete, guard, options_of
 from morse.physics import UnstableError
 from morse.recording.streams import RecordedStreams
-from morse.simulation.recorders import machine_facts
+from morse.simulation.recordings.recorders import machine_facts
 from morse.verification.comparison import Comparison, Departure
 
 if TYPE_CHECKING:

@@ -14,11 +14,11 @@ from urllib.parse import urlsplit
 from websockets.asyncio.server import broadcast, serve
 from websockets.exceptions import ConnectionClosed
 
-from morse.core.acceptors.streams import StreamAcceptor
-from morse.core.budget import ENTRY, PARSED, OverBudget
-from morse.core.complaints import Complaints
-from morse.core.web_connection import PacedConnection, sender_of
-from morse.core.web_crowd import MOST_WAITING, NO_PLACE
+from morse.core.clients.acceptors.streams import StreamAcceptor
+from morse.core.clients.budget import ENTRY, PARSED, OverBudget
+from morse.core.clients.complaints import Complaints
+from morse.core.clients.web_connection import PacedConnection, sender_of
+from morse.core.clients.web_crowd import MOST_WAITING, NO_PLACE
 from morse.viewer import page_messages as pm
 from morse.viewer.page import Page
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from websockets.asyncio.server import Server, ServerConnection
     from websockets.http11 import Request, Response
 
-    from morse.core.arrivals import Arrivals
-    from morse.core.web_access import Access
+    from morse.core.clients.arrivals import Arrivals
+    from morse.core.clients.web_access import Access
     from morse.viewer.view_messages import ServerMessage, Subject
 
 MOST_EVENTS = 1000

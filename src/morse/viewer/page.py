@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from websockets.exceptions import ConnectionClosed
 
-from morse.core.budget import Budget
+from morse.core.clients.budget import Budget
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection

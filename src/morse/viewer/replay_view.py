@@ -7,7 +7,7 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from morse.simulation.recorded_timeline import RecordedTimeline
+from morse.simulation.recordings.recorded_timeline import RecordedTimeline
 from morse.viewer import page_messages as page
 from morse.viewer.feeds.recorded_pictures import RecordedPicturesFeed
 from morse.viewer.feeds.recorded_values import RecordedValuesFeed
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from morse.recording.mcap.reader import Channel
     from morse.recording.recording import Recording
+    from morse.simulation.recordings.timeline import Timeline
     from morse.simulation.simulation import Simulation
-    from morse.simulation.timeline import Timeline
 
 #: maximum number of positions of the time line
 _PLACES = 2000

@@ -10,7 +10,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from morse.core.web_access import Access, is_loopback
+from morse.core.clients.web_access import Access, is_loopback
 from morse.viewer.depot import Depot
 from morse.viewer.describe import describe, world_key
 from morse.viewer.hub import Hub, Wishes
@@ -23,7 +23,7 @@ from morse.viewer.view_messages import Answer, World
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from morse.core.network import Network
+    from morse.core.clients.network import Network
     from morse.scene import Scene
     from morse.viewer.page_messages import ViewEvent
     from morse.viewer.snapshot import MovingNode, Snapshot
@@ -63,7 +63,7 @@ class ViewServer:
             token: token that a page must present. One is generated if other machines can reach ``host``.
             title: title of the page.
             origins: origins of other web pages that may show the page in a frame, and drive; see
-                `morse.core.web_access.checked_origin`.
+                `morse.core.clients.web_access.checked_origin`.
         """
         self._network = network
         self._host = host

@@ -12,9 +12,9 @@ import pytest
 import morse
 from morse.builder import ATRV, Environment, MotionVW, Pose
 from morse.builder.errors import ScriptError
-from morse.core.network import Network
+from morse.core.clients.network import Network
 from morse.middleware.multinode.server import MultinodeServer
-from morse.middleware.socket.listener import listen, port_of
+from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from morse.cli.multinode_server import main
-from morse.core.network import Network
+from morse.core.clients.network import Network
 from morse.middleware.multinode.connection import ServerConnection
 from morse.middleware.multinode.messages import MAX_LINE, read_answer, read_pose, read_state
 from morse.middleware.multinode.server import MultinodeServer
-from morse.middleware.socket.listener import listen, port_of
+from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
+
+if TYPE_CHECKING:
+    from morse.rosmsgs.qos import Qos
 
 
 class DeskPublisher(Publisher):

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from effort import examples
-from morse.middleware.ros2.cdr import CdrError, decode, encode, encode_stamped
-from morse.middleware.ros2.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of, messages
+from morse.rosmsgs.cdr import CdrError, decode, encode, encode_stamped
+from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of, messages
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
 STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)

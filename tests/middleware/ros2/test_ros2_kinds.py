@@ -10,11 +10,11 @@ import pytest
 
 from morse.core.kinds import KINDS
 from morse.core.kinds.message import Message
-from morse.middleware.ros2.cdr import encode
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
+from morse.rosmsgs.cdr import encode
 
 if TYPE_CHECKING:
-    from morse.middleware.ros2.outlets import Outlet
+    from morse.rosmsgs.outlets import Outlet
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
 STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)

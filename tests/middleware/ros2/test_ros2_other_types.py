@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from other_side import DOMAIN, need
 
 import morse
-from morse.middleware.ros2.backends.backend import Qos
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,7 +12,7 @@ import pytest
 from desk import Desk
 from PIL import Image
 
-from morse.middleware.ros2.cdr import decode
+from morse.rosmsgs.cdr import decode
 
 if TYPE_CHECKING:
     from collections.abc import Callable

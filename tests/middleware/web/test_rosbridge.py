@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 import morse
-from morse.core.budget import CLIENT_BYTES
+from morse.core.clients.budget import CLIENT_BYTES
 from morse.core.exceptions import MorseError
 from morse.middleware.rosbridge.hub import RosbridgeHub
 from morse.middleware.web.client import WebClient

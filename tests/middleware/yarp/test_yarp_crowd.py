@@ -7,9 +7,9 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from event_loops import run_apart
-from morse.core.arrivals import Arrivals
-from morse.middleware.socket.listener import listen, port_of
+from morse.core.clients.arrivals import Arrivals
 from morse.middleware.yarp.port import Port
+from morse.wire.listener import listen, port_of
 
 if TYPE_CHECKING:
     import pytest

@@ -6,8 +6,8 @@ import logging
 from typing import TYPE_CHECKING
 
 from morse.builder.components.robot import Robot
-from morse.core.hints import nearest
 from morse.core.node_name import node_name
+from morse.core.reports.hints import nearest
 from morse.scene import PhysicsType
 
 if TYPE_CHECKING:

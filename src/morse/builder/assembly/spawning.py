@@ -14,7 +14,7 @@ from morse.builder.environment.environment import connect_by_default
 from morse.builder.errors import checks
 from morse.builder.names import naming
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
-from morse.core.quoting import short
+from morse.core.reports.quoting import short
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -8,7 +8,7 @@ from morse.builder.creator import SensorCreator
 from morse.scene import NodeKind, PhysicsType
 
 if TYPE_CHECKING:
-    from morse.core.builder_defaults import Visual
+    from morse.core.classes.builder_defaults import Visual
 
 
 class ContactSensor(SensorCreator):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from morse.assets import search
 from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
 from morse.builder.names.classes import load_class
-from morse.core.builder_defaults import RobotDefaults
+from morse.core.classes.builder_defaults import RobotDefaults
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -12,9 +12,9 @@ from morse.builder.errors import checks
 from morse.builder.errors.options import manager_options
 from morse.builder.legacy.notices import notice
 from morse.builder.names import frames
-from morse.core import log
 from morse.core.clock import SLOWEST
 from morse.core.exceptions import MorseMultinodeError
+from morse.core.reports import log
 from morse.middleware import registry
 from morse.scene import TimeStrategies
 

@@ -7,8 +7,8 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.legacy import values
-from morse.core.hints import closest as closest
-from morse.core.hints import nearest
+from morse.core.reports.hints import closest as closest
+from morse.core.reports.hints import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -13,12 +13,12 @@ from importlib.util import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.names import sources
-from morse.core.plugins import entry_points
+from morse.core.classes.plugins import entry_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.core.definitions.reading import Definition
+    from morse.core.classes.definitions.reading import Definition
 
 
 logger = logging.getLogger(__name__)

@@ -6,7 +6,7 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from morse.core import classpath as classpaths
+from morse.core.classes import classpath as classpaths
 from morse.core.exceptions import MorseBuilderNoComponentError
 
 #: file names of the import machinery of Python, which is between a module and its imports in a traceback

@@ -17,7 +17,7 @@ from morse.builder.derive import builder_class
 from morse.builder.names import catalog, frames, sources
 from morse.builder.names.catalog import KINDS
 from morse.builder.names.classes import load_class
-from morse.core import describing
+from morse.core.classes import describing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

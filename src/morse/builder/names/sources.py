@@ -7,12 +7,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.core.definitions.index import indexed
+from morse.core.classes.definitions.index import indexed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.core.definitions.reading import Definition
+    from morse.core.classes.definitions.reading import Definition
 
 
 def classes(package: str) -> Iterator[tuple[str, Definition]]:

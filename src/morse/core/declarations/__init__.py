@@ -18,7 +18,7 @@ A class whose formulas come from a standard, a data sheet or a book names it in 
 component library.
 """
 
-from morse.core.builder_defaults import BuilderDefaults, RobotDefaults, Visual
+from morse.core.classes.builder_defaults import BuilderDefaults, RobotDefaults, Visual
 from morse.core.declarations.fields import DataField, KindUse, Level, Option, Property
 from morse.core.declarations.functions import add_data, add_kind, add_level, add_property
 from morse.core.declarations.merged import data_fields, fields_of_component, kinds, levels, properties, says_nothing

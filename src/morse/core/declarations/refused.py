@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseDeclarationError
-from morse.core.hints import nearest
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 from morse.core.units import unit as known_unit
 
 if TYPE_CHECKING:

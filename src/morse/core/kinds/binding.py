@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 from morse.core.declarations import fields_of_component, kinds, properties, says_nothing
 from morse.core.declarations.sources import Each
 from morse.core.exceptions import MorseDeclarationError
-from morse.core.hints import nearest
 from morse.core.kinds.covariance import covariances
 from morse.core.kinds.installed import kind_named
 from morse.core.kinds.kind import ORIENTATION
@@ -16,7 +15,8 @@ from morse.core.kinds.replaced import uses_after_modifiers
 from morse.core.kinds.sources import Among, FromData, as_slot, source_of
 from morse.core.kinds.table import GENERAL
 from morse.core.kinds.turning import NED_AS_WORLD, TURNABLE, turned
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 from morse.core.validation.errors import CommandError
 
 if TYPE_CHECKING:

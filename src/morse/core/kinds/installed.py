@@ -12,9 +12,9 @@ import logging
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from morse.core.classes.plugins import entry_points
 from morse.core.kinds.kind import Kind, Slot
 from morse.core.kinds.table import KINDS
-from morse.core.plugins import entry_points
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint

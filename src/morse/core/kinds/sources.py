@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations.sources import Computed, Euler, Mapped, Prop, Scaled
 from morse.core.exceptions import MorseDeclarationError
-from morse.core.hints import closest, nearest
 from morse.core.kinds.turning import angles_of, normalized, quaternion_of
-from morse.core.quoting import shown
+from morse.core.reports.hints import closest, nearest
+from morse.core.reports.quoting import shown
 from morse.core.units import UnitError, conversion
 
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseDeclarationError
-from morse.core.hints import nearest
 from morse.core.kinds.installed import kind_named
 from morse.core.kinds.table import KINDS, NEEDS_ONE
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 
 if TYPE_CHECKING:
     from morse.core.declarations.fields import KindUse

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from morse.core.declarations import properties
-from morse.core.faults import class_name, is_a
+from morse.core.reports.faults import class_name, is_a
 from morse.core.state.errors import StateError
 from morse.core.state.simple import TAKEN_APART
 from morse.helpers.transformation import Transformation3d

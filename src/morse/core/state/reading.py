@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.abstractobject import AbstractObject
-from morse.core.faults import is_a
-from morse.core.local_data import LocalData
+from morse.core.reports.faults import is_a
 from morse.core.state import arrays
 from morse.core.state.attributes import check_name, reorder
 from morse.core.state.errors import StateError
@@ -41,6 +40,7 @@ from morse.core.state.writing import (
     is_apparatus,
     is_made_of_attributes,
 )
+from morse.core.streams.local_data import LocalData
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
 

@@ -33,10 +33,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.faults import ENDINGS, class_name
-from morse.core.local_data import Later, LocalData
+from morse.core.reports.faults import ENDINGS, class_name
 from morse.core.state import arrays
 from morse.core.state.simple import TAKEN_APART
+from morse.core.streams.local_data import Later, LocalData
 from morse.helpers.transformation import FOLLOWING, Transformation3d
 from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
 

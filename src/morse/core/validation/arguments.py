@@ -13,7 +13,7 @@ import typing
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core.exceptions import MorseRPCNbArgsError, MorseRPCTypeError
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.core.services import hints_of, signature_of
 from morse.core.validation.spec import Spec
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
-from morse.core.quoting import shown
+from morse.core.clients.complaints import Complaints
+from morse.core.reports.quoting import shown
 from morse.core.validation.commands import Commands
 from morse.core.validation.errors import CommandError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.core.arrivals import Sender
+    from morse.core.clients.arrivals import Sender
 
 #: number of letters of a message in the log
 _SHOWN = 80

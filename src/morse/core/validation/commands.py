@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from morse.core.declarations import fields_of_component
-from morse.core.hints import nearest
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 from morse.core.validation.errors import CommandError
 from morse.core.validation.fields import spec_of_field
 from morse.core.validation.plain import check_plain, size_of

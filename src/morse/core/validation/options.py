@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.core.hints import nearest
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 from morse.core.validation.errors import OptionError
 from morse.core.validation.fields import spec_of_option
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from morse.core.declarations import fields_of_component
 from morse.core.declarations.refused import numbers_in
-from morse.core.hints import closest
+from morse.core.reports.hints import closest
 from morse.core.sensor import Sensor
 from morse.core.validation.fields import spec_of_field
 

@@ -6,7 +6,7 @@ import math
 import sys
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.core.hints import closest
+from morse.core.reports.hints import closest
 from morse.core.validation.arrays import array_check, list_check
 from morse.core.validation.plain import check_plain, check_text
 

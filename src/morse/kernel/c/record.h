@@ -100,7 +100,7 @@ static inline RecordPose record_pose(const RecordPoses *all, int64_t row, int64_
 }
 
 // Writes x, y, z and the quaternion, which is given as w, x, y, z and is scaled to the length 1, as `quaternion` in
-// `middleware/ros2/parts.py` does. Returns 0 if its length is none.
+// `rosmsgs/parts.py` does. Returns 0 if its length is none.
 static inline int record_numbers(uint8_t *place, const double *position, const double *q, double length) {
     if (!(length > 0.0) || !(length < __builtin_inf())) return 0;
     double numbers[7] = {position[0], position[1], position[2], q[1], q[2], q[3], q[0]};

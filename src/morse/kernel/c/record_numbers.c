@@ -3,7 +3,7 @@
 
 #include "record.h"
 
-// The same as `xyzw` in `middleware/ros2/parts.py`; q is w, x, y, z.
+// The same as `xyzw` in `rosmsgs/parts.py`; q is w, x, y, z.
 static void write_turn(uint8_t *place, const double *q) {
     const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     double numbers[4] = {0.0, 0.0, 0.0, 1.0};

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from morse.core.hints import nearest
-from morse.core.quoting import short, shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import short, shown
 from morse.middleware.foxglove import frames
-from morse.middleware.ros2.definitions import definition
 from morse.middleware.web.hub import HubClient
+from morse.rosmsgs.definitions import definition
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,7 +6,7 @@ import logging
 import math
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.helpers.geodesy import angle_against_north

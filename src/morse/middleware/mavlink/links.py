@@ -11,10 +11,10 @@ import time
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
-from morse.core.acceptors import Acceptor
-from morse.core.complaints import Complaints
+from morse.core.clients.acceptors import Acceptor
+from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.middleware.mavlink.framing import V1, V2
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.kind_stream import KindStream
+from morse.core.streams.kind_stream import KindStream
 from morse.middleware.mavlink.mapping import STREAM_OPTIONS
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import logging
 import struct
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
 
 if TYPE_CHECKING:
     from morse.middleware.mavlink.links import Link

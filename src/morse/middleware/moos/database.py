@@ -9,8 +9,8 @@ import struct
 import time
 from typing import TYPE_CHECKING, Any
 
-from morse.core.budget import CLIENT_BYTES
-from morse.core.complaints import Complaints
+from morse.core.clients.budget import CLIENT_BYTES
+from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.moos.mapping import INSTALL
 from morse.middleware.moos.packets import HEADER, check_packet

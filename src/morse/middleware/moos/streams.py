@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.datastream import AbstractDatastream
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.core.validation import ClientCommands
 from morse.middleware.moos.mapping import STREAM_OPTIONS
 from morse.middleware.moos.variables import commands_of, constants_of, form_of
-from morse.middleware.socket.encoding import from_json
+from morse.wire.encoding import from_json
 
 if TYPE_CHECKING:
     from collections.abc import Collection

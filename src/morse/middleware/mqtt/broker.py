@@ -7,14 +7,14 @@ import logging
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.mqtt.mapping import INSTALL, PORT, TLS_PORT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from morse.core.arrivals import Arrivals
+    from morse.core.clients.arrivals import Arrivals
 
 logger = logging.getLogger(__name__)
 

@@ -13,7 +13,7 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.core.mapping import maps
 from morse.middleware.mqtt.broker import Broker
 from morse.middleware.mqtt.mapping import MANAGER_OPTIONS
-from morse.middleware.socket.encoding import plain
+from morse.wire.encoding import plain
 
 if TYPE_CHECKING:
     from morse.core.context import Context

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 from morse.core.datastream import AbstractDatastream
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.kinds import bind
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.core.validation import ClientCommands
 from morse.middleware.mqtt.mapping import STREAM_OPTIONS
-from morse.middleware.socket.encoding import from_json
-from morse.middleware.socket.inbox import Inbox
+from morse.wire.encoding import from_json
+from morse.wire.inbox import Inbox
 
 if TYPE_CHECKING:
     from collections.abc import Collection

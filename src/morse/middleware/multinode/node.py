@@ -6,9 +6,9 @@ import logging
 import time
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
-from morse.core.hints import nearest
+from morse.core.clients.complaints import Complaints
 from morse.core.observer import Observer
+from morse.core.reports.hints import nearest
 from morse.middleware.multinode.connection import ServerConnection
 from morse.middleware.multinode.messages import read_answer, read_pose, written_state
 

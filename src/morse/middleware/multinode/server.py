@@ -8,15 +8,15 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from morse.middleware.multinode.messages import read_state, written_answer
-from morse.middleware.socket.lines import LineClient
-from morse.middleware.socket.server import LineServer
+from morse.wire.lines import LineClient
+from morse.wire.server import LineServer
 
 if TYPE_CHECKING:
     import socket
 
-    from morse.core.network import Network
+    from morse.core.clients.network import Network
     from morse.middleware.multinode.messages import Poses
-    from morse.middleware.socket.connection import Connection
+    from morse.wire.connection import Connection
 
 logger = logging.getLogger(__name__)
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
+from morse.core.clients.waiting import Waiting
 from morse.core.status import PREEMPTED, SUCCESS
-from morse.core.waiting import Waiting
 from morse.middleware.ros.messages import message, message_class
-from morse.middleware.ros2.parts import time
+from morse.rosmsgs.parts import time
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -12,8 +12,8 @@ from morse.middleware.ros.node import RospyBackend
 from morse.middleware.ros.old_names import class_path
 from morse.middleware.ros.rosout import LogTopicOfRos1
 from morse.middleware.ros.transforms import TransformsOf14
-from morse.middleware.ros2.backends.backend import Qos
 from morse.middleware.ros2.datastream import TF, Ros2DatastreamManager
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from typing import Any

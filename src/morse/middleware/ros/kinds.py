@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.mapping import maps
-from morse.middleware.ros2.json_text import as_json
-from morse.middleware.ros2.kinds.sensing import SensingKinds
-from morse.middleware.ros2.kinds.spatial import SpatialKinds
-from morse.middleware.ros2.kinds.states import StateKinds, clock
-from morse.middleware.ros2.kinds.vision import VisionKinds
-from morse.middleware.ros2.outlets import Inlet, Outlet
-from morse.middleware.ros2.parts import from_quaternion, from_xyz, header
+from morse.rosmsgs.json_text import as_json
+from morse.rosmsgs.kinds.sensing import SensingKinds
+from morse.rosmsgs.kinds.spatial import SpatialKinds
+from morse.rosmsgs.kinds.states import StateKinds, clock
+from morse.rosmsgs.kinds.vision import VisionKinds
+from morse.rosmsgs.outlets import Inlet, Outlet
+from morse.rosmsgs.parts import from_quaternion, from_xyz, header
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

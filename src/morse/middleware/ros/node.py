@@ -10,18 +10,19 @@ import threading
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
+from morse.core.clients.waiting import Waiting
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.waiting import Waiting
 from morse.middleware.ros.mapping import INSTALL
 from morse.middleware.ros.master import MasterWatch
 from morse.middleware.ros.messages import message, message_class, plain
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping
 
-    from morse.core.arrivals import Arrivals
+    from morse.core.clients.arrivals import Arrivals
+    from morse.rosmsgs.qos import Qos
 
 logger = logging.getLogger(__name__)
 

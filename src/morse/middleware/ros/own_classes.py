@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from morse.core.datastream import AbstractDatastream
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros.messages import message
-from morse.middleware.ros2.parts import quaternion, time, xyz
-from morse.middleware.ros2.poses import quaternion_of
+from morse.rosmsgs.parts import quaternion, time, xyz
+from morse.rosmsgs.poses import quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

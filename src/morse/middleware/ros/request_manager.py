@@ -6,15 +6,15 @@ import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from morse.core.answered_requests import AnsweredRequests
+from morse.core.calls.answered_requests import AnsweredRequests
+from morse.core.clients.time_share import TimeShare
 from morse.core.status import FAILED, SUCCESS
-from morse.core.time_share import TimeShare
 from morse.middleware.ros.actions import ActionServer
 from morse.middleware.ros.messages import message, message_class
 from morse.middleware.ros.node import join
 from morse.middleware.ros2.calls import SET_BOOL, TRIGGER, Call
 from morse.middleware.ros2.feedback import Feedback
-from morse.middleware.ros2.names import cleaned
+from morse.rosmsgs.names import cleaned
 
 if TYPE_CHECKING:
     import uuid

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.middleware.ros2.backends.backend import Qos
-from morse.middleware.ros2.parts import header_at
 from morse.middleware.ros2.rosout import LogTopic, text_of
+from morse.rosmsgs.parts import header_at
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     import logging

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.middleware.ros.mapping import STREAM_OPTIONS
-from morse.middleware.ros2.kinds.states import joint_state
-from morse.middleware.ros2.poses import pose_of
 from morse.middleware.ros2.stream import Ros2Stream, Sending
+from morse.rosmsgs.kinds.states import joint_state
+from morse.rosmsgs.poses import pose_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.core.kinds import BoundKind, Message
     from morse.helpers.transformation import Transformation3d
-    from morse.middleware.ros2.outlets import Outlet
+    from morse.rosmsgs.outlets import Outlet
 
     #: parent frame, child frame, pose
     Frame = tuple[str, str, Transformation3d]

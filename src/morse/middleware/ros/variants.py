@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from morse.core.kinds import bind
 from morse.middleware.ros.lisp import as_lisp
 from morse.middleware.ros.stream import RosStream
-from morse.middleware.ros2.kinds.spatial import pose_message
-from morse.middleware.ros2.outlets import Inlet, Outlet
-from morse.middleware.ros2.parts import header
-from morse.middleware.ros2.poses import pose_of
+from morse.rosmsgs.kinds.spatial import pose_message
+from morse.rosmsgs.outlets import Inlet, Outlet
+from morse.rosmsgs.parts import header
+from morse.rosmsgs.poses import pose_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

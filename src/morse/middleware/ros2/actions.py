@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.core.budget import ENTRY, Budget
+from morse.core.clients.budget import ENTRY, Budget
 from morse.core.status import PREEMPTED, SUCCESS
-from morse.middleware.ros2.backends.backend import Qos
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Callable

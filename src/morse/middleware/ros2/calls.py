@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.core.exceptions import MorseRPCInvokationError
-from morse.core.hints import nearest
-from morse.core.quoting import shown
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
 from morse.core.services import hints_of, signature_of
-from morse.middleware.ros2.json_text import as_json, from_json
+from morse.rosmsgs.json_text import as_json, from_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -6,24 +6,24 @@ import logging
 import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros2.backends.backend import Qos
 from morse.middleware.ros2.domain import announce, join
-from morse.middleware.ros2.kinds.detecting import DetectingKinds
-from morse.middleware.ros2.kinds.sensing import SensingKinds
-from morse.middleware.ros2.kinds.spatial import SpatialKinds
-from morse.middleware.ros2.kinds.states import StateKinds, clock
-from morse.middleware.ros2.kinds.vision import VisionKinds
 from morse.middleware.ros2.mapping import MANAGER_OPTIONS
-from morse.middleware.ros2.names import Names, robot_of
-from morse.middleware.ros2.outlets import COMMAND
 from morse.middleware.ros2.robots import Robots
 from morse.middleware.ros2.rosout import LogTopic
 from morse.middleware.ros2.sending import Sender
 from morse.middleware.ros2.together import Together
 from morse.middleware.ros2.transforms import Transforms
+from morse.rosmsgs.kinds.detecting import DetectingKinds
+from morse.rosmsgs.kinds.sensing import SensingKinds
+from morse.rosmsgs.kinds.spatial import SpatialKinds
+from morse.rosmsgs.kinds.states import StateKinds, clock
+from morse.rosmsgs.kinds.vision import VisionKinds
+from morse.rosmsgs.names import Names, robot_of
+from morse.rosmsgs.outlets import COMMAND
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.kinds import BoundKind
     from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
-    from morse.middleware.ros2.outlets import Inlet, Outlet
     from morse.middleware.ros2.stream import Ros2Stream
+    from morse.rosmsgs.outlets import Inlet, Outlet
 
 logger = logging.getLogger(__name__)
 

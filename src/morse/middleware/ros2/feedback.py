@@ -10,9 +10,9 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
-from morse.middleware.ros2.parts import header_at, quaternion, time, xyz
-from morse.middleware.ros2.poses import quaternion_of
+from morse.core.clients.complaints import Complaints
+from morse.rosmsgs.parts import header_at, quaternion, time, xyz
+from morse.rosmsgs.poses import quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -5,17 +5,17 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.core.answered_requests import AnsweredRequests
+from morse.core.calls.answered_requests import AnsweredRequests
+from morse.core.clients.time_share import TimeShare
 from morse.core.exceptions import MorseError
 from morse.core.status import FAILED, SUCCESS
-from morse.core.time_share import TimeShare
 from morse.middleware.ros2.actions import ActionServer
 from morse.middleware.ros2.calls import Call
-from morse.middleware.ros2.cdr import CdrError
 from morse.middleware.ros2.domain import announce, join, options_of
 from morse.middleware.ros2.feedback import Feedback
-from morse.middleware.ros2.names import Names, cleaned
 from morse.middleware.ros2.simulation_interfaces import SimulationInterfaces
+from morse.rosmsgs.cdr import CdrError
+from morse.rosmsgs.names import Names, cleaned
 
 if TYPE_CHECKING:
     import uuid

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.middleware.ros2.backends.backend import Qos
-from morse.middleware.ros2.moving import joints_of, name_of
-from morse.middleware.ros2.parts import time
-from morse.middleware.ros2.urdf import Carried, describe
+from morse.rosmsgs.moving import joints_of, name_of
+from morse.rosmsgs.parts import time
+from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.urdf import Carried, describe
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
     from morse.middleware.ros2.backends.backend import Publisher
-    from morse.middleware.ros2.moving import Joint
     from morse.middleware.ros2.stream import Ros2Stream
+    from morse.rosmsgs.moving import Joint
 
 logger = logging.getLogger(__name__)
 

@@ -6,8 +6,8 @@ import logging
 from collections import deque
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.middleware.ros2.backends.backend import Qos
-from morse.middleware.ros2.parts import time
+from morse.rosmsgs.parts import time
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from morse.middleware.ros2.backends.backend import Publisher

@@ -7,7 +7,7 @@ import queue
 import threading
 from typing import TYPE_CHECKING, Any
 
-from morse.core.faults import describe
+from morse.core.reports.faults import describe
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.mathutils import Quaternion
-from morse.middleware.ros2.parts import from_quaternion, from_xyz, header_at, quaternion, xyz
-from morse.middleware.ros2.poses import pose_of, quaternion_of
+from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, quaternion, xyz
+from morse.rosmsgs.poses import pose_of, quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

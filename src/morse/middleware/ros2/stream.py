@@ -10,16 +10,16 @@ from zlib import crc32
 import numpy as np
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.kind_stream import KindStream
 from morse.core.kinds import bind
+from morse.core.streams.kind_stream import KindStream
 from morse.helpers.transformation import Transformation3d
-from morse.middleware.ros2.cdr import CdrError, encode_stamped
-from morse.middleware.ros2.fields import field_outlet, unsaid
 from morse.middleware.ros2.mapping import STREAM_OPTIONS
-from morse.middleware.ros2.names import relative_name, robot_of
-from morse.middleware.ros2.parts import covariance, header, quaternion, three, xyz, xyzw
-from morse.middleware.ros2.poses import OPTICAL_INVERSE, motion_of_robot, pose_of, product, quaternion_of
-from morse.middleware.ros2.sizes import check_size
+from morse.rosmsgs.cdr import CdrError, encode_stamped
+from morse.rosmsgs.fields import field_outlet, unsaid
+from morse.rosmsgs.names import relative_name, robot_of
+from morse.rosmsgs.parts import covariance, header, quaternion, three, xyz, xyzw
+from morse.rosmsgs.poses import OPTICAL_INVERSE, motion_of_robot, pose_of, product, quaternion_of
+from morse.rosmsgs.sizes import check_size
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
     from morse.middleware.ros2.backends.backend import Publisher, Subscription
-    from morse.middleware.ros2.outlets import Inlet, Outlet
-    from morse.middleware.ros2.poses import Motion
     from morse.middleware.ros2.together import Together
-    from morse.physics.mounting import Mounting
+    from morse.physics.objects.mounting import Mounting
+    from morse.rosmsgs.outlets import Inlet, Outlet
+    from morse.rosmsgs.poses import Motion
 
 #: number of actions without a message after which a stream checks for senders of another type
 _PATIENCE = 120

@@ -6,13 +6,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
 
-from morse.core.joining import has_group_action
+from morse.core.groups.joining import has_group_action
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.core.context import Context
-    from morse.core.group import Group, Kept
+    from morse.core.groups.group import Group, Kept
     from morse.core.kinds import BoundKind
     from morse.middleware.ros2.sending import Sender
     from morse.middleware.ros2.stream import Ros2Stream, Sending

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 from morse.core.exceptions import MorseMiddlewareError
 from morse.helpers.geodesy import LocalPlane, angle_against_north
 from morse.helpers.transformation import Transformation3d
-from morse.middleware.ros2.moving import MovingFrame, joints_of, poses_of
-from morse.middleware.ros2.names import MAP, OF_WORLD
-from morse.middleware.ros2.parts import quaternion, time, xyz
-from morse.middleware.ros2.poses import OPTICAL_TURN, between, inverse, pose_of, product, quaternion_of
+from morse.rosmsgs.moving import MovingFrame, joints_of, poses_of
+from morse.rosmsgs.names import MAP, OF_WORLD
+from morse.rosmsgs.parts import quaternion, time, xyz
+from morse.rosmsgs.poses import OPTICAL_TURN, between, inverse, pose_of, product, quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     _Send = Callable[[dict[str, Any]], object]
 
-    from morse.middleware.ros2.moving import Joint
     from morse.middleware.ros2.stream import Ros2Stream
+    from morse.rosmsgs.moving import Joint
 
 #: rotations between the frames of a component, as quaternions w, x, y, z: camera images have X right, Y down, Z forward
 _FROM_OWN = {"optical": OPTICAL_TURN, "frd": (0.0, 1.0, 0.0, 0.0)}

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
-from morse.core.hints import nearest
-from morse.core.quoting import short
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import short
 from morse.middleware.rosbridge import rosapi
 from morse.middleware.rosbridge.operations import Operation, parse
 from morse.middleware.web.hub import HubClient

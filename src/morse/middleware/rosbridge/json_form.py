@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from morse.core.hints import nearest
-from morse.core.quoting import short, shown
-from morse.middleware.ros2.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import short, shown
+from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from morse.middleware.ros2.definitions import MessageField
+    from morse.rosmsgs.definitions import MessageField
 
 #: fields of ROS 1 that clients may still send
 _OF_ROS_1 = {"std_msgs/msg/Header": ("seq",), "builtin_interfaces/msg/Time": ("secs", "nsecs")}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros2.definitions import PRIMITIVES, definition, fields_of
+from morse.rosmsgs.definitions import PRIMITIVES, definition, fields_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable

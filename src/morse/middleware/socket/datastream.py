@@ -7,20 +7,20 @@ from collections import deque
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from morse.core.classpath import load_class
+from morse.core.classes.classpath import load_class
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.mapping import maps
 from morse.middleware.socket.directory import StreamDirectory
-from morse.middleware.socket.encoding import to_json
 from morse.middleware.socket.frame_server import FrameServer
-from morse.middleware.socket.images import cloud_json, image_json
-from morse.middleware.socket.listener import allow_many_sockets, listen, port_of
 from morse.middleware.socket.mapping import LAST_PORT, MANAGER_OPTIONS
-from morse.middleware.socket.server import close_all
 from morse.middleware.socket.stream_client import StreamServer
 from morse.middleware.socket.streams import SocketStream
 from morse.middleware.socket.time_sync import TimeSync
+from morse.wire.encoding import to_json
+from morse.wire.images import cloud_json, image_json
+from morse.wire.listener import allow_many_sockets, listen, port_of
+from morse.wire.server import close_all
 
 if TYPE_CHECKING:
     from morse.core.context import Context

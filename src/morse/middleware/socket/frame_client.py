@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.core.quoting import short
+from morse.core.reports.quoting import short
 from morse.middleware.socket.frames import notice_frame
-from morse.middleware.socket.lines import MAX_LINE, LineClient, beginning
+from morse.wire.lines import MAX_LINE, LineClient, beginning
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.middleware.socket.connection import Connection
     from morse.middleware.socket.frame_channel import FrameChannel
     from morse.middleware.socket.frame_server import FrameServer
+    from morse.wire.connection import Connection
 
 MAX_NOTICES = 1 << 20
 """Number of unsent bytes above which a client that sends further requests is disconnected."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.core.hints import nearest
+from morse.core.reports.hints import nearest
 from morse.middleware.socket.frame_channel import FrameChannel
 from morse.middleware.socket.frame_client import FrameClient
 from morse.middleware.socket.frames import notice_frame
-from morse.middleware.socket.server import LineServer
+from morse.wire.server import LineServer
 
 if TYPE_CHECKING:
     import socket

@@ -28,8 +28,8 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from morse.core.local_data import Later
-from morse.middleware.socket.encoding import plain
+from morse.core.streams.local_data import Later
+from morse.wire.encoding import plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from morse.core import status
-from morse.core.quoting import short
-from morse.middleware.socket.encoding import from_json, to_json
+from morse.core.reports.quoting import short
+from morse.wire.encoding import from_json, to_json
 
 _LONGEST_ID = 256
 _FALSE = frozenset((b"null", b"false", b"0", b"0.0", b"-0.0", b"[]", b"{}", b'""'))

@@ -7,19 +7,19 @@ import os
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
+from morse.core.clients.time_share import TimeShare
 from morse.core.exceptions import MorseError, MorseMiddlewareError, MorseRPCNbArgsError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import SUCCESS
-from morse.core.time_share import TimeShare
 from morse.middleware.socket.calls import Calls
-from morse.middleware.socket.listener import listen, port_of
 from morse.middleware.socket.local import listen_locally, remove, wanted_path
 from morse.middleware.socket.protocol import MalformedRequest, format_failure, format_reply, parse_request
-from morse.middleware.socket.server import LineServer
 from morse.middleware.socket.service_client import ServiceClient
 from morse.middleware.socket.turns import Turns
 from morse.system import variables
+from morse.wire.listener import listen, port_of
+from morse.wire.server import LineServer
 
 if TYPE_CHECKING:
     import uuid

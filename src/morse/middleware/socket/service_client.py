@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.middleware.socket.limits import MAX_UNSENT
-from morse.middleware.socket.lines import MAX_LINE, LineClient, beginning
 from morse.middleware.socket.protocol import format_failure
+from morse.wire.limits import MAX_UNSENT
+from morse.wire.lines import MAX_LINE, LineClient, beginning
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.middleware.socket.server import LineServer
+    from morse.wire.server import LineServer
 
 MAX_UNREAD = 16 << 20
 """Number of unread bytes of replies above which a client is disconnected."""

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.middleware.socket.inbox import Inbox
-from morse.middleware.socket.lines import MAX_LINE, LineClient, beginning
-from morse.middleware.socket.server import LineServer
+from morse.wire.inbox import Inbox
+from morse.wire.lines import MAX_LINE, LineClient, beginning
+from morse.wire.server import LineServer
 
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable, Iterator, Sequence
 
-    from morse.core.network import Network
-    from morse.middleware.socket.connection import Connection
+    from morse.core.clients.network import Network
     from morse.middleware.socket.frame_channel import FrameChannel
+    from morse.wire.connection import Connection
 
 #: approximate size to which messages are combined
 _HIGH_WATER = 1 << 18

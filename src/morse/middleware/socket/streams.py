@@ -9,9 +9,9 @@ from morse.core.datastream import AbstractDatastream
 from morse.core.declarations import kinds
 from morse.core.kinds.table import GENERAL
 from morse.core.validation import ClientCommands
-from morse.middleware.socket.encoding import from_json, to_json
 from morse.middleware.socket.frames import data_frame, line_frame
-from morse.middleware.socket.images import cloud_fields, image_fields
+from morse.wire.encoding import from_json, to_json
+from morse.wire.images import cloud_fields, image_fields
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection

@@ -6,14 +6,14 @@ import logging
 import time
 from typing import TYPE_CHECKING
 
-from morse.middleware.socket.lines import LineClient
-from morse.middleware.socket.server import LineServer
+from morse.wire.lines import LineClient
+from morse.wire.server import LineServer
 
 if TYPE_CHECKING:
     import socket
 
     from morse.core.context import Context
-    from morse.middleware.socket.connection import Connection
+    from morse.wire.connection import Connection
 
 logger = logging.getLogger(__name__)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from morse.core.classpath import load_class
+from morse.core.classes.classpath import load_class
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.mapping import maps

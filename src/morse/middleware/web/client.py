@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from websockets.exceptions import ConnectionClosed
 
-from morse.core.budget import ENTRY, Budget
+from morse.core.clients.budget import ENTRY, Budget
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
 
-    from morse.core.arrivals import Sender
+    from morse.core.clients.arrivals import Sender
 
 
 class WebClient:

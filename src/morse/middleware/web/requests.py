@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import msgspec
 
 from morse.core import status
-from morse.core.budget import OverBudget
-from morse.core.complaints import Complaints
+from morse.core.clients.budget import OverBudget
+from morse.core.clients.complaints import Complaints
+from morse.core.clients.time_share import TimeShare
 from morse.core.exceptions import MorseError, MorseMethodNotFoundError, MorseRPCNbArgsError
-from morse.core.hints import nearest
-from morse.core.quoting import short
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import short
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.services import signature_of
-from morse.core.time_share import TimeShare
-from morse.middleware.socket.encoding import plain
 from morse.middleware.socket.turns import Turns
 from morse.middleware.web.hub import hub_of
+from morse.wire.encoding import plain
 
 if TYPE_CHECKING:
     import uuid

@@ -14,12 +14,12 @@ from urllib.parse import quote
 from websockets.asyncio.server import serve
 from websockets.exceptions import ConnectionClosed
 
-from morse.core.acceptors.streams import StreamAcceptor
-from morse.core.complaints import Complaints
+from morse.core.clients.acceptors.streams import StreamAcceptor
+from morse.core.clients.complaints import Complaints
+from morse.core.clients.web_access import Access
+from morse.core.clients.web_connection import PacedConnection, sender_of
+from morse.core.clients.web_crowd import MOST_WAITING, NO_PLACE, place_of
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.web_access import Access
-from morse.core.web_connection import PacedConnection, sender_of
-from morse.core.web_crowd import MOST_WAITING, NO_PLACE, place_of
 from morse.middleware.web.client import WebClient
 
 if TYPE_CHECKING:

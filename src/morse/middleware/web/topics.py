@@ -8,11 +8,12 @@ import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
-from morse.core.complaints import Complaints
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+from morse.core.clients.complaints import Complaints
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from morse.core.context import Context
+    from morse.rosmsgs.qos import Qos
 
 logger = logging.getLogger(__name__)
 

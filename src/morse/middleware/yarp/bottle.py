@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.middleware.socket.encoding import plain
+from morse.wire.encoding import plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

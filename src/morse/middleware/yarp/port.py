@@ -8,10 +8,10 @@ import logging
 import re
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from morse.core.acceptors import DESCRIPTORS
-from morse.core.acceptors.streams import AcceptedProtocol, StreamAcceptor
-from morse.core.complaints import Complaints
-from morse.core.quoting import shown
+from morse.core.clients.acceptors import DESCRIPTORS
+from morse.core.clients.acceptors.streams import AcceptedProtocol, StreamAcceptor
+from morse.core.clients.complaints import Complaints
+from morse.core.reports.quoting import shown
 from morse.middleware.yarp import wire
 from morse.middleware.yarp.bottle import BottleError, Vocab, decode, encode
 from morse.middleware.yarp.bottle_text import from_text, to_text
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import socket
     from collections.abc import Callable
 
-    from morse.core.arrivals import Arrivals, Sender
+    from morse.core.clients.arrivals import Arrivals, Sender
     from morse.middleware.yarp.names import NameServer
 
 logger = logging.getLogger(__name__)

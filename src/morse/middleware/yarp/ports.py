@@ -9,14 +9,14 @@ import re
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.core.validation.options import checked_options, with_defaults
-from morse.middleware.socket.listener import listen
 from morse.middleware.yarp.mapping import JSON_STREAM_MANAGER, MANAGER_OPTIONS, STREAM_MANAGER
 from morse.middleware.yarp.names import Address, NameServer, is_alive
 from morse.middleware.yarp.port import Port
+from morse.wire.listener import listen
 
 if TYPE_CHECKING:
     from collections.abc import Callable

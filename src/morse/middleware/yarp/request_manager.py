@@ -5,10 +5,10 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING, Any
 
-from morse.core.answered_requests import AnsweredRequests
-from morse.core.quoting import shown
+from morse.core.calls.answered_requests import AnsweredRequests
+from morse.core.clients.time_share import TimeShare
+from morse.core.reports.quoting import shown
 from morse.core.status import FAILED
-from morse.core.time_share import TimeShare
 from morse.middleware.text.values import written
 from morse.middleware.yarp.bottle import encode
 from morse.middleware.yarp.ports import Ports, ports_of

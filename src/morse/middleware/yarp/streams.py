@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.core.complaints import Complaints
+from morse.core.clients.complaints import Complaints
 from morse.core.datastream import AbstractDatastream
 from morse.core.kinds import bind
 from morse.core.validation import ClientCommands

@@ -6,10 +6,10 @@ import threading
 from collections import deque
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from morse.core.budget import ENTRY, PARSED, Budget
+from morse.core.clients.budget import ENTRY, PARSED, Budget
 
 if TYPE_CHECKING:
-    from morse.core.complaints import Complaints
+    from morse.core.clients.complaints import Complaints
 
 _T = TypeVar("_T")
 

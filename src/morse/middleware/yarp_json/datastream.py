@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.core.mapping import maps
-from morse.middleware.socket.encoding import to_json
 from morse.middleware.yarp.bottle import encode
 from morse.middleware.yarp.datastream import YarpDatastreamManager
+from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
     from morse.middleware.yarp.streams import YarpPublisher

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.middleware.socket.encoding import from_json
 from morse.middleware.yarp.streams import YarpPublisher, YarpReader
+from morse.wire.encoding import from_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from morse.physics.gameobject import GameObject
+    from morse.physics.objects.gameobject import GameObject
     from morse.physics.rays.solids import Solids
     from morse.scene import Node
 

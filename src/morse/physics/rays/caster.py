@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.kernel.rays import Hits
-    from morse.physics.object_world import ObjectWorld
+    from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.rays.solids import Solids
 
 

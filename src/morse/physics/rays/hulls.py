@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from morse.mathutils.portable import matmul
-from morse.physics import rigid
+from morse.physics.poses import rigid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

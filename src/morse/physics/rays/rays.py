@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from morse.physics.gameobject import GameObject
-    from morse.physics.object_world import ObjectWorld
-    from morse.physics.posed import Posed
+    from morse.physics.objects.gameobject import GameObject
+    from morse.physics.objects.object_world import ObjectWorld
+    from morse.physics.objects.posed import Posed
     from morse.scene import Node
 
 #: maximum number of sets of bundles whose arrays are cached

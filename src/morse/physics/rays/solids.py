@@ -8,10 +8,10 @@ import numpy as np
 
 from morse.kernel.rays import primitives
 from morse.mathutils.portable import matmul
-from morse.physics import rigid
-from morse.physics.inertia import half_sizes
-from morse.physics.layout import Motion
-from morse.physics.poses import as_array
+from morse.physics.model.inertia import half_sizes
+from morse.physics.model.layout import Motion
+from morse.physics.poses import rigid
+from morse.physics.poses.poses import as_array
 from morse.physics.rays.hulls import hulls_of
 from morse.physics.rays.triangles import Triangles
 from morse.scene import Bounds, CollisionShape, Material, PhysicsType, ShapeKind
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics.gameobject import GameObject
-    from morse.physics.object_world import ObjectWorld
+    from morse.physics.objects.gameobject import GameObject
+    from morse.physics.objects.object_world import ObjectWorld
     from morse.scene import Mesh, Node
 
 _WITHOUT_MATERIAL = Material("default")

@@ -10,17 +10,17 @@ import numpy as np
 from morse.core.kinds.kind import ORIENTATION
 from morse.kernel.recording import Numbers
 from morse.kernel.recording.arrays import DOUBLE, SINGLE, SUM, TURN
-from morse.middleware.ros2.parts import xyzw
 from morse.recording.captures.capture import Capture
 from morse.recording.captures.lone import Lone
 from morse.recording.captures.template import STAMP, Part, Template
+from morse.rosmsgs.parts import xyzw
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.core.kinds import BoundKind
     from morse.kernel.recording import Batch, NativeRecords, Rows
     from morse.recording.recorded_stream import RecordedLine, RecordedStream

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.helpers.transformation import Transformation3d
-from morse.middleware.ros2.poses import quaternion_of
 from morse.recording.captures.poses import POSE, PosesCapture
+from morse.rosmsgs.poses import quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.kernel.recording import Batch, NativeRecords, Poses, Rows
-    from morse.middleware.ros2.moving import MovingFrame
     from morse.recording.captures.poses import Read
     from morse.recording.captures.template import Template
+    from morse.rosmsgs.moving import MovingFrame
 
 _NO_TURN = Transformation3d()
 

@@ -14,7 +14,7 @@ from morse.recording.captures.template import Part, Template
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.kernel.recording import NativeRecords
     from morse.recording.captures.capture import Capture
     from morse.recording.recorded_stream import RecordedStream, Single

@@ -11,7 +11,7 @@ from morse.recording.captures.sensors import PoseSensors
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.recording.captures.capture import Capture
 
 #: size of a position and a rotation, bytes

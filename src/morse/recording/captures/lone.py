@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from morse.physics.snapshot import Snapshot
+    from morse.physics.poses.snapshot import Snapshot
 
 
 class _Poses(NamedTuple):
@@ -19,7 +19,7 @@ class Lone:
 
     Attributes:
         members: the sensor.
-        is_changed: see `morse.core.group.Group`.
+        is_changed: see `morse.core.groups.group.Group`.
         stamp: stamp of the world at its last measurement.
         is_of_data: whether its messages follow from its data, whatever its class is.
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.helpers.transformation import Transformation3d
-from morse.middleware.ros2.poses import quaternion_of
 from morse.recording.captures.poses import POSE, PosesCapture, groups_of
 from morse.recording.mcap.records import MESSAGE_HEAD
+from morse.rosmsgs.poses import quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.kernel.recording import Batch, NativeRecords, Poses, Rows
-    from morse.physics.snapshot import Snapshot
+    from morse.physics.poses.snapshot import Snapshot
     from morse.recording.captures.poses import Read
     from morse.recording.captures.template import Template
 

@@ -11,8 +11,8 @@ import numpy as np
 from morse.helpers.transformation import Transformation3d
 from morse.kernel.memory import address
 from morse.kernel.recording import Poses
-from morse.middleware.ros2.parts import quaternion
 from morse.recording.captures.capture import Capture
+from morse.rosmsgs.parts import quaternion
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.kernel.recording import Batch, NativeRecords, Rows
-    from morse.physics.mounting import Mounting
-    from morse.physics.snapshot import Snapshot
+    from morse.physics.objects.mounting import Mounting
+    from morse.physics.poses.snapshot import Snapshot
     from morse.recording.captures.template import Template
 
     #: returns the pose of a rigid group

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.core.group import Group
+    from morse.core.groups.group import Group
     from morse.helpers.transformation import Transformation3d
     from morse.kernel.recording import Batch, NativeRecords, Poses, Rows
+    from morse.physics.poses.snapshot import Snapshot
     from morse.physics.rays.bundle import RayBundle
-    from morse.physics.snapshot import Snapshot
     from morse.recording.captures.poses import Read
     from morse.recording.captures.template import Template
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from morse.core.classpath import load_class
+from morse.core.classes.classpath import load_class
 from morse.core.declarations import fields_of_component
 from morse.core.exceptions import MorseError
 from morse.middleware.ros2.mapping import MIDDLEWARE

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any
 import zstandard
 
 from morse.builder.assembly.spawning import Newcomer
-from morse.core.classpath import load_class
+from morse.core.classes.classpath import load_class
 from morse.core.exceptions import MorseError
 from morse.core.modifier import AbstractModifier
 from morse.core.object import Object
-from morse.core.quoting import quoted
-from morse.middleware.ros2.cdr import CdrError, decode
+from morse.core.reports.quoting import quoted
 from morse.recording.errors import RecordingError
 from morse.recording.made.packing import OWN
 from morse.recording.made.unpacking import Unpacking, unpacked_scene
 from morse.recording.made.writing import BLOCKS, OBJECTS, SCENE, TOPIC, TYPE
 from morse.recording.mcap.reader import LARGEST
+from morse.rosmsgs.cdr import CdrError, decode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import zstandard
 
-from morse.middleware.ros2.backends.backend import Qos
-from morse.middleware.ros2.cdr import encode
 from morse.recording.made.packing import Packing, scene_to_bytes
+from morse.rosmsgs.cdr import encode
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -5,12 +5,12 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, cast
 
+from morse.core.classes.project_imports import ProjectImports
 from morse.core.context import acting
 from morse.core.datastream import AbstractDatastream
 from morse.core.exceptions import MorseError
-from morse.core.project_imports import ProjectImports
 from morse.simulation.loader import check_kinds, make_component, make_modifier
-from morse.simulation.state_parts import StateParts
+from morse.simulation.states.state_parts import StateParts
 from morse.simulation.watching.dependents import to_renew
 from morse.simulation.watching.inheritance import Inheritance
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from morse.assets import load
 from morse.assets.following import follow, resolve
 from morse.builder.assembly.selection import take
-from morse.physics.bottom import bottom_of
+from morse.physics.model.bottom import bottom_of
 
 if TYPE_CHECKING:
     from morse.assets.following import Revision
-    from morse.physics.scene_change import SceneChange
+    from morse.physics.state.scene_change import SceneChange
     from morse.scene import ModelUse, Node
     from morse.simulation.simulation import Simulation
 

@@ -11,11 +11,11 @@ from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
-from morse.core.faults import ENDINGS, describe
 from morse.core.journal import EDIT
 from morse.core.observer import Observer
-from morse.core.project_imports import ProjectImports
+from morse.core.reports.faults import ENDINGS, describe
 from morse.simulation.watching import models
 from morse.simulation.watching.classes import exchange
 from morse.simulation.watching.files import SavedFiles

@@ -10,9 +10,9 @@ from morse.core.declarations import fields_of_component, says_nothing
 from morse.core.mapping import maps
 from morse.core.sensor import Sensor
 from morse.middleware import registry
-from morse.middleware.socket.encoding import to_json
 from morse.scene import StreamDeclaration
 from morse.verification.contract.report import Fault
+from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from morse.verification.contract.stand import Stand
 
 CARRIED = "carried by every middleware"
-_KIND_STREAM = "morse.core.kind_stream.KindStream"
+_KIND_STREAM = "morse.core.streams.kind_stream.KindStream"
 _TICKS = 70
 
 

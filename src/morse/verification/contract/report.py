@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-from morse.core.faults import describe, user_frames
+from morse.core.reports.faults import describe, user_frames
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from morse.core.actuator import Actuator
 from morse.core.declarations import properties
 from morse.core.exceptions import MorseError
-from morse.core.faults import describe
 from morse.core.object import Object
+from morse.core.reports.faults import describe
 from morse.core.services import declared_services, signature_of
 from morse.core.validation.errors import CommandError
 from morse.verification.contract.examples import BAD_VALUES

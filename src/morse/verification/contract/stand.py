@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import ScriptError
 from morse.core.actuator import Actuator
-from morse.core.faults import describe
-from morse.core.pending_commands import PendingCommands
-from morse.core.project_imports import ProjectImports
+from morse.core.classes.project_imports import ProjectImports
+from morse.core.reports.faults import describe
+from morse.core.streams.pending_commands import PendingCommands
 from morse.launch.load import described, start
-from morse.middleware.socket.encoding import to_json
 from morse.simulation.loader import LoadError
 from morse.simulation.options import RunOptions
 from morse.verification.contract.examples import example
 from morse.verification.contract.places import Places
 from morse.verification.contract.subjects import Subject, SubjectError
+from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
     from types import TracebackType

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import morse.builder
 from morse.builder import actuators, robots, sensors
 from morse.builder.names import catalog, sources
-from morse.core.hints import nearest
+from morse.core.reports.hints import nearest
 
 if TYPE_CHECKING:
     import os

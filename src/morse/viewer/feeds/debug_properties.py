@@ -11,9 +11,9 @@ from morse.viewer.view_messages import DebugProperties, DebugProperty
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.physics.gameobject import GameObject
-    from morse.simulation.profile import Profile
+    from morse.physics.objects.gameobject import GameObject
     from morse.simulation.simulation import Simulation
+    from morse.simulation.ticks.profile import Profile
     from morse.viewer.server import ViewServer
 
 #: maximum number of lines; the number of the others is shown instead

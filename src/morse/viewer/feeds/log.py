@@ -78,7 +78,7 @@ class LogFeed(logging.Handler):
         super().close()
 
 
-#: name of the thread that serves connections, see `morse.core.network`
+#: name of the thread that serves connections, see `morse.core.clients.network`
 _NETWORK = "morse-network"
 
 #: characters that change the text direction

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from morse.core.image_colors import as_pixels, depth_levels, is_picture, is_temperature, unit_of
+from morse.core.colors.image_colors import as_pixels, depth_levels, is_picture, is_temperature, unit_of
 from morse.viewer.view_messages import Picture, Sighting
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 from morse.core.exceptions import MorseError
 from morse.core.kinds import bind
 from morse.mathutils.rotations import cross, turn_back
-from morse.middleware.ros2.poses import inverse, pose_of, product, quaternion_of
+from morse.rosmsgs.poses import inverse, pose_of, product, quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.colors.image_colors import is_picture
 from morse.core.context import acting
 from morse.core.exceptions import MorseError
-from morse.core.image_colors import is_picture
-from morse.middleware.ros2.cdr import CdrError, decode
+from morse.rosmsgs.cdr import CdrError, decode
 from morse.viewer.feeds.pictures import PicturesFeed, Shot
 from morse.viewer.feeds.recorded_world import look_around
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
 from morse.core.journal import COMMAND
-from morse.middleware.ros2.cdr import decode
+from morse.rosmsgs.cdr import decode
 from morse.viewer.feeds.recorded_fields import DAMAGED, fields_of
 from morse.viewer.feeds.values import shown
 from morse.viewer.view_messages import Values
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.recording.mcap.reader import Channel
-    from morse.simulation.recorded_timeline import RecordedTimeline
+    from morse.simulation.recordings.recorded_timeline import RecordedTimeline
     from morse.viewer.server import ViewServer
 
 #: images have panels of their own

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import Any
 
-from morse.core.faults import ENDINGS, describe, name_of
+from morse.core.reports.faults import ENDINGS, describe, name_of
 from morse.core.requests import serve
 from morse.physics.rays.bundle import RayBundle
 

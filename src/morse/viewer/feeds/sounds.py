@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.actuators.sound import Sound
-from morse.core.quoting import shown
+from morse.core.reports.quoting import shown
 from morse.system.regular_files import read_regular
 from morse.viewer.view_messages import SoundState
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
-from morse.core.pending_commands import PendingCommands
+from morse.core.streams.pending_commands import PendingCommands
 
 if TYPE_CHECKING:
     from morse.core.context import Context

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core import status
 from morse.core.declarations import properties
 from morse.core.exceptions import MorseError
-from morse.core.faults import describe
+from morse.core.reports.faults import describe
 from morse.core.request_manager import Outcome, RequestManager
 from morse.viewer.feeds.states import cameras_of
 from morse.viewer.view_messages import Answer, PropertyValue, Refused

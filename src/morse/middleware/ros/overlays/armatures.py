@@ -10,7 +10,7 @@ from morse.middleware.ros.decorators import ros_action
 from morse.middleware.ros.node import join
 from morse.middleware.ros.overlays import action_type
 from morse.middleware.ros.overlays.trajectories import in_order_of
-from morse.middleware.ros2.names import cleaned
+from morse.rosmsgs.names import cleaned
 
 JointTrajectoryAction = action_type("JointTrajectoryAction", "control_msgs", "pr2_controllers_msgs")
 

@@ -3,26 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from morse.middleware.ros2 import cdr
+from morse.rosmsgs import cdr
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-
-class Qos(NamedTuple):
-    """Quality of service of a topic.
-
-    Attributes:
-        depth: number of messages that are kept.
-        reliable: lost messages are sent again.
-        latched: a subscriber that joins later gets the last messages, too (durability transient local).
-    """
-
-    depth: int = 10
-    reliable: bool = True
-    latched: bool = False
+    from morse.rosmsgs.qos import Qos
 
 
 class Publisher(ABC):

@@ -24,12 +24,14 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
 from morse.middleware.ros2.backends.cyclone_types import sample_type
 from morse.middleware.ros2.backends.loopback import Confined, confined, described
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from morse.rosmsgs.qos import Qos
 
 #: time for which a reliable writer waits for a reader with a full queue; the simulation must not wait
 _NO_TIME = 0.0

@@ -13,7 +13,7 @@ from typing import Any
 from cyclonedds import idl
 from cyclonedds.idl import types as dds
 
-from morse.middleware.ros2.definitions import SEQUENCE, SINGLE, fields_of
+from morse.rosmsgs.definitions import SEQUENCE, SINGLE, fields_of
 
 
 @cache

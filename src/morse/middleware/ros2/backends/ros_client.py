@@ -16,11 +16,13 @@ from rclpy.context import Context
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, ServiceServer, Subscription
+from morse.middleware.ros2.backends.backend import Backend, Publisher, ServiceServer, Subscription
 from morse.middleware.ros2.backends.loopback import Confined, confined, described
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+    from morse.rosmsgs.qos import Qos
 
 _LOOPBACK = ("", "lo", "127.0.0.1", "localhost")
 #: variables by which the user can set the network range of ROS

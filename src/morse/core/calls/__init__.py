@@ -1,0 +1,1 @@
+"""Calls of services that take time: their progress, and their answers."""

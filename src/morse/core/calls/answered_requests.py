@@ -1,0 +1,62 @@
+"""Requests whose outcome is passed to a function: the base of managers that answer callers by their own messages."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.core.clients.complaints import Complaints
+from morse.core.exceptions import MorseError
+from morse.core.request_manager import Outcome, RequestManager
+from morse.core.status import FAILED
+
+if TYPE_CHECKING:
+    import uuid
+    from collections.abc import Callable
+
+    from morse.core.context import Context
+
+#: maximum number of active calls
+MOST_ACTIVE = 1024
+
+
+class AnsweredRequests(RequestManager):
+    """A request manager that calls a function at the end of each call."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        self._ends: dict[uuid.UUID, Callable[[Outcome], object]] = {}
+        self._complaints = Complaints(logging.getLogger(type(self).__module__))
+
+    def call(
+        self, component: str, service: str, arguments: list[Any], ended: Callable[[Outcome], object]
+    ) -> uuid.UUID | None:
+        """Call a service of this manager.
+
+        Args:
+            ended: called with status and result, in this tick or in a later one.
+
+        Returns:
+            The call, if it is asynchronous.
+        """
+        if len(self._ends) >= MOST_ACTIVE:
+            ended((FAILED, f"{MOST_ACTIVE} calls are active: wait until they end"))
+            return None
+        try:
+            done, outcome = self.on_incoming_request(component, service, arguments)
+        except MorseError as error:
+            ended((FAILED, str(error)))
+        except Exception as error:  # the service may be user code
+            ended((FAILED, self._complaints.service_failed(f"the service {service} of {component}", error)))
+        else:
+            if not done:
+                self._ends[outcome] = ended
+                return outcome  # type: ignore[no-any-return]
+            ended(outcome)
+        return None
+
+    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
+        """See `RequestManager.on_service_completion`."""
+        ended = self._ends.pop(request_id, None)
+        if ended is not None:
+            ended(result)

@@ -1,0 +1,1 @@
+"""Classes of components: where they are declared, found, and imported from."""

@@ -1,0 +1,248 @@
+"""Accepts the connections to one port, and decides who has to leave if there are too many."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, Protocol
+from weakref import WeakKeyDictionary
+
+from morse.core.clients.acceptors.descriptors import DESCRIPTORS
+
+if TYPE_CHECKING:
+    import asyncio
+    from collections.abc import Callable
+
+    from morse.core.clients.complaints import Complaints
+
+#: connections that wait in the system until they are accepted; others have to try again after a second
+_BACKLOG = 1024
+#: limits for one turn of the event loop: accepted connections, wall-clock seconds, and connections that have to leave.
+#: Between two turns, the data of all other connections are read
+_AT_A_TIME, _TURN, _LEAVING = 64, 0.002, 8
+#: wall-clock seconds without accepting connections after the system could not create a socket
+_PAUSE = 1.0
+
+
+class ClientConnection(Protocol):
+    """A connection of a client."""
+
+    @property
+    def keeps_place(self) -> bool:
+        """Whether it has sent something valid: it does not have to leave for a new connection."""
+
+    def importance(self) -> tuple[float, ...]:
+        """Of the others, the connection with the lowest importance has to leave first."""
+
+    def dismiss(self) -> None:
+        """Close the connection because another one needs its place."""
+
+
+class Acceptors:
+    """The acceptors that share a thread.
+
+    Attributes:
+        acceptors: the open acceptors.
+        leaving: number of connections that are about to be closed.
+    """
+
+    def __init__(self) -> None:
+        self.acceptors: set[Acceptor] = set()
+        self.leaving = 0
+
+    @property
+    def count(self) -> int:
+        """The number of connections."""
+        return sum(len(acceptor.connections) for acceptor in self.acceptors)
+
+    def most_dispensable(self) -> Acceptor | None:
+        """The acceptor with the most connections that may have to leave; None if all keep their places."""
+        acceptor = max(self.acceptors, key=lambda acceptor: len(acceptor.dispensable()), default=None)
+        return acceptor if acceptor is not None and acceptor.dispensable() else None
+
+
+_by_loop: WeakKeyDictionary[asyncio.AbstractEventLoop, Acceptors] = WeakKeyDictionary()
+
+
+def acceptors_of(loop: asyncio.AbstractEventLoop) -> Acceptors:
+    """The acceptors of an event loop."""
+    return _by_loop.setdefault(loop, Acceptors())
+
+
+class Acceptor:
+    """Accepts connections while there are places and file descriptors.
+
+    If there are too many connections, one that has not sent anything valid is closed, else the new one. A connection
+    that its client has reset meanwhile costs nothing but the call of the system that accepts it.
+
+    Args:
+        name: name of the server in messages.
+        enter: called with the socket and the address of a new connection; it calls `join`.
+        most: maximum number of connections.
+        complaints: where refused connections are logged.
+        refusal: bytes that a client gets before its connection is closed because there is no place for it.
+
+    Attributes:
+        connections: the connections.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        enter: Callable[[socket.socket, Any], object],
+        *,
+        most: int,
+        complaints: Complaints,
+        refusal: bytes = b"",
+    ) -> None:
+        self.name = name
+        self.connections: set[Any] = set()
+        self._enter, self._most, self._complaints, self._refusal = enter, most, complaints, refusal
+        self._listeners: list[socket.socket] = []
+        self._acceptors = Acceptors()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._watch: Callable[[socket.socket], object] = lambda _: None
+        self._ignore: Callable[[socket.socket], object] = lambda _: None
+
+    def open(
+        self,
+        listener: socket.socket,
+        loop: asyncio.AbstractEventLoop | None = None,
+        watch: Callable[[socket.socket, Callable[[], None]], object] | None = None,
+        ignore: Callable[[socket.socket], object] | None = None,
+    ) -> None:
+        """Start accepting.
+
+        Args:
+            listener: a bound socket.
+            loop: the event loop that accepts; None if the caller calls `accept` again and again.
+            watch: called with the listener and the function for when it is readable, instead of ``loop.add_reader``.
+            ignore: called with the listener, instead of ``loop.remove_reader``.
+        """
+        listener.listen(_BACKLOG)
+        listener.setblocking(False)
+        self._listeners.append(listener)
+        if loop is not None:
+            self._loop, self._acceptors = loop, acceptors_of(loop)
+            add = watch if watch is not None else loop.add_reader
+            self._watch = lambda one: add(one, lambda: self._accept_from(one))
+            self._ignore = ignore if ignore is not None else loop.remove_reader
+        self._acceptors.acceptors.add(self)
+        self._watch(listener)
+
+    @property
+    def listeners(self) -> list[socket.socket]:
+        """The sockets that listen."""
+        return list(self._listeners)
+
+    def close(self) -> None:
+        """Stop accepting; the connections stay."""
+        for listener in self._listeners:
+            self._ignore(listener)
+            listener.close()
+        self._listeners.clear()
+        self._acceptors.acceptors.discard(self)
+
+    def join(self, place: ClientConnection) -> None:
+        """Add a connection."""
+        self.connections.add(place)
+        DESCRIPTORS.enter()
+
+    def leave(self, place: ClientConnection) -> None:
+        """Remove a connection that is closed; it may be called again."""
+        if place in self.connections:
+            self.connections.discard(place)
+            DESCRIPTORS.leave()
+
+    def dispensable(self) -> list[Any]:
+        """The connections that may have to leave."""
+        return [place for place in self.connections if not place.keeps_place]
+
+    def make_room(self) -> bool:
+        """Close the least important connection; False if all keep their places."""
+        leaving = min(self.dispensable(), key=lambda place: place.importance(), default=None)
+        if leaving is None:
+            return False
+        peer = getattr(leaving, "peer", "a silent connection")
+        text = f"{self.name}: {peer} is disconnected to make room: there are {len(self.connections)} clients"
+        self._complaints.warn("many", text)
+        leaving.dismiss()
+        self.leave(leaving)
+        if self._loop is not None:
+            # its socket is closed in the next turn
+            self._acceptors.leaving += 1
+            self._loop.call_soon(self._has_left)
+        return True
+
+    # -- accepting ---------------------------------------------------------------------------
+
+    def accept(self) -> None:
+        """Accept the connections that wait."""
+        for listener in self.listeners:
+            self._accept_from(listener)
+
+    def _accept_from(self, listener: socket.socket) -> None:
+        until = perf_counter() + _TURN
+        for _ in range(_AT_A_TIME):
+            if self._acceptors.leaving >= _LEAVING or perf_counter() > until or listener not in self._listeners:
+                return
+            try:
+                sock, address = listener.accept()
+            except (BlockingIOError, InterruptedError):
+                return
+            except ConnectionError:
+                continue  # the client has left
+            except OSError as error:
+                self._pause(listener, error)
+                return
+            sock.setblocking(False)
+            if _is_reset(sock):
+                sock.close()
+            elif not self._has_place():
+                self._refuse(sock)
+            else:
+                self._enter(sock, address)
+
+    def _has_place(self) -> bool:
+        if len(self.connections) >= self._most:
+            return self.make_room()
+        if DESCRIPTORS.has_room():
+            return True
+        crowded = self._acceptors.most_dispensable()
+        return crowded is not None and crowded.make_room()
+
+    def _refuse(self, sock: socket.socket) -> None:
+        why = f"all {len(self.connections)} connections are in use"
+        if len(self.connections) < self._most:
+            why = "the limit of open files of the process leaves no more connections (ulimit -n)"
+        self._complaints.warn("full", f"{self.name}: a client is refused: {why}")
+        with contextlib.suppress(OSError), sock:
+            # bytes that are not read would turn the end into a reset, which discards the refusal
+            with contextlib.suppress(BlockingIOError):
+                sock.recv(1 << 16)
+            if self._refusal:
+                sock.send(self._refusal)
+
+    def _pause(self, listener: socket.socket, error: OSError) -> None:
+        self._complaints.warn("accept", f"{self.name}: nobody can connect for a while: {error.strerror}")
+        if self._loop is not None:
+            self._ignore(listener)
+            self._loop.call_later(_PAUSE, self._resume, listener)
+
+    def _resume(self, listener: socket.socket) -> None:
+        if listener in self._listeners:
+            self._watch(listener)
+
+    def _has_left(self) -> None:
+        self._acceptors.leaving -= 1
+
+
+def _is_reset(sock: socket.socket) -> bool:
+    try:
+        sock.recv(1, socket.MSG_PEEK)
+    except (BlockingIOError, InterruptedError):
+        return False
+    except OSError:
+        return True
+    return False

@@ -1,0 +1,108 @@
+"""Rate-limited warnings about clients, because a client may repeat a mistake thousands of times per second."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from typing import TYPE_CHECKING
+
+from morse.core.reports.faults import place, summary
+from morse.core.reports.folding import PERIOD as _PERIOD
+from morse.core.reports.folding import TELLER
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: number of kinds that are logged per period; the number is limited, because clients can create kinds by the names that
+#: they send
+_MAX_KINDS = 20
+
+
+class Complaints:
+    """Logs the first warning of a kind immediately, and then at most one every ten seconds.
+
+    All kinds together have at most 20 lines in ten seconds. Suppressed warnings are counted; the number is logged with
+    the next warning of the kind, or after ten seconds.
+
+    Args:
+        logger: receives the warnings.
+        now: function that returns wall-clock time, s.
+    """
+
+    def __init__(self, logger: logging.Logger, now: Callable[[], float] = time.monotonic) -> None:
+        self._logger = logger
+        self._now = now
+        self._lock = threading.Lock()
+        #: kind to the time of its last line, the number of warnings suppressed since then, and the last of them
+        self._last: dict[str, tuple[float, int, tuple[int, str]]] = {}
+        self._others = 0
+        self._others_since = 0.0
+
+    def warn(self, kind: str, message: str) -> None:
+        """Log ``message``, unless a message of the same ``kind`` was logged in the last ten seconds."""
+        self.log(logging.WARNING, kind, message)
+
+    def log(self, level: int, kind: str, message: str) -> None:
+        """Log ``message`` at ``level``, with the same limits as `warn`."""
+        now = self._now()
+        with self._lock:
+            last = self._last.get(kind)
+            if last is not None and now - last[0] < _PERIOD:
+                self._last[kind] = (last[0], last[1] + 1, (level, message))
+                line = None
+            elif last is None and len(self._last) >= _MAX_KINDS and not self._forget(now):
+                self._others_since = self._others_since if self._others else now
+                self._others += 1
+                line = None
+            else:
+                self._last[kind] = (now, 0, (level, message))
+                counted = last[1] if last is not None else 0
+                line = message + (f" ({counted} more of this kind)" if counted else "")
+                if self._others:
+                    line += self._counted_others()
+        if line is None:
+            TELLER.remind(self)
+        else:
+            self._logger.log(level, "%s", line)
+
+    def tell(self, *, now: bool) -> bool:
+        """Log how many warnings were suppressed in the periods that are over; see `folding.Counting`."""
+        lines: list[tuple[int, str]] = []
+        with self._lock:
+            time = self._now()
+            for kind, (when, count, (level, message)) in list(self._last.items()):
+                if count and (now or time - when >= _PERIOD):
+                    self._last[kind] = (time, 0, (level, message))
+                    lines.append((level, f"{message} ({count} more of this kind)"))
+            if self._others and (now or time - self._others_since >= _PERIOD):
+                lines.append((logging.WARNING, self._counted_others().strip(" ()")))
+            left = bool(self._others) or any(count for _, count, _ in self._last.values())
+        for level, line in lines:
+            self._logger.log(level, "%s", line)
+        return left
+
+    def _counted_others(self) -> str:
+        count, self._others = self._others, 0
+        return f" ({count} warnings of other kinds were suppressed)"
+
+    def service_failed(self, name: str, error: Exception) -> str:
+        """Log the exception of a service, with the line that raised it.
+
+        Args:
+            name: of the service, for the log and as the kind of the message.
+            error: as it was caught.
+
+        Returns:
+            The type and the message of the exception, for the client.
+        """
+        what = summary(error)
+        self.log(logging.ERROR, name, f"{name} failed: {what}\n{place(error)}")
+        return what
+
+    def _forget(self, now: float) -> bool:
+        """Free entries for new kinds; return False if all kinds belong to the present period."""
+        old = [kind for kind, (when, _, _) in self._last.items() if now - when >= _PERIOD]
+        for kind in old:
+            self._others += self._last.pop(kind)[1]
+        return bool(old)

@@ -1,0 +1,160 @@
+"""A WebSocket connection whose bytes are processed within the share of the time for what clients send.
+
+The library of WebSockets answers pings itself and collects fragments: neither becomes a message. Therefore the time is
+measured where bytes arrive.
+"""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from websockets.protocol import State
+
+from morse.core.clients.web_crowd import Connection
+
+if TYPE_CHECKING:
+    import asyncio
+
+    from websockets.asyncio.server import ServerConnection
+
+    from morse.core.clients.arrivals import Arrivals, Sender
+
+#: processor time of the answer to a request or a handshake, s
+_HANDSHAKE = 1e-3
+#: bytes that are processed at once: the time of some hundred pings
+_PIECE = 1 << 12
+#: wall-clock seconds after which others run, also if the client need not rest
+_TURN = 0.002
+#: unsent bytes of answers to pings; a client that does not read them is not read, either
+_MOST_UNSENT = 1 << 16
+#: wall-clock seconds between two checks whether it has read them
+_LOOK = 0.05
+
+
+class _Valve:
+    """A transport that does not read while the queue of messages is full, or while the client rests."""
+
+    def __init__(self, transport: asyncio.Transport, owner: PacedConnection) -> None:
+        self._transport, self._owner = transport, owner
+        self.is_full = False
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._transport, name)
+
+    def pause_reading(self) -> None:
+        self.is_full = True
+        self._transport.pause_reading()
+
+    def resume_reading(self) -> None:
+        self.is_full = False
+        self._owner.go_on()
+
+
+class PacedConnection(Connection):
+    """Processes received bytes piece by piece; a client that sends too much rests in between.
+
+    Args:
+        arrivals: the share.
+    """
+
+    _valve: _Valve
+
+    def __init__(self, arrivals: Arrivals, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self.sender = arrivals.sender()
+        self._newcomers = arrivals.newcomers
+        self._unprocessed = bytearray()
+        self._answers = 0
+        self._has_ended = self._is_busy = False
+        self._resting: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """See `asyncio.Protocol`."""
+        self._valve = _Valve(transport, self)  # type: ignore[arg-type] # that of a connection
+        super().connection_made(self._valve)  # type: ignore[arg-type] # it has the methods of a transport
+
+    def data_received(self, data: bytes) -> None:
+        """See `asyncio.Protocol`."""
+        self._unprocessed += data
+        self.go_on()
+
+    def eof_received(self) -> None:
+        """See `asyncio.Protocol`; the bytes before the end are processed first."""
+        self._has_ended = True
+        if self._unprocessed:
+            return True  # type: ignore[return-value] # keeps the connection open
+        super().eof_received()
+        return None
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """See `asyncio.Protocol`."""
+        self._unprocessed.clear()
+        if self._resting is not None:
+            self._resting.cancel()
+        super().connection_lost(exc)
+
+    def go_on(self) -> None:
+        """Process the bytes that have arrived, until the client has to rest or the queue is full."""
+        if self._is_busy or self._resting is not None:
+            return
+        if self.protocol.state is State.CONNECTING and self._unprocessed and self._must_wait():
+            return
+        self._is_busy = True
+        end = perf_counter() + _TURN
+        try:
+            while self._unprocessed and not self._valve.is_full and self._resting is None:
+                self._process()
+                if self._unprocessed and self._resting is None and perf_counter() > end:
+                    self._rest(0.0)  # let others run
+        finally:
+            self._is_busy = False
+        if self._resting is not None or self._unprocessed:
+            self._valve._transport.pause_reading()
+        elif self._has_ended:
+            super().eof_received()
+            self._valve.close()
+        elif not self._valve.is_full:
+            self._valve._transport.resume_reading()
+
+    def _must_wait(self) -> bool:
+        """Whether those who connect have used their time; the connection is processed later."""
+        if self._newcomers.rests:
+            self._rest(self._newcomers.remaining)
+            self._valve._transport.pause_reading()
+            return True
+        self._newcomers.spend(_HANDSHAKE)
+        self._newcomers.rest_if_due()
+        return False
+
+    def _process(self) -> None:
+        piece = bytes(self._unprocessed[:_PIECE])
+        del self._unprocessed[:_PIECE]
+        unsent = self._valve.get_write_buffer_size()
+        account = self._newcomers if self.protocol.state is State.CONNECTING else self.sender
+        with account.measured():
+            super().data_received(piece)
+        grown = self._valve.get_write_buffer_size() - unsent
+        self._answers = self._answers + max(0, grown) if unsent or grown > 0 else 0
+        if self.sender.must_rest:
+            self._rest(self.sender.begin_rest())
+        elif self._answers > _MOST_UNSENT:
+            self._rest(_LOOK)
+
+    def _rest(self, duration: float) -> None:
+        self._resting = self.loop.call_later(duration, self._end_rest)
+
+    def _end_rest(self) -> None:
+        self._resting = None
+        if self._valve.get_write_buffer_size() == 0:
+            self._answers = 0
+        elif self._answers > _MOST_UNSENT:
+            self._rest(_LOOK)
+            return
+        self.go_on()
+
+
+def sender_of(connection: ServerConnection) -> Sender:
+    """The account of the client of a `PacedConnection`."""
+    assert isinstance(connection, PacedConnection)
+    return connection.sender

@@ -1,0 +1,1 @@
+"""Colours for data that are no colours: ids, depths, directions."""

@@ -1,0 +1,118 @@
+"""Camera images in colours for people: depths, ids, temperatures, normals and vectors."""
+
+from __future__ import annotations
+
+import io
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
+
+import numpy as np
+
+from morse.core.colors.id_colors import as_colors, as_directions
+from morse.core.declarations import fields_of_component
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+FARTHEST_LEVEL = 32
+"""The grey value of the largest depth in an image: JPEG compression does not mix it with the black of no depth."""
+
+#: from cold to hot; the twin of ``DEPTHS`` of the page
+_HEAT = ((44, 36, 104), (84, 42, 134), (140, 46, 124), (205, 62, 92), (244, 122, 60), (255, 196, 92), (255, 246, 190))
+_OF_TEMPERATURE = ("°C", "K", "°F")
+
+
+class Levels(NamedTuple):
+    """Depths as grey values, and the depths of the brightest and the darkest value."""
+
+    grey: NDArray[np.uint8]
+    low: float
+    high: float
+
+
+def depth_levels(image: NDArray[Any]) -> Levels:
+    """Depths (H, W) as grey values from 255, the smallest, to `FARTHEST_LEVEL`; 0 for depths that are not finite."""
+    known = np.isfinite(image)
+    if not known.any():
+        return Levels(np.zeros(image.shape, np.uint8), 0.0, 0.0)
+    values = np.where(known, image, 0).astype(np.float32)
+    low = float(values.min(initial=math.inf, where=known))
+    high = float(values.max(initial=-math.inf, where=known))
+    steps = 255 - FARTHEST_LEVEL
+    share = (values - np.float32(low)) * np.float32(steps / (high - low) if high > low else 0.0)
+    grey = 255 - np.clip(share + np.float32(0.5), 0, steps).astype(np.uint8)
+    grey[~known] = 0
+    return Levels(grey, low, high)
+
+
+def is_picture(image: Any) -> TypeGuard[NDArray[Any]]:
+    """Whether it is an image that can be shown."""
+    if not isinstance(image, np.ndarray) or image.dtype.kind not in "fiub" or not image.size:
+        return False
+    channels = (3, 4) if image.dtype == np.uint8 else (2, 3)
+    return image.ndim == 2 or (image.ndim == 3 and image.shape[2] in channels)
+
+
+def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
+    """Convert an image to pixels (H, W) or (H, W, 3) for display.
+
+    Colours are unchanged, each id (H, W) uint16 gets a colour. Depths are shown from white (near) to dark grey, and
+    black without a surface. Vectors (H, W, 2) are coloured by direction. Normals (H, W, 3) have their coordinates as
+    red, green and blue, with the side that faces the camera bright; pixels without a normal are black.
+    """
+    if image.dtype == np.uint8:
+        return np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image)
+    if image.dtype == np.uint16 and image.ndim == 2:
+        return as_colors(image)
+    if image.ndim == 3 and image.shape[2] == 2:
+        return as_directions(image)
+    if image.ndim == 3 and image.shape[2] == 3:
+        return as_coordinates(image)
+    return depth_levels(image).grey
+
+
+def as_coordinates(normals: NDArray[Any]) -> NDArray[np.uint8]:
+    """Colours of unit vectors (H, W, 3): right is red, up is green, towards the camera is blue; zeros are black."""
+    colors: NDArray[np.float64] = 127.5 + 127.5 * np.clip(np.nan_to_num(normals), -1.0, 1.0) * np.array(
+        (1.0, -1.0, -1.0)
+    )
+    colors[~np.any(normals, axis=2)] = 0.0
+    return np.asarray(colors + 0.5, np.float64).astype(np.uint8)
+
+
+def as_heat(image: NDArray[Any]) -> NDArray[np.uint8]:
+    """Colours of temperatures (H, W) from dark, cold, to bright, hot, as pages show them."""
+    known = image[np.isfinite(image)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+    share = (np.nan_to_num(image, nan=low, posinf=high, neginf=low) - low) / max(high - low, 1e-9)
+    steps = np.linspace(0.0, 1.0, len(_HEAT))
+    return np.stack([np.interp(share, steps, channel) for channel in np.transpose(_HEAT)], axis=-1).astype(np.uint8)
+
+
+def unit_of(component: Any) -> str:
+    """The unit of the pixels of a camera."""
+    return str(getattr(fields_of_component(component).get("image"), "unit", ""))
+
+
+def is_temperature(component: Any) -> bool:
+    """Whether the images of a camera contain temperatures."""
+    return unit_of(component) in _OF_TEMPERATURE
+
+
+def png_of(component: Any) -> bytes | None:
+    """Return the present image of a camera as a PNG file, in the colours of `as_pixels` and `as_heat`.
+
+    Returns:
+        None for a component without an image, and before its first image.
+    """
+    # imported with the first image
+    from PIL import Image
+
+    image = component.local_data.get("image")
+    if not is_picture(image):
+        return None
+    top_first = image if getattr(component, "vertical_flip", True) else image[::-1]
+    pixels = as_heat(top_first) if is_temperature(component) else as_pixels(top_first)
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "PNG")
+    return file.getvalue()

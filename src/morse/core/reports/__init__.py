@@ -1,0 +1,1 @@
+"""What users read: the log, descriptions of errors, hints."""

@@ -1,0 +1,48 @@
+"""Suggestions for misspelt names, for error messages."""
+
+from __future__ import annotations
+
+import difflib
+from typing import TYPE_CHECKING
+
+from morse.core.reports.quoting import quoted, short
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+#: words longer than this are not compared, because a comparison takes time quadratic in their length
+_LONGEST_WORD = 120
+#: largest number of names that a word is compared with
+_MOST_COMPARED = 200
+#: largest number of names that a message lists
+_MOST_LISTED = 50
+#: difflib's cutoff of 0.6 cannot be reached if the shorter word has fewer than 3/7 of the letters of the longer word
+_SHORTER, _LONGER = 3, 7
+
+
+def closest(word: object, known: Iterable[object]) -> str | None:
+    """Return the known name most similar to ``word``, ignoring case, or None."""
+    if not isinstance(word, str) or len(word) > _LONGEST_WORD:
+        return None
+    size = len(word)
+    names = [
+        name
+        for name in known
+        if isinstance(name, str) and min(size, len(name)) * _LONGER >= max(size, len(name)) * _SHORTER
+    ]
+    folded = word.casefold()
+    if len(names) > _MOST_COMPARED:
+        names = [name for name in names if name[:1].casefold() == folded[:1]][:_MOST_COMPARED]
+    by_folded = {name.casefold(): name for name in names}
+    found = difflib.get_close_matches(folded, by_folded, n=1)
+    return by_folded[found[0]] if found else None
+
+
+def nearest(word: object, known: Iterable[str], *, say: str = "known", limit: int = _MOST_LISTED) -> str:
+    """Return ``; did you mean 'x'?`` for a near miss, else ``; known: a, b, c`` with at most ``limit`` names."""
+    names = list(dict.fromkeys(known))
+    near = closest(word, names)
+    if near is not None:
+        return f"; did you mean {quoted(near)}?"
+    rest = f", and {len(names) - limit} more" if len(names) > limit else ""
+    return f"; {say}: {', '.join(map(short, names[:limit]))}{rest}" if names else ""

@@ -1,0 +1,254 @@
+"""The log of the simulator on the standard output: levels, format and colours.
+
+A line reads ``[    0.283] text``: seconds since the process started (since `logging` was imported), then the text.
+Loggers are named ``morse.<something>``; the last two parts of a name are printed before the text, as in ``[ 0.283]
+[actuators.eyes] robot.eyes initialization``. Errors have no time stamp, and the title of a section is a line by itself.
+The format is fixed, because other programs parse these lines.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import logging
+import re
+import sys
+import traceback
+from typing import TYPE_CHECKING, Any, TextIO
+
+from morse.core.reports.folding import Folding
+from morse.core.reports.quoting import escaped
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+SECTION = 25
+"""Level of the title of a phase of the simulation, e.g. ``[SCENE INITIALIZATION]``."""
+ENDSECTION = 23
+"""Level of the line that ends a phase."""
+
+logging.addLevelName(SECTION, "SECTION")
+logging.addLevelName(ENDSECTION, "ENDSECTION")
+
+LEVELS = ("DEBUG", "INFO", "WARNING", "ERROR", "CRITICAL")
+"""Levels that users can set."""
+
+#: limits of the length and depth of logger names, because loggers use memory until the process ends
+_MAX_NAME, _MAX_DEPTH = 128, 8
+_NAME = re.compile(r"[^\W.][\w-]*(\.[^\W.][\w-]*)*")
+
+#: largest number of characters of a message
+_LONGEST = 1 << 14
+#: loggers of others whose lines belong to the log: what asyncio and websockets say about connections of clients
+_OTHERS = ("asyncio", "websockets")
+
+_MAIN_LOGGERS = frozenset({"morse", "morse.main", "blender.main"})
+_TITLES = logging.getLogger("morse.main")
+
+_RESET = "\033[0m"
+_BRIGHT = {
+    logging.DEBUG: "\033[90m",
+    ENDSECTION: "\033[1;92m",
+    SECTION: "\033[1;92m",
+    logging.WARNING: "\033[93m",
+    logging.ERROR: "\033[91m",
+    logging.CRITICAL: "\033[1;91m",
+}
+_DARK = {
+    logging.DEBUG: "\033[37m",
+    ENDSECTION: "\033[1;32m",
+    SECTION: "\033[1;32m",
+    logging.WARNING: "\033[35m",
+    logging.ERROR: "\033[31m",
+    logging.CRITICAL: "\033[1;31m",
+}
+_XMAS = ("\033[91m", "\033[92m")
+
+COLOR_SCHEMES = ("mono", "bright", "dark", "xmas")
+"""No colours; for a dark terminal; for a light one; for the days after Christmas."""
+
+
+def _cut(text: str) -> str:
+    """Cut a text that nobody reads to its end, and append its length."""
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(text)} characters)"
+
+
+def _safe(text: str) -> str:
+    """Escape characters that control a terminal, and indent all lines but the first.
+
+    Names, requests and messages of clients appear in the log. None of them may look like a separate record.
+    """
+    if text.isprintable():
+        return text
+    first, *others = text.split("\n")
+    # tabs, which are used at the beginning of lines of the summary, are harmless
+    first = "\t".join(escaped(part) for part in first.split("\t"))
+    return "\n".join([first, *(_continued(line) for line in others)])
+
+
+def _continued(line: str) -> str:
+    line = escaped(line.replace("\t", "    "))
+    return line if not line or line[0] == " " else "  " + line
+
+
+class MorseFormatter(logging.Formatter):
+    """Formats records for the log of the simulator.
+
+    Args:
+        colors: one of `COLOR_SCHEMES`.
+
+    Raises:
+        ValueError: for an unknown colour scheme.
+    """
+
+    def __init__(self, colors: str = "mono") -> None:
+        super().__init__("%(message)s")
+        if colors not in COLOR_SCHEMES:
+            raise ValueError(f"unknown colour scheme '{colors}'; expected one of {', '.join(COLOR_SCHEMES)}")
+        self.colors = colors
+        self._xmas: Iterator[str] = itertools.cycle(_XMAS)
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The line (or lines, with a traceback) of a record, without the newline at its end."""
+        text = super().format(record)
+        if record.levelno == SECTION:
+            return "\n" + self._colored(record.levelno, f"[{text}]")
+        if record.levelno == ENDSECTION:
+            return self._colored(record.levelno, f"[{text}]")
+        if record.name not in _MAIN_LOGGERS:
+            text = f"[{'.'.join(record.name.split('.')[-2:])}] {text}"
+        if record.levelno < logging.ERROR:
+            text = f"[{record.relativeCreated / 1000.0:9.3f}] {text}"
+        return self._colored(record.levelno, text)
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 (the name is logging's)
+        """The text of a record, without its traceback."""
+        return _safe(_cut(super().formatMessage(record)))
+
+    def formatException(self, ei: Any) -> str:  # noqa: N802
+        """Return a traceback, escaped, because the message of the exception may contain anything."""
+        return "\n".join(_safe(_cut(part.rstrip("\n"))) for part in traceback.format_exception(*ei))
+
+    def _colored(self, level: int, text: str) -> str:
+        if self.colors == "mono":
+            return text
+        if self.colors == "xmas":
+            return next(self._xmas) + text + _RESET
+        color = (_BRIGHT if self.colors == "bright" else _DARK).get(level)
+        return text if color is None else color + text + _RESET
+
+
+class _ConsoleHandler(logging.StreamHandler[TextIO]):
+    """Writes to the present ``sys.stdout``, and flushes after each record."""
+
+    def __init__(self) -> None:
+        logging.Handler.__init__(self)
+        self._has_complained = False
+        Folding(self)
+
+    @property
+    def stream(self) -> TextIO:  # type: ignore[override]
+        return sys.stdout
+
+    def emit(self, record: logging.LogRecord) -> None:
+        # a process may be started with its standard output closed
+        if sys.stdout is not None:
+            super().emit(record)
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (the name is logging's)
+        error = sys.exc_info()[1]
+        # the reader of a pipe (`morse run | head`) may exit, which must not affect the simulation
+        if isinstance(error, (BrokenPipeError, ValueError)):
+            return
+        if not isinstance(error, OSError):
+            super().handleError(record)
+        elif not self._has_complained:
+            self._has_complained = True
+            complain(f"the log can no longer be written: {error.strerror or error}")
+
+
+def complain(text: str) -> None:
+    """Write a line to the standard error, if it is open."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        sys.stderr.write(f"* {text}\n")
+        sys.stderr.flush()
+
+
+_handler: _ConsoleHandler | None = None
+
+
+def setup(colors: str | None = None, level: int | str | None = None) -> None:
+    """Send the log of everything below ``morse`` to the standard output.
+
+    It may be called again: arguments that are None leave the setting unchanged (initially: no colours, level INFO).
+
+    Args:
+        colors: one of `COLOR_SCHEMES`; used only if the standard output is a terminal.
+        level: of the logger ``morse``, as a number or a name.
+
+    Raises:
+        ValueError: for an unknown colour scheme or level.
+    """
+    global _handler
+    root = logging.getLogger("morse")
+    if _handler is None:
+        _handler = _ConsoleHandler()
+        root.setLevel(logging.INFO)
+        root.propagate = False
+    if colors is not None or _handler.formatter is None:
+        _handler.setFormatter(
+            MorseFormatter(colors if colors is not None and sys.stdout is not None and sys.stdout.isatty() else "mono")
+        )
+    if _handler not in root.handlers:
+        root.addHandler(_handler)
+    for name in _OTHERS:
+        other = logging.getLogger(name)
+        if _handler not in other.handlers:
+            other.addHandler(_handler)
+    if level is not None:
+        root.setLevel(level)
+    # keeps the output of scripts in order with the log, and escapes names that an ASCII terminal cannot show
+    if reconfigure := getattr(sys.stdout, "reconfigure", None):
+        reconfigure(line_buffering=True, errors="backslashreplace")
+
+
+def set_level(component: str, level: str) -> None:
+    """Set the log level of a part of the simulator.
+
+    Args:
+        component: name of a logger, with or without ``morse.`` before it: ``core.request_manager``. The name of a
+            package (``core``) stands for all of its modules.
+        level: ``debug``, ``info``, ``warning``, ``error`` or ``critical``; case is ignored.
+
+    Raises:
+        ValueError: the level does not exist, or ``component`` is not a dotted name.
+    """
+    if level.upper() not in (*LEVELS, "SECTION", "ENDSECTION"):
+        raise ValueError(f"there is no log level {level!r:.80}: expected one of {', '.join(LEVELS).lower()}")
+    name = component.removeprefix("morse.")
+    if not is_component(name):
+        raise ValueError(f"{component!r:.80} is not a name of a logger, such as core.request_manager")
+    logging.getLogger("morse" if name == "morse" else f"morse.{name}").setLevel(level.upper())
+
+
+def is_component(name: str) -> bool:
+    """Whether a text is a dotted name, as those of loggers are, with or without ``morse.`` before it."""
+    name = name.removeprefix("morse.")
+    return len(name) <= _MAX_NAME and name.count(".") < _MAX_DEPTH and _NAME.fullmatch(name) is not None
+
+
+def known_components() -> set[str]:
+    """Return the names that `set_level` knows: loggers below ``morse``, loaded modules and packages."""
+    names = {name.removeprefix("morse.") for name in list(sys.modules)}
+    names |= {name[6:] for name in list(logging.root.manager.loggerDict) if name.startswith("morse.")}
+    return names
+
+
+def section(title: str) -> None:
+    """Announce a phase of the simulation: an empty line and ``[TITLE]``."""
+    _TITLES.log(SECTION, "%s", title)
+
+
+def endsection(title: str) -> None:
+    """Announce the end of a phase: ``[TITLE]``."""
+    _TITLES.log(ENDSECTION, "%s", title)

@@ -1,0 +1,1 @@
+"""Robots that are driven by velocity commands: what a command does to their bodies in a tick."""

@@ -1,0 +1,273 @@
+"""Executes the velocity commands of a tick."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.kernel.driving.pushing import body_velocity
+from morse.kernel.driving.turns import arc, turn_by
+from morse.physics.driving.command import Command, midway
+from morse.physics.driving.drag import Drag
+from morse.physics.driving.wheel_casters import is_caster
+from morse.physics.gliding import glide_velocity
+from morse.physics.model.compile import set_damping
+from morse.physics.model.layout import Motion
+from morse.physics.poses import rigid
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.physics.bodies import Bodies
+    from morse.physics.driving.fleet import Fleet
+    from morse.physics.gliding.gliding import Gliding
+    from morse.physics.model.compile import Slot
+    from morse.physics.state.engine_state import EngineState
+    from morse.physics.state.saved import SavedDrives
+
+
+class Drives:
+    """The velocity commands for the next tick.
+
+    Velocities are written once per tick. A driven body slides without friction or damping, so that the floor does not
+    slow it down within the tick; if its script sets a friction, the command is reduced. With a command of zero, the
+    robot has friction like any other body.
+    """
+
+    def __init__(self, state: EngineState, gliding: Gliding, bodies: Bodies) -> None:
+        self._state = state
+        self._gliding = gliding
+        self._bodies = bodies
+        self._drag = Drag(state)
+        self._commands: dict[int, Command] = {}
+        self._fleets: list[Fleet] = []
+        self._sliding: set[int] = set()
+        count = len(state.slots)
+        # sliding slots as an array, for fleets; and the slots whose commands are not changed by friction
+        self._slides = np.zeros(count, dtype=np.uint8)
+        self._plain = np.ones(count, dtype=np.uint8)
+        self._plain[list(self._drag.slots)] = 0
+        self._asleep = state.data.tree_asleep
+        self._qvel = state.data.qvel
+        self._turn_after: list[tuple[int, float, float, bool]] = []
+
+    def reset(self) -> None:
+        """Clear all commands, after the model was reset to its compiled values."""
+        self._sliding.clear()
+        self._slides[:] = 0
+        self._commands.clear()
+        self._fleets.clear()
+        self._state.kinematic.clear()
+        self._turn_after.clear()
+        self._drag.ends.clear()
+
+    def get_state(self) -> dict[str, Any]:
+        """See `morse.physics.state.saved.SavedDrives`."""
+        names = self._state.names
+        return {
+            "commands": [
+                {
+                    "slot": names[index],
+                    "linear": tuple(map(float, command.linear)),
+                    "angular": tuple(map(float, command.angular)),
+                    "shift": command.shift,
+                    "ground": command.ground,
+                }
+                for index, command in self._all_commands().items()
+            ],
+            "sliding": [names[index] for index in sorted(self._sliding)],
+        }
+
+    def set_state(self, state: SavedDrives) -> None:
+        """Restore a validated state; the arrays of the model are set elsewhere."""
+        self.reset()
+        named = self._state.named
+        self._sliding.update(named[name] for name in state.sliding)
+        self._slides[list(self._sliding)] = 1
+        for entry in state.commands:
+            self._commands[named[entry.slot]] = Command(entry.linear, entry.angular, entry.shift, entry.ground)
+
+    def command(self, index: int, command: Command) -> None:
+        """Set the command of a slot for the next tick; the last command wins."""
+        self._withdraw(index)
+        self._commands[index] = command
+
+    def command_fleet(self, fleet: Fleet) -> None:
+        """Use the commands of a fleet that were set by `Fleet.command`."""
+        for index in [index for index in self._commands if index in fleet.rows]:
+            del self._commands[index]
+        for other in self._fleets:
+            if other is fleet:
+                return
+            for index in other.rows.keys() & fleet.rows.keys():
+                other.withdraw(index)
+        self._fleets.append(fleet)
+
+    def _withdraw(self, index: int) -> None:
+        for fleet in self._fleets:
+            if index in fleet.rows:
+                fleet.withdraw(index)
+
+    def _all_commands(self) -> dict[int, Command]:
+        commands = {index: command for fleet in self._fleets for index, command in fleet.commands().items()}
+        return {**commands, **self._commands}
+
+    @property
+    def has_commands(self) -> bool:
+        """Whether any slot has a command for the next tick."""
+        return bool(self._commands or self._fleets)
+
+    def lone_command(self) -> tuple[int, Command] | None:
+        """Return the command if it is the only one, and its slot is the only one that slides and has no friction."""
+        commands, sliding = self._commands, self._sliding
+        if len(commands) != 1 or len(sliding) != 1 or self._fleets:
+            return None
+        (index,) = commands
+        return (index, commands[index]) if index in sliding and index not in self._drag.slots else None
+
+    def end_lone(self) -> None:
+        """Called at the end of a tick in which `lone_command` was the only command."""
+        self._commands.clear()
+
+    def is_commanded(self, index: int) -> bool:
+        """Whether a slot has a command for the next tick."""
+        return index in self._commands or any(index in fleet.rows for fleet in self._fleets)
+
+    def cancel(self, index: int) -> None:
+        """Remove the command of a slot."""
+        self._withdraw(index)
+        self._commands.pop(index, None)
+
+    def apply(self) -> None:
+        """Write the velocities at the beginning of a tick."""
+        commands, gliding = self._commands, self._gliding
+        self._state.kinematic.clear()
+        gliding.look()
+        if self._fleets:
+            for fleet in self._fleets:
+                commands.update(fleet.begin(self._state, gliding, self._plain, self._slides))
+            stopped = list(self._sliding.difference(*(fleet.rows for fleet in self._fleets), commands))
+        else:
+            stopped = [index for index in self._sliding if index not in commands]
+        for index in stopped:
+            self._set_sliding(index, False)
+        for fleet in self._fleets:
+            fleet.settle(gliding)
+        if commands:
+            self._apply_each(commands)
+
+    def _apply_each(self, commands: dict[int, Command]) -> None:
+        slots, gliding = self._state.slots, self._gliding
+        glides, rough = gliding.glides, self._drag.slots
+        for index, command in commands.items():
+            slot = slots[index]
+            if rough and index in rough:
+                command = self._drag.slowed(index, command, index in glides)
+            if index in glides:
+                if gliding.may_go_on(index, command):
+                    self._glide(index, slot, command)
+                    continue
+                gliding.leave(index)
+            if slot.frame.motion is Motion.FREE and slot.dof >= 0:
+                if command.is_rest and not self._slides[index] and self._sleeps(slot):
+                    continue
+                self._drive_body(index, slot, command)
+            else:
+                self._move(index, command)
+
+    def _sleeps(self, slot: Slot) -> bool:
+        """Whether a body sleeps."""
+        return bool(self._asleep[self._state.model.body_treeid[slot.body]] >= 0)
+
+    def _glide(self, index: int, slot: Slot, command: Command) -> None:
+        """Write the velocity of a robot that glides."""
+        x, y, _ = command.linear
+        rate = command.angular[2]
+        x, y, c, s = arc(x, y, 0.5 * rate * self._state.period)
+        if rate != 0.0 or command.shift:
+            self._turn_after.append((slot.dof, c, s, command.shift))
+        glide_velocity.write(self._qvel, slot.dof, self._state.rotations[index], x, y, rate)
+
+    def _drive_body(self, index: int, slot: Slot, command: Command) -> None:
+        self._state.is_stirred = True
+        sliding = not command.is_rest
+        if sliding != (index in self._sliding):
+            self._set_sliding(index, sliding)
+        state, dof = self._state, slot.dof
+        linear, angular = command.linear, command.angular
+        wx, wy, wz = angular
+        half = 0.5 * wz * state.period
+        if wx or wy:
+            linear, (c, s) = midway(linear, angular, state.period), turn_by(half)
+        else:
+            x, y, c, s = arc(linear[0], linear[1], half)
+            linear = (x, y, linear[2])
+        rotation, old = state.rotations[index], glide_velocity.read(self._qvel, dof)
+        velocity = body_velocity(rotation, old, linear, angular, command.ground, command.shift)
+        glide_velocity.put(self._qvel, dof, velocity)
+        if command.shift or wz:
+            self._turn_after.append((dof, c, s, command.shift))
+        if sliding and command.ground:
+            self._gliding.consider(index, command)
+        elif wx or wy:
+            self._bodies.balance_spin(index, angular)
+
+    def _move(self, index: int, command: Command) -> None:
+        state = self._state
+        position, rotation = state.positions[index], state.rotations[index]
+        period = state.period
+        step = rigid.turn(rotation, midway(command.linear, command.angular, period))
+        wx, wy, wz = command.angular
+        turned = rigid.product(rotation, rigid.rotation_of_vector((wx * period, wy * period, wz * period)))
+        moved = (position[0] + step[0] * period, position[1] + step[1] * period, position[2] + step[2] * period)
+        self._bodies.place(index, moved, turned)
+        state.kinematic[index] = (rigid.turn(turned, command.linear), rigid.turn(turned, command.angular))
+
+    def release(self) -> None:
+        """Called at the end of a tick: remove the momentum of shifts, and turn velocities to the new heading."""
+        for dof, c, s, shift in self._turn_after:
+            glide_velocity.end(self._qvel, dof, c, s, shift)
+        self._turn_after.clear()
+        if self._drag.ends:
+            self._slow_down()
+        self._commands.clear()
+        for fleet in self._fleets:
+            fleet.end()
+        self._fleets.clear()
+
+    def _slow_down(self) -> None:
+        """Set the velocities that losses within the tick leave at its end."""
+        for index, (linear, angular) in self._drag.ends.items():
+            dof = self._state.slots[index].dof
+            across, about = (2, 5) if self._commands[index].ground else (3, 3)
+            self._qvel[dof : dof + across] *= linear
+            self._qvel[dof + about : dof + 6] *= angular
+        self._drag.ends.clear()
+
+    def _set_sliding(self, index: int, sliding: bool) -> None:
+        state = self._state
+        slot = state.slots[index]
+        model = state.model
+        self._slides[index] = sliding
+        if sliding:
+            self._sliding.add(index)
+            model.dof_damping[slot.dof : slot.dof + 6] = 0.0
+        else:
+            self._sliding.discard(index)
+            self._gliding.leave(index)
+            set_damping(model, slot, state.physics_of_1_4)
+        fixed = slot.frame.node.body.friction is not None or state.physics_of_1_4
+        for node, geoms in slot.geoms.items():
+            if not is_caster(node):
+                self._set_contact(geoms, sliding, fixed or node.body.friction is not None)
+        self._set_contact(slot.feet, sliding, fixed)
+        for link in state.links.get(index, ()):
+            for node, geoms in state.slots[link].geoms.items():
+                self._set_contact(geoms, sliding, fixed or node.body.friction is not None)
+
+    def _set_contact(self, geoms: Sequence[int], sliding: bool, fixed: bool) -> None:
+        model = self._state.model
+        for geom in geoms:
+            model.geom_condim[geom] = 1 if sliding else 3
+            model.geom_priority[geom] = 2 if sliding else int(fixed)

@@ -1,0 +1,170 @@
+"""Bodies that are driven together, with one call per tick."""
+
+from __future__ import annotations
+
+from array import array
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.kernel.driving import gliders
+from morse.kernel.driving.arrays import GliderArrays
+from morse.physics.driving.command import Command
+from morse.physics.model.layout import Motion
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.kernel.driving.arrays import GliderWork
+    from morse.physics.gliding.gliding import Gliding
+    from morse.physics.state.engine_state import EngineState
+
+
+class Fleet:
+    """Bodies whose velocities in the plane of their X and Y axes are commanded in the same ticks.
+
+    The velocities of robots that glide, and of robots that push something, are written in one call each. `Drives`
+    handles the others one by one: robots that start, stop, or have friction.
+
+    Attributes:
+        rows: row of each slot.
+    """
+
+    def __init__(self, slots: Sequence[int]) -> None:
+        self._slots = np.array(slots, dtype=np.int64)
+        self.rows = {slot: row for row, slot in enumerate(slots)}
+        count = len(slots)
+        self._forward, self._aside, self._rate = np.zeros(count), np.zeros(count), np.zeros(count)
+        self._shifts = np.zeros(count, dtype=np.uint8)
+        self._ground = np.zeros(count, dtype=np.uint8)
+        self._others = np.zeros(count, dtype=np.int64)
+        self._settled = np.zeros(count, dtype=np.int64)
+        self._settled_count = 0
+        self._grounds: Callable[[], Sequence[bool]] = lambda: [False] * count
+        self._withdrawn: set[int] = set()
+        self._work: GliderWork | None = None
+        self._state: EngineState | None = None
+
+    def command(
+        self,
+        forward: Sequence[float] | NDArray[np.float64],
+        aside: Sequence[float] | NDArray[np.float64] | float,
+        rate: Sequence[float] | NDArray[np.float64],
+        shifts: Sequence[bool] | bool,
+        grounds: Callable[[], Sequence[bool]],
+    ) -> None:
+        """Set the commands for the next tick.
+
+        Args:
+            forward, aside: (N,) velocity along their X and Y axes, m/s.
+            rate: (N,) angular velocity about their Z axes, rad/s.
+            shifts: (N,) booleans: rows that move without gaining momentum.
+            grounds: returns (N,) booleans: rows that keep their vertical speed, and their roll and pitch rates.
+        """
+        for target, values in ((self._forward, forward), (self._aside, aside), (self._rate, rate)):
+            # twice as fast for a list of floats
+            target[:] = array("d", values) if isinstance(values, list) else values
+        self._shifts[:] = shifts
+        self._grounds = grounds
+
+    def renew(self) -> None:
+        """Use the commands of all bodies again, also of those that `withdraw` removed."""
+        self._withdrawn.clear()
+
+    def withdraw(self, slot: int) -> None:
+        """Remove the command of one slot, because the slot gets no command, or a command from another caller."""
+        self._withdrawn.add(self.rows[slot])
+
+    def _row_command(self, row: int) -> Command:
+        return Command(
+            (float(self._forward[row]), float(self._aside[row]), 0.0),
+            (0.0, 0.0, float(self._rate[row])),
+            bool(self._shifts[row]),
+            bool(self._ground[row]),
+        )
+
+    def commands(self) -> dict[int, Command]:
+        """Return the commands as single commands, by slot."""
+        self._ground[:] = self._grounds()
+        return {slot: self._row_command(row) for slot, row in self.rows.items() if row not in self._withdrawn}
+
+    def begin(
+        self,
+        state: EngineState,
+        gliding: Gliding,
+        plain: NDArray[np.uint8],
+        sliding: NDArray[np.uint8],
+    ) -> dict[int, Command]:
+        """Write the velocities of most robots at the beginning of a tick.
+
+        Args:
+            plain, sliding: (K,) rows; see `GliderArrays`.
+
+        Returns:
+            The commands of the other robots, by slot.
+        """
+        if self._work is None or self._state is not state:
+            self._work, self._state = gliders(self._arrays(state, gliding, plain, sliding)), state
+        kept = plain[self._slots[list(self._withdrawn)]] if self._withdrawn else None
+        if kept is not None:
+            plain[self._slots[list(self._withdrawn)]] = 0
+        count, self._settled_count = self._work.begin(state.rotations.array), 0
+        if count:
+            count = self._push(self._work, state, gliding, count)
+        if kept is not None:
+            plain[self._slots[list(self._withdrawn)]] = kept
+        if not count:
+            return {}
+        rows = [row for row in self._others[:count].tolist() if row not in self._withdrawn]
+        return {int(self._slots[row]): self._row_command(row) for row in rows}
+
+    def _push(self, work: GliderWork, state: EngineState, gliding: Gliding, count: int) -> int:
+        """Write the velocities of the robots that do not glide; return how many remain to be driven one by one."""
+        self._ground[:] = self._grounds()
+        left, self._settled_count = work.push(state.positions.array, state.rotations.array, count, gliding.tick)
+        if left < count:
+            state.is_stirred = True
+        return left
+
+    def settle(self, gliding: Gliding) -> None:
+        """Let the robots glide that have settled, after `begin`."""
+        for row in self._settled[: self._settled_count].tolist():
+            gliding.consider_settled(int(self._slots[row]), self._row_command(row))
+
+    def end(self) -> None:
+        """Called at the end of a tick."""
+        if self._work is not None:
+            self._work.end()
+
+    def _arrays(
+        self, state: EngineState, gliding: Gliding, plain: NDArray[np.uint8], sliding: NDArray[np.uint8]
+    ) -> GliderArrays:
+        count, slots = len(self._slots), state.slots
+        trees = [int(state.model.body_treeid[slot.body]) if slot.dof >= 0 else -1 for slot in slots]
+        return GliderArrays(
+            slots=self._slots,
+            forward=self._forward,
+            aside=self._aside,
+            rate=self._rate,
+            shifts=self._shifts,
+            ground=self._ground,
+            dofs=np.array([slot.dof for slot in slots], dtype=np.int64),
+            speeds=gliding.speeds,
+            margins=gliding.margins,
+            extents=gliding.extents,
+            plain=plain,
+            free=np.array([slot.frame.motion is Motion.FREE and slot.dof >= 0 for slot in slots], dtype=np.uint8),
+            sliding=sliding,
+            trees=np.array(trees, dtype=np.int32),
+            asleep=state.data.tree_asleep,
+            velocities=state.data.qvel,
+            period=state.period,
+            done=np.zeros(count, dtype=np.uint8),
+            cosines=np.ones(count),
+            sines=np.zeros(count),
+            others=self._others,
+            settled=self._settled,
+            stances=gliding.stances.arrays,
+        )

@@ -1,0 +1,1 @@
+"""Driven robots that glide over level floors without contacts to compute."""

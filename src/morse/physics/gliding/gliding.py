@@ -1,0 +1,464 @@
+"""Driven robots that glide over a level floor.
+
+A driven robot slides without friction. While all its feet stand on one level floor and no other body touches it, the
+floor only carries its weight: its height and tilt are constant, and it moves with its horizontal velocity. The contacts
+of its feet then need not be solved. The robot is made weightless, and its collisions with that floor are disabled. This
+saves two thirds of the time of a physics step.
+
+Contacts with all other bodies are still solved, by `morse.physics.gliding.glide_steps`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.mathutils.portable import matmul
+from morse.physics.gliding.floors import Floor, find_floors
+from morse.physics.gliding.glide import Glide
+from morse.physics.gliding.stances import Stances
+from morse.physics.model.collision_bits import ALL_BITS
+from morse.physics.poses.kinematics import contact_pairs
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from morse.physics.driving.command import Command
+    from morse.physics.model.compile import Slot
+    from morse.physics.state.engine_state import EngineState
+    from morse.physics.state.saved import SavedGliding
+    from morse.scene import Node
+
+#: change of the tilt of a gliding robot since it began to glide
+_TILTED = 1e-7
+#: largest distance between feet and a floor that carries them, m; bodies penetrate floors slightly
+_NEAR = 2e-3
+#: shapes that are lower than the feet by more than this, m, cannot be touched
+_CLEAR = 1e-6
+#: interval of checks of the tilt, ticks, because a body that turns about a tilted axis begins to tumble
+_LOOK = 300
+#: distance to the edge of the floor at which gliding ends, m
+_EDGE = 0.01
+#: largest horizontal distance of the centre of mass from the origin, m, for which one long step equals several steps
+_CENTRED = 1e-7
+
+
+class Gliding:
+    """The gliding robots of a world.
+
+    Attributes:
+        floors: the level floors of the world.
+        glides: the gliding robots, by slot.
+        stances: stances of the other robots.
+        owner: (G,) slot of each geom of a robot that may glide; -1 for other geoms.
+        lopsided: gliding slots that cannot take long steps because of their centre of mass.
+        tick: number of the present tick.
+        newest: last tick in which a robot began to glide.
+        speeds, margins: (K,) values of `Glide` by slot; the speed is negative for slots that do not glide.
+        extents: (K,) distance from the origin of a robot to its outermost point, by slot, m.
+        foresight: ticks within which the engine detects possible contacts of the robots; 0: only actual contacts.
+        clear_until: before that tick no robot can meet anything.
+        is_rearranged: whether shapes of gliding robots have moved since the last forward kinematics of the engine.
+        next_look: first tick in which one of the robots could be near an edge.
+    """
+
+    def __init__(self, state: EngineState) -> None:
+        self._state = state
+        model = state.model
+        self._able = {index: self._reach(slot) for index, slot in enumerate(state.slots) if self._is_able(slot)}
+        self.floors = find_floors(state) if self._able or state.planes else []
+        touching = model.geom_contype != 0
+        self._bits = np.where(touching, ALL_BITS, 0).astype(np.int32)
+        for floor in self.floors:
+            self._bits[floor.geom] = floor.bit
+        model.geom_contype[:] = model.geom_conaffinity[:] = self._bits
+        self.owner = np.full(model.ngeom, -1)
+        for index in self._able:
+            self.owner[self._geoms(state.slots[index])] = index
+        self._is_foot, self._is_floor = np.zeros(model.ngeom, dtype=bool), np.zeros(model.ngeom, dtype=bool)
+        for index in self._able:
+            self._is_foot[state.slots[index].feet] = True
+        self._is_floor[[floor.geom for floor in self.floors]] = True
+        #: slots that cannot glide because of their contacts in that tick
+        self._busy_tick, self._busy = -1, set[int]()
+        self._extent = {index: self._outline(state.slots[index]) for index in self._able}
+        self._unmeasured: set[int] = set()
+        #: shapes that have moved within robots, and the height of the lowest one above the origin of its robot, m
+        self._moved: dict[int, set[int]] = {}
+        self._lowest: dict[int, float] = {}
+        count = len(state.slots)
+        self.extents = np.array([self._extent.get(index, 0.0) for index in range(count)])
+        self.stances = Stances(self._able, count)
+        self.speeds, self.margins = np.zeros(count), np.zeros(count)
+        self.reset()
+
+    @staticmethod
+    def _is_able(slot: Slot) -> bool:
+        return len(slot.feet) == 4 and not slot.frame.carries
+
+    def _reach(self, slot: Slot) -> float:
+        """Return the horizontal distance from the origin of a robot to its outermost foot, m."""
+        places = self._state.model.geom_pos[slot.feet]
+        return float(np.hypot(places[:, 0], places[:, 1]).max())
+
+    def note_moved_shapes(self, index: int, geoms: Iterable[int]) -> None:
+        """Record that shapes have moved within a body, which changes its outline."""
+        self._unmeasured.add(index)
+        self._moved.setdefault(index, set()).update(geoms)
+        self._lowest.pop(index, None)
+
+    def forget_moved_shapes(self) -> None:
+        """Record that all shapes are at their compiled poses."""
+        self._moved.clear()
+        self._lowest.clear()
+
+    def goes_on(self, index: int, geoms: Iterable[int], reach: float, lowest: float) -> bool:
+        """Record that shapes have moved within a body; return whether it continues to glide: none is near the floor.
+
+        See `morse.physics.bodies.Bodies.shapes_have_moved`.
+        """
+        self.note_moved_shapes(index, geoms)
+        self._lowest[index] = lowest
+        glide = self.glides.get(index)
+        if glide is None:
+            return False
+        if self._state.positions[index][2] + lowest < glide.floor.height + _NEAR:
+            self.leave(index)
+            return False
+        self._unmeasured.discard(index)
+        if self._extent[index]:
+            self._extent[index] = self.extents[index] = reach
+        self.clear_until = 0
+        self.is_rearranged = True
+        return True
+
+    def _hangs_low(self, index: int, floor: Floor) -> bool:
+        """Whether a shape that has moved within a robot is near the floor, where gliding robots do not collide."""
+        if index not in self._moved:
+            return False
+        if index not in self._lowest:
+            model, data = self._state.model, self._state.data
+            heights = []
+            for geom in self._moved[index]:
+                up, box = data.geom_xmat[geom, 6:9], model.geom_aabb[geom]
+                heights.append(float(data.geom_xpos[geom, 2] + matmul(up, box[:3]) - matmul(np.abs(up), box[3:])))
+            self._lowest[index] = min(heights) - self._state.positions[index][2]
+        return self._state.positions[index][2] + self._lowest[index] < floor.height + _NEAR
+
+    def _measure(self, index: int) -> None:
+        self._extent[index] = self.extents[index] = self._outline(self._state.slots[index])
+        self._unmeasured.discard(index)
+
+    def _outline(self, slot: Slot) -> float:
+        """Return the distance from the origin of a robot to its outermost point, m; 0 if it cannot take long steps."""
+        model = self._state.model
+        if np.abs(model.body_ipos[slot.body, :2]).max() > _CENTRED:
+            return 0.0
+        geoms = self._geoms(slot)
+        return float((np.linalg.norm(model.geom_pos[geoms], axis=1) + model.geom_rbound[geoms]).max())
+
+    @staticmethod
+    def _geoms(slot: Slot) -> list[int]:
+        return [*(geom for geoms in slot.geoms.values() for geom in geoms), *slot.feet]
+
+    def reset(self) -> None:
+        """End all gliding, after the model was reset to its compiled values."""
+        self.glides: dict[int, Glide] = {}
+        self.stances.reset()
+        self.tick = 0
+        self.next_look = 0
+        self.newest = 0
+        self.lopsided: set[int] = set()
+        self.foresight = self.clear_until = 0
+        self.is_rearranged = False
+        self._busy_tick = -1
+        self.forget_moved_shapes()
+        self.speeds[:] = -1.0
+        self.margins[:] = 0.0
+        for index in self._able:
+            self._measure(index)
+
+    # -- masks -----------------------------------------------------------------------------
+
+    def set_collision(self, geoms: Iterable[int], active: bool) -> None:
+        """Enable or disable the collisions of shapes."""
+        model = self._state.model
+        for geom in geoms:
+            bits = self._bits[geom] or ALL_BITS
+            model.geom_contype[geom] = model.geom_conaffinity[geom] = bits if active else 0
+
+    # -- gliding robots ------------------------------------------------------------------------
+
+    @property
+    def slots(self) -> Iterable[int]:
+        """The indices of the gliding slots."""
+        return self.glides.keys()
+
+    def __contains__(self, index: int) -> bool:
+        return index in self.glides
+
+    def consider(self, index: int, command: Command) -> None:
+        """Let a robot that is driven over the ground in this tick glide if possible."""
+        if index not in self._able:
+            return
+        state = self._state
+        height, up = state.positions[index][2], state.rotations[index][6:9]
+        if self.stances.record(index, self.tick, height, up):
+            self.consider_settled(index, command)
+
+    def consider_settled(self, index: int, command: Command) -> None:
+        """Let a robot that is driven over the ground and has settled glide if possible."""
+        if not _is_flat(command) or index in self._touching_else():
+            return
+        state = self._state
+        slot = state.slots[index]
+        if state.data.xfrc_applied[slot.body].any() or state.model.body_gravcomp[slot.body]:
+            return
+        floor = self._floor_under(index, slot)
+        if floor is not None and not self._hangs_low(index, floor) and not self._touches_else(index, floor):
+            self._begin(index, slot, floor, command)
+
+    def _floor_under(self, index: int, slot: Slot) -> Floor | None:
+        """Return the floor on which all feet stand, away from its edge, or None."""
+        state = self._state
+        soles = self._soles(slot)
+        x, y, _ = state.positions[index]
+        for floor in self.floors:
+            if floor.slot in state.loose or floor.room(x, y) < self._able[index] + 2 * _EDGE:
+                continue
+            gaps = soles - floor.height
+            if gaps.min() > -_NEAR and gaps.max() <= 0.0 and state.model.geom_contype[floor.geom]:
+                return floor
+        return None
+
+    def _soles(self, slot: Slot) -> NDArray[np.float64]:
+        """Return (4,) heights of the undersides of the feet, m."""
+        return np.asarray(self._state.data.geom_xpos[slot.feet, 2] - self._state.model.geom_size[slot.feet, 0])
+
+    def _touching_else(self) -> set[int]:
+        """Return the slots with contacts other than those of their feet with a floor."""
+        if self._busy_tick != self.tick:
+            pairs = contact_pairs(self._state)
+            pairs = np.concatenate([pairs, pairs[:, ::-1]])
+            expected = self._is_foot[pairs[:, 0]] & self._is_floor[pairs[:, 1]]
+            self._busy_tick, self._busy = self.tick, set(self.owner[pairs[~expected, 0]].tolist())
+        return self._busy
+
+    def _touches_else(self, index: int, floor: Floor) -> bool:
+        """Whether a robot that only touches floors also touches another robot."""
+        pairs = contact_pairs(self._state)
+        own = np.isin(pairs, self._state.slots[index].feet).any(axis=1)
+        return bool((own & ~(pairs == floor.geom).any(axis=1)).any())
+
+    def _lift(self, slot: Slot, floor: Floor) -> None:
+        """Disable gravity and collisions with the floor for a robot."""
+        model = self._state.model
+        # shapes lower than the feet of the robot cannot be touched either
+        mask = ALL_BITS & ~floor.bit
+        lowest = float(self._soles(slot).min()) - _CLEAR
+        for other in self.floors:
+            if other.height < lowest and other.slot not in self._state.loose:
+                mask &= ~other.bit
+        for geom in self._geoms(slot):
+            if model.geom_contype[geom]:
+                model.geom_contype[geom] = model.geom_conaffinity[geom] = mask
+        model.body_gravcomp[slot.body] = 1.0
+
+    def _begin(self, index: int, slot: Slot, floor: Floor, command: Command) -> None:
+        if index in self._unmeasured:
+            self._measure(index)
+        self._lift(slot, floor)
+        self.glides[index] = glide = Glide(slot, floor, self._state.rotations[index][6:9], 0, 0.0, self.tick)
+        self._plan(index, glide, math.hypot(command.linear[0], command.linear[1]))
+        self.look_ahead(0)
+        # the distance per tick is known from the next command on
+        self.newest = self.tick
+        if not self._extent[index]:
+            self.lopsided.add(index)
+        if glide.look <= self.tick:
+            self.leave(index)
+
+    def _plan(self, index: int, glide: Glide, speed: float) -> None:
+        """Compute the first tick in which the robot could be near an edge."""
+        x, y, _ = self._state.positions[index]
+        room = glide.floor.room(x, y) - self._able[index] - _EDGE
+        glide.speed = self.speeds[index] = max(2.0 * speed, 0.1)
+        ticks = math.floor(room / (glide.speed * self._state.period)) if room > 0.0 else 0
+        glide.look = self.tick + min(ticks, _LOOK)
+        self.next_look = min(self.next_look, glide.look) if len(self.glides) > 1 else glide.look
+
+    def unsettle(self, index: int) -> None:
+        """End the gliding of a robot that was moved by an explicit call; it has to settle before it glides again."""
+        self.stances.unsettle(index)
+        self.leave(index)
+
+    def leave(self, index: int) -> None:
+        """End the gliding of a robot."""
+        glide = self.glides.pop(index, None)
+        if glide is None:
+            return
+        self.speeds[index], self.margins[index] = -1.0, 0.0
+        self.lopsided.discard(index)
+        self._stand(glide.slot)
+
+    def _stand(self, slot: Slot) -> None:
+        model = self._state.model
+        for geom in self._geoms(slot):
+            if model.geom_contype[geom]:
+                model.geom_contype[geom] = model.geom_conaffinity[geom] = ALL_BITS
+        model.body_gravcomp[slot.body] = 0.0
+        self._set_margin(slot, 0.0)
+
+    def _set_margin(self, slot: Slot, margin: float) -> None:
+        """Set the distance at which the engine detects contacts without forces."""
+        model = self._state.model
+        geoms = self._geoms(slot)
+        model.geom_margin[geoms] = model.geom_gap[geoms] = margin
+        model.body_margin[slot.body] = margin
+
+    def look_ahead(self, ticks: int) -> None:
+        """Let the engine detect possible contacts of the robots within a number of ticks; 0: only actual contacts."""
+        self.clear_until = 0
+        if ticks != self.foresight:
+            self.foresight = ticks
+            for glide in self.glides.values():
+                self._set_margin(glide.slot, self._reach_of(glide))
+
+    def _reach_of(self, glide: Glide) -> float:
+        # in a tick, a robot uses up half of its margin at most
+        return 0.5 * (self.foresight + 1) * glide.margin if self.foresight else 0.0
+
+    def leave_all(self) -> None:
+        """End all gliding, because a floor may have moved."""
+        for index in list(self.glides):
+            self.leave(index)
+
+    # -- a tick ----------------------------------------------------------------------------
+
+    def may_go_on(self, index: int, command: Command) -> bool:
+        """Whether a gliding robot can continue to glide with this command."""
+        glide = self.glides[index]
+        vx, vy, vz = command.linear
+        wx, wy, wz = command.angular
+        if vz or wx or wy or not (vx or vy or wz):
+            return False
+        speed = math.sqrt(vx * vx + vy * vy)
+        if speed > glide.speed:
+            self._plan(index, glide, speed)
+            if glide.look <= self.tick:
+                return False
+        nearer = 2.0 * (speed + abs(wz) * self._extent[index]) * self._state.period
+        if nearer > glide.margin:
+            glide.margin = self.margins[index] = 1.5 * nearer
+            self.clear_until = 0
+            if self.foresight:
+                self._set_margin(glide.slot, self._reach_of(glide))
+        return True
+
+    def look(self) -> None:
+        """Check the robots that could be near an edge, at the start of a tick."""
+        self.tick += 1
+        if self.glides and self.tick >= self.next_look:
+            for index, glide in list(self.glides.items()):
+                if glide.look <= self.tick:
+                    self._look_at(index, glide)
+            self.next_look = min((glide.look for glide in self.glides.values()), default=0)
+
+    def _look_at(self, index: int, glide: Glide) -> None:
+        up = self._state.rotations[index][6:9]
+        if max(abs(a - b) for a, b in zip(up, glide.up, strict=True)) > _TILTED:
+            self.leave(index)
+            return
+        self._plan(index, glide, glide.speed / 2.0)
+        if glide.look <= self.tick:
+            self.leave(index)
+
+    def all_stand(self) -> None:
+        """Enable the collisions of gliding feet in the engine. The caller restores the model."""
+        for glide in self.glides.values():
+            self._stand(glide.slot)
+
+    def supports(self) -> list[tuple[int, int]]:
+        """Return the contacts that are not solved: pairs of geoms, foot and floor."""
+        return [(foot, glide.floor.geom) for glide in self.glides.values() for foot in glide.slot.feet]
+
+    # -- other scenes ------------------------------------------------------------------------
+
+    def floor_bits(self) -> dict[Node, dict[int, int]]:
+        """Return for each node the bits of its shapes that are floors, by index of the shape."""
+        found: dict[Node, dict[int, int]] = {}
+        for floor in self.floors:
+            node = self._state.geom_node[floor.geom]
+            found.setdefault(node, {})[self._state.slots[floor.slot].geoms[node].index(floor.geom)] = floor.bit
+        return found
+
+    def lift_all(self) -> None:
+        """Restore the gliding of all gliding robots in a recompiled model."""
+        self.clear_until = 0
+        for glide in self.glides.values():
+            self._lift(glide.slot, glide.floor)
+
+    # -- saving ------------------------------------------------------------------------------
+
+    def get_state(self) -> dict[str, Any]:
+        """See `morse.physics.state.saved.SavedGliding`; without the values of `GlideSteps`."""
+        names = self._state.names
+        return {
+            "glides": [
+                {
+                    "slot": names[index],
+                    "floor": glide.floor.bit,
+                    "up": tuple(glide.up),
+                    "look": glide.look,
+                    "speed": glide.speed,
+                    "since": glide.since,
+                    "margin": glide.margin,
+                }
+                for index, glide in self.glides.items()
+            ],
+            "stands": self.stances.get_state(names),
+            "tick": self.tick,
+            "look": self.next_look,
+            "newest": self.newest,
+            "foresight": self.foresight,
+            "clear_until": self.clear_until,
+        }
+
+    def check_state(self, state: SavedGliding) -> None:
+        """Raise ValueError if a state contains robots that cannot glide, or floors that do not exist."""
+        bits = {floor.bit for floor in self.floors}
+        for name in [*(glide.slot for glide in state.glides), *(stand.slot for stand in state.stands)]:
+            if self._state.named[name] not in self._able:
+                raise ValueError(f"'{name}' is not a robot that can glide")
+        for glide in state.glides:
+            if glide.floor not in bits or all(stand.slot != glide.slot for stand in state.stands):
+                raise ValueError(f"there is no floor {glide.floor} for '{glide.slot}'")
+
+    def set_state(self, state: SavedGliding) -> None:
+        """Restore a validated state; the arrays of the model and the poses of parts are set before."""
+        moved = dict(self._moved)
+        self.reset()
+        self._moved.update(moved)
+        named, slots = self._state.named, self._state.slots
+        floors = {floor.bit: floor for floor in self.floors}
+        for entry in state.glides:
+            index = named[entry.slot]
+            slot = slots[index]
+            self.glides[index] = Glide(
+                slot, floors[entry.floor], entry.up, entry.look, entry.speed, entry.since, entry.margin
+            )
+            self.speeds[index], self.margins[index] = entry.speed, entry.margin
+            if not self._extent[index]:
+                self.lopsided.add(index)
+        self.stances.set_state(state.stands, named)
+        self.tick, self.next_look, self.newest = state.tick, state.look, state.newest
+        self.foresight, self.clear_until = state.foresight, state.clear_until
+
+
+def _is_flat(command: Command) -> bool:
+    """Whether a command moves a robot only along the floor."""
+    return not (command.linear[2] or command.angular[0] or command.angular[1])

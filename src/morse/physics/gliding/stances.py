@@ -1,0 +1,85 @@
+"""How robots that may glide stand on their feet, and when they may glide again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.kernel.driving.arrays import StanceArrays
+from morse.kernel.driving.pushing import stands_still
+from morse.physics.gliding.glide import FIRST_WAIT, LONGEST_WAIT
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Sequence
+
+    from morse.physics.state.saved import SavedStand
+
+
+class Stances:
+    """The stances of the robots of a world with K slots in the last tick, and their disturbances.
+
+    Attributes:
+        arrays: the stances, which the kernel writes.
+    """
+
+    def __init__(self, able: Collection[int], count: int) -> None:
+        self.arrays = StanceArrays(
+            able=np.zeros(count, dtype=np.uint8),
+            ticks=np.zeros(count, dtype=np.int64),
+            heights=np.zeros(count),
+            ups=np.zeros((count, 3)),
+            until=np.zeros(count, dtype=np.int64),
+        )
+        self.arrays.able[list(able)] = 1
+        #: number of ticks to wait after the next disturbance, by slot
+        self._waits: dict[int, int] = {}
+        self.reset()
+
+    def reset(self) -> None:
+        """Reset, because no robot has been on its feet yet."""
+        arrays = self.arrays
+        arrays.ticks[:] = -1
+        arrays.heights[:] = 0.0
+        arrays.ups[:] = (0.0, 0.0, 1.0)
+        arrays.until[:] = 0
+        self._waits.clear()
+
+    def record(self, index: int, tick: int, height: float, up: Sequence[float]) -> bool:
+        """Record the stance of a robot; return whether it has settled since the last tick and may glide."""
+        return stands_still(self.arrays, index, tick, height, up)
+
+    def unsettle(self, index: int) -> None:
+        """Let a robot settle before it glides again."""
+        self.arrays.views[0][index] = -1
+
+    def disturb(self, index: int, tick: int, since: int) -> None:
+        """A robot that has glided since some tick was disturbed: it waits before it glides again."""
+        wait = FIRST_WAIT if tick - since > LONGEST_WAIT else self._waits.get(index, FIRST_WAIT)
+        self.arrays.until[index] = tick + wait
+        self._waits[index] = min(2 * wait, LONGEST_WAIT)
+
+    def get_state(self, names: Sequence[str]) -> list[dict[str, Any]]:
+        """See `morse.physics.state.saved.SavedStand`."""
+        arrays = self.arrays
+        return [
+            {
+                "slot": names[index],
+                "tick": int(arrays.ticks[index]),
+                "height": float(arrays.heights[index]),
+                "up": tuple(arrays.ups[index].tolist()),
+                "wait": self._waits.get(index, FIRST_WAIT),
+                "until": int(arrays.until[index]),
+            }
+            for index in np.flatnonzero(arrays.able).tolist()
+        ]
+
+    def set_state(self, state: Iterable[SavedStand], named: dict[str, int]) -> None:
+        """Restore a validated state."""
+        self.reset()
+        arrays = self.arrays
+        for stand in state:
+            index = named[stand.slot]
+            arrays.ticks[index], arrays.heights[index] = stand.tick, stand.height
+            arrays.ups[index], arrays.until[index] = stand.up, stand.until
+            self._waits[index] = stand.wait

@@ -1,0 +1,397 @@
+"""Adds the joints of armatures to the model of the engine: their masses, limits and motors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from morse.mathutils.portable import det, eigh, matmul, norm
+from morse.physics.model.inertia import mass_of, moved_inertia
+from morse.physics.model.layout import Motion
+from morse.physics.model.motors import Load, Motor, weight
+from morse.physics.poses.poses import as_array, relative_pose
+from morse.scene import Articulation, JointDynamics, JointKind, controls_of
+from morse.scene.bone_frames import BonePose, start_frames, start_value
+from morse.scene.frames import rigid_frame
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterable, Iterator
+
+    from numpy.typing import NDArray
+
+    from morse.physics.model.layout import Frame
+    from morse.scene import Bone, Node
+    from morse.scene.frames import RigidFrame
+
+#: smallest mass, kg, and moment of inertia, kg m^2, of a link that a joint moves
+_LIGHTEST, _SMALLEST = 1e-3, 1e-6
+_NOTHING = JointDynamics()
+_HINGE, _SLIDE, _BALL = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_BALL
+_TYPES = {JointKind.REVOLUTE: _HINGE, JointKind.PRISMATIC: _SLIDE}
+#: the joints of the engine for a bone without a value: suffix of the name, type, axis of the bone
+_LOOSE = {
+    JointKind.BALL: (("", _BALL, 2),),
+    JointKind.PLANAR: (("/x", _SLIDE, 0), ("/y", _SLIDE, 1), ("/turn", _HINGE, 2)),
+    JointKind.FLOATING: (("/x", _SLIDE, 0), ("/y", _SLIDE, 1), ("/z", _SLIDE, 2), ("/turn", _BALL, 2)),
+}
+
+
+@dataclass(eq=False, slots=True)
+class JointSlot:
+    """The indices of a joint in the arrays of the engine.
+
+    Attributes:
+        armature: the node of the armature.
+        name: name of the bone.
+        qpos: address of its value, rad or m.
+        dof: address of its velocity.
+        actuator: id of its motor; -1 for a joint that follows another.
+        start: initial value of the joint.
+        motor: None for a joint that follows another, or has none.
+        width: number of position values in the engine: 4 for a ball joint, otherwise 1.
+    """
+
+    armature: Node
+    name: str
+    qpos: int = -1
+    dof: int = -1
+    actuator: int = -1
+    start: float = 0.0
+    motor: Motor | None = None
+    width: int = 1
+
+    @property
+    def dofs(self) -> int:
+        """The number of velocity values in the engine."""
+        return 3 if self.width == 4 else 1
+
+
+@dataclass(eq=False, slots=True)
+class _Made:
+    """A joint that was added, for the parts that need all joints of an armature."""
+
+    frame: Frame
+    bone: Bone
+    slot: JointSlot
+    joint: Any
+    anchor: NDArray[np.float64]
+    limit: JointDynamics
+
+
+@dataclass(eq=False, slots=True)
+class _Group:
+    """A frame with its body in the engine, its mass (kg), centre of mass (3, world, m) and joints."""
+
+    frame: Frame
+    body: Any
+    mass: float
+    centre: NDArray[np.float64]
+    joints: list[_Made] = field(default_factory=list)
+
+
+class Articulated:
+    """The joints of all armatures of a scene whose joints the physics moves."""
+
+    def __init__(self, spec: Any) -> None:
+        self._spec = spec
+        self._groups: dict[Frame, _Group] = {}
+        self._made: list[_Made] = []
+        #: poses of the bones at the start, by armature: all frames of an armature need them
+        self._starts: dict[Node, list[BonePose]] = {}
+
+    # -- masses ----------------------------------------------------------------------------
+
+    def set_inertia(self, frame: Frame, pose: RigidFrame, body: Any) -> bool:
+        """Set mass and inertia of a body from its links; return False if the model of the frame has no links."""
+        links = [node for node in frame.members if node.inertial is not None]
+        is_root = frame.motion is not Motion.JOINT
+        if is_root and (frame.motion is not Motion.FREE or frame.node.articulation is None or not frame.carries):
+            self._groups[frame] = _Group(frame, body, frame.node.body.mass, np.array(pose.position))
+            return False
+        scale = _scale(frame)
+        parts: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = []
+        for node in links:
+            position, rotation = relative_pose(node, pose)
+            inertial = node.inertial
+            assert inertial is not None
+            inertia = matmul(matmul(rotation, np.reshape(inertial.inertia, (3, 3))), rotation.T)
+            parts.append(
+                (
+                    scale * inertial.mass,
+                    position + matmul(rotation, np.array(inertial.centre)),
+                    scale * inertia,
+                )
+            )
+        if not any(mass for mass, _, _ in parts) and not _has_masses(frame):
+            parts = [mass_of(shape, *relative_pose(node, pose)) for node in frame.solid for shape in node.shapes or ()]
+        mass = sum((part[0] for part in parts), 0.0)
+        body.explicitinertial = True
+        if mass < _LIGHTEST:
+            mass, centre = _LIGHTEST, np.zeros(3)
+            inertia = np.eye(3) * _SMALLEST
+        else:
+            centre = sum((m * c for m, c, _ in parts), np.zeros(3)) / mass
+            inertia = sum((moved_inertia(i, m, c - centre) for m, c, i in parts), np.zeros((3, 3)))
+        body.mass, body.ipos = mass, centre
+        moments, axes = eigh(inertia)
+        if det(axes) < 0.0:
+            axes[:, 0] *= -1.0
+        quaternion = np.zeros(4)
+        mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(axes).ravel())
+        body.iquat = quaternion
+        # invalid files, and rounding: no moment may exceed the sum of the others
+        moments = np.maximum(moments, _SMALLEST * min(mass, 1.0))
+        moments[:2] += max(0.0, 0.5 * (1.001 * moments[2] - moments[0] - moments[1]))
+        body.inertia = moments
+        place = np.array(pose.position) + matmul(as_array(pose.rotation), centre)
+        self._groups[frame] = _Group(frame, body, float(mass), place)
+        return True
+
+    # -- joints ----------------------------------------------------------------------------
+
+    def add_joints(self, frame: Frame, pose: RigidFrame, body: Any) -> list[JointSlot]:
+        """Add the joints that move a frame."""
+        armature = frame.armature
+        assert armature is not None
+        outer = rigid_frame(armature)
+        scale = sum(float(outer.stretch[i][i]) for i in range(3)) / 3.0
+        bones, frames = armature.bones, self._starts.get(armature)
+        if frames is None:
+            frames = self._starts[armature] = start_frames(bones, scale)
+        base, turned = np.array(outer.position), as_array(outer.rotation)
+        origin, rotation = np.array(pose.position), as_array(pose.rotation)
+        found = []
+        for index in frame.joints:
+            bone = bones[index]
+            place, axes = frames[index]
+            anchor = base + matmul(turned, np.array(place))
+            axis = matmul(turned, np.reshape(axes, (3, 3))[:, bone.axis])
+            if bone.kind.is_loose:
+                turned_bone = matmul(matmul(rotation.T, turned), np.reshape(axes, (3, 3)))
+                found += self._add_loose(frame, bone, body, anchor, matmul(rotation.T, anchor - origin), turned_bone)
+                continue
+            slides = bone.kind is JointKind.PRISMATIC
+            value = start_value(bones, index) * (scale if slides else 1.0)
+            limit = bone.dynamics or _NOTHING
+            name = f"{armature.name}/{bone.name}"
+            joint = body.add_joint(
+                type=_TYPES[bone.kind],
+                name=name,
+                pos=matmul(rotation.T, anchor - origin),
+                axis=matmul(rotation.T, axis),
+                ref=value,
+                armature=limit.inertia,
+                frictionloss=limit.friction,
+            )
+            joint.damping[0] = limit.damping
+            if limit.stiffness:
+                joint.stiffness[0], joint.springref = limit.stiffness, limit.rest
+            low, high = (bone.low * scale, bone.high * scale) if slides else (bone.low, bone.high)
+            joint.limited = limit.limited and bone.leader < 0 and low <= high
+            joint.range = [low, high] if low < high else [low - 1e-6, low + 1e-6]
+            slot = JointSlot(armature, bone.name)
+            slot.start = value
+            made = _Made(frame, bone, slot, joint, anchor, limit)
+            self._made.append(made)
+            self._groups[frame].joints.append(made)
+            found.append(slot)
+        return found
+
+    def _add_loose(
+        self,
+        frame: Frame,
+        bone: Bone,
+        body: Any,
+        anchor: NDArray[np.float64],
+        place: NDArray[np.float64],
+        axes: NDArray[np.float64],
+    ) -> list[JointSlot]:
+        """Add the joints of a bone without a value.
+
+        Args:
+            anchor: the joint in the world, m.
+            place, axes: the joint, m, and the axes of the bone as columns, both in the frame of the body.
+        """
+        armature = frame.armature
+        assert armature is not None
+        limit, found = bone.dynamics or _NOTHING, []
+        for suffix, kind, axis in _LOOSE[bone.kind]:
+            joint = body.add_joint(
+                type=kind,
+                name=f"{armature.name}/{bone.name}{suffix}",
+                pos=place,
+                axis=axes[:, axis],
+                armature=limit.inertia,
+                frictionloss=limit.friction,
+            )
+            joint.damping[0] = limit.damping
+            if limit.stiffness and kind == _BALL:
+                joint.stiffness[0] = limit.stiffness
+            if kind == _BALL and limit.limited and bone.high > 0.0:
+                joint.limited, joint.range = True, [0.0, bone.high]
+            slot = JointSlot(armature, f"{bone.name}{suffix}", width=4 if kind == _BALL else 1)
+            made = _Made(frame, bone, slot, joint, anchor, limit)
+            self._made.append(made)
+            self._groups[frame].joints.append(made)
+            found.append(slot)
+        return found
+
+    # -- after all bodies --------------------------------------------------------------------
+
+    def finish(self, step: float) -> None:
+        """Add motors, joints that follow others, and the pairs of links that do not collide.
+
+        Args:
+            step: time step of the engine, s.
+        """
+        if not self._made:
+            return
+        by_name = {(made.slot.armature, made.bone.name): made for made in self._made}
+        leaders: dict[JointSlot, _Made] = {}
+        for made in self._made:
+            armature = made.slot.armature
+            if made.bone.leader >= 0 and (leader := by_name.get((armature, armature.bones[made.bone.leader].name))):
+                leaders[made.slot] = leader
+        loads = self._loads(leaders)
+        for made in self._made:
+            armature = made.slot.armature
+            if made.bone.kind.is_loose:
+                continue
+            if made.slot in leaders:
+                self._follow(made, leaders[made.slot])
+                continue
+            motor = self._spec.add_actuator(
+                name=made.joint.name, target=made.joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT
+            )
+            made.slot.motor = Motor(made.limit, loads[made.slot], step)
+            made.slot.motor.add_to(motor, made.joint, controls_of(armature)[made.bone.name])
+        for root in {_root(frame): None for frame in self._groups if frame.motion is Motion.JOINT}:
+            self._keep_apart(root)
+
+    def _follow(self, made: _Made, leader: _Made) -> None:
+        equality = self._spec.add_equality(
+            name=made.joint.name,
+            type=mujoco.mjtEq.mjEQ_JOINT,
+            objtype=mujoco.mjtObj.mjOBJ_JOINT,
+            name1=made.joint.name,
+            name2=leader.joint.name,
+        )
+        data = np.zeros(equality.data.shape)
+        # both are at their initial values when the constraint is fulfilled
+        data[1] = made.bone.factor
+        equality.data = data
+        equality.solref = [2.0 * float(self._spec.option.timestep), 1.0]
+
+    def _loads(self, followers: Container[JointSlot]) -> dict[JointSlot, Load]:
+        """Return the largest load of each motor, whatever the other joints do; joints that follow have no motor."""
+        below: dict[Frame, list[Frame]] = {}
+        for frame in self._groups:
+            if frame.motion is Motion.JOINT and frame.parent is not None:
+                below.setdefault(frame.parent, []).append(frame)
+        found: dict[JointSlot, Load] = {}
+        for frame, group in self._groups.items():
+            for made in group.joints:
+                if made.bone.kind.is_loose or made.slot in followers:
+                    continue
+                slides = made.bone.kind is JointKind.PRISMATIC
+                mass, inertia, moment = self._reached(frame, made.anchor, below)
+                root = _root(frame)
+                rest, turned, lever = 0.0, 0.0, 0.0
+                if root.motion is Motion.FREE:
+                    mine = set(self._tree(frame, below))
+                    for other in self._tree(root, below):
+                        if other not in mine:
+                            part = self._groups[other]
+                            reach = float(norm(part.centre - made.anchor))
+                            rest += part.mass
+                            turned += part.mass * reach * reach
+                            lever += weight(part.mass, reach)
+                if slides:
+                    found[made.slot] = Load(mass, weight(mass, 1.0), rest, weight(rest, 1.0), slides)
+                else:
+                    found[made.slot] = Load(inertia, moment, turned, lever, slides)
+        return found
+
+    def _reached(
+        self, frame: Frame, anchor: NDArray[np.float64], below: dict[Frame, list[Frame]]
+    ) -> tuple[float, float, float]:
+        """Return mass, largest moment of inertia and largest moment of weight of the load of a joint.
+
+        They are the largest if all joints of the load are stretched.
+        """
+        mass = inertia = moment = 0.0
+        waiting = [(frame, anchor, 0.0)]
+        while waiting:
+            one, place, length = waiting.pop()
+            group = self._groups[one]
+            reach = length + float(norm(group.centre - place))
+            mass += group.mass
+            inertia += group.mass * reach * reach + float(np.max(group.body.inertia))
+            moment += weight(group.mass, reach)
+            for other in below.get(one, ()):
+                there = self._groups[other].joints[0].anchor
+                waiting.append((other, there, length + float(norm(there - place))))
+        return mass, inertia, moment
+
+    def _tree(self, frame: Frame, below: dict[Frame, list[Frame]]) -> Iterator[Frame]:
+        waiting = [frame]
+        while waiting:
+            one = waiting.pop()
+            yield one
+            waiting += below.get(one, ())
+
+    def _keep_apart(self, root: Frame) -> None:
+        """Disable collisions between links of one robot, unless the file enables them."""
+        frames = [frame for frame in self._groups if _root(frame) is root]
+        names = {frame: {node.source_name or node.name for node in frame.members} for frame in frames}
+        for number, one in enumerate(frames):
+            for other in frames[number + 1 :]:
+                if not (one.solid and other.solid):
+                    continue
+                settings = [f.armature.articulation for f in (one, other) if f.armature is not None]
+                collides = all(setting is not None and setting.self_collision for setting in settings)
+                listed = any(
+                    (a in names[one] and b in names[other]) or (b in names[one] and a in names[other])
+                    for setting in settings
+                    if setting is not None
+                    for a, b in setting.apart
+                )
+                if not collides or listed or one.parent is other or other.parent is one:
+                    self._spec.add_exclude(
+                        bodyname1=self._groups[one].body.name, bodyname2=self._groups[other].body.name
+                    )
+
+    def resolve(self, model: mujoco.MjModel) -> None:
+        """Store the ids that the compiler has assigned."""
+        for made in self._made:
+            joint = model.joint(made.joint.name).id
+            made.slot.qpos, made.slot.dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+            made.slot.actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, made.joint.name)
+
+
+def _root(frame: Frame) -> Frame:
+    while frame.motion is Motion.JOINT:
+        assert frame.parent is not None
+        frame = frame.parent
+    return frame
+
+
+def _has_masses(frame: Frame) -> bool:
+    """Whether the file of the armature of a frame has masses."""
+    armature = frame.armature if frame.armature is not None else frame.node
+    return bool((armature.articulation or Articulation()).mass)
+
+
+def _scale(frame: Frame) -> float:
+    """Return the factor between the mass of a robot in the scene and in its file."""
+    root = _root(frame).node
+    in_file = root.articulation.mass if root.articulation is not None else 0.0
+    return root.body.mass / in_file if in_file and abs(root.body.mass - in_file) > 1e-9 * in_file else 1.0
+
+
+def carried(frames: Iterable[Frame]) -> dict[Frame, Frame]:
+    """Return the root of each joint frame."""
+    return {frame: _root(frame) for frame in frames if frame.motion is Motion.JOINT}

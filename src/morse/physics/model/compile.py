@@ -1,0 +1,457 @@
+"""Compiles a scene into a MuJoCo model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from morse.mathutils.portable import matmul
+from morse.physics.driving.calibration import FREE_DAMPING, friction_of
+from morse.physics.driving.wheel_casters import caster_floor, is_caster, rise
+from morse.physics.gliding.feet import Stance, stance, trimmed
+from morse.physics.gliding.plane_builder import PlaneBuilder
+from morse.physics.model.articulated import Articulated, JointSlot
+from morse.physics.model.couplings import CouplingBuilder, TendonSlot
+from morse.physics.model.inertia import bounding_box, robot_inertia, volume
+from morse.physics.model.layout import Frame, Motion, frames_of
+from morse.physics.model.unusable_hulls import replace_unusable_hulls
+from morse.physics.model.wheel_shapes import wheel_axis, wheel_size
+from morse.physics.poses.poses import as_array, relative_pose
+from morse.scene import PhysicsType, ShapeKind
+from morse.scene.corners import corners
+from morse.scene.frames import RigidFrame, rigid_frame
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.scene import CollisionShape, Node, Scene
+
+#: longest time step of the engine, s: with a step of 1/60 s, a robot pushing into a wall penetrates it by 10 mm
+MAX_STEP = 1.0 / 240.0
+#: default friction coefficient
+DEFAULT_FRICTION = 0.7
+_TORSIONAL, _ROLLING = 0.005, 0.0001
+#: factor on the moment of inertia of a dynamic robot, which, unlike a rigid body, is only rotated by commands
+_UNTURNABLE = 1e6
+#: inertia of a wheel with its motor and gear, kg m^2, large enough that friction does not turn a wheel at rest
+_GEAR_INERTIA = 10.0
+
+#: memory for each pair of bodies, and for the rest, bytes; the estimate of the engine ignores static bodies, and the
+#: engine ends the process when memory runs out
+_PAIR_MEMORY, _SPARE_MEMORY = 8, 1 << 22
+#: above the first number of moving bodies, the memory estimate of the engine assumes contacts between all pairs of
+#: bodies; the second number, bytes for each body, is used instead. Unused memory is not allocated
+_MANY, _BODY_MEMORY = 1000, 1 << 20
+
+_TYPES = {
+    ShapeKind.BOX: mujoco.mjtGeom.mjGEOM_BOX,
+    ShapeKind.SPHERE: mujoco.mjtGeom.mjGEOM_SPHERE,
+    ShapeKind.CYLINDER: mujoco.mjtGeom.mjGEOM_CYLINDER,
+    ShapeKind.CAPSULE: mujoco.mjtGeom.mjGEOM_CAPSULE,
+    ShapeKind.ELLIPSOID: mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+    ShapeKind.CONVEX: mujoco.mjtGeom.mjGEOM_MESH,
+}
+
+
+@dataclass(eq=False, slots=True)
+class Slot:
+    """The indices of a frame in the arrays of the engine; -1 or empty if the frame has no such item.
+
+    Attributes:
+        body: id of the MuJoCo body.
+        qpos: address of the free joint (7 numbers) or hinge (1).
+        dof: address of its velocity (6 or 1).
+        mocap: mocap id.
+        actuator: id of the wheel motor.
+        geoms: geom ids by node, one for each shape of the node.
+        feet: geom ids of the spheres on which a driven robot stands.
+        joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first one.
+    """
+
+    frame: Frame
+    pose: RigidFrame
+    body: int = -1
+    qpos: int = -1
+    dof: int = -1
+    mocap: int = -1
+    actuator: int = -1
+    geoms: dict[Node, list[int]] = field(default_factory=dict)
+    feet: list[int] = field(default_factory=list)
+    joints: list[JointSlot] = field(default_factory=list)
+
+    @property
+    def numbers(self) -> tuple[int, int]:
+        """Number of positions and velocities of the slot in the engine."""
+        if self.qpos < 0:
+            return 0, 0
+        if self.frame.motion is Motion.FREE:
+            return 7, 6
+        return sum(joint.width for joint in self.joints) or 1, sum(joint.dofs for joint in self.joints) or 1
+
+
+@dataclass(eq=False, slots=True)
+class Compiled:
+    """A compiled model.
+
+    Attributes:
+        steps: physics steps per tick.
+        geom_node: node of each geom.
+        tendon_motors: the motors of tendons.
+        planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.gliding.floor_planes`.
+        physics_of_1_4: see `morse.physics.driving.calibration`.
+    """
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    slots: list[Slot]
+    steps: int
+    geom_node: list[Node]
+    tendon_motors: list[TendonSlot]
+    planes: dict[int, int]
+    physics_of_1_4: bool = False
+
+
+def compile_scene(scene: Scene) -> Compiled:
+    """Build the MuJoCo model of a scene whose collision shapes have been computed.
+
+    Convex shapes that the engine refuses are removed from the scene, with a warning.
+    """
+    try:
+        return _compile(scene)
+    except ValueError:
+        if not replace_unusable_hulls(scene):
+            raise
+        return _compile(scene)
+
+
+def _compile(scene: Scene) -> Compiled:
+    settings = scene.settings
+    steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / MAX_STEP - 1e-9))
+    spec = mujoco.MjSpec()
+    _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
+    # shown only by the viewer of MuJoCo
+    spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
+    frames = sorted(frames_of(scene), key=_not_moved_by_engine)
+    builder = _Builder(spec, has_wheels=any(frame.motion is Motion.HINGE for frame in frames))
+    builder.physics_of_1_4 = settings.physics_of_1_4
+    slots = [builder.add(frame) for frame in frames]
+    builder.articulated.finish(spec.option.timestep)
+    couplings = builder.couple(slots)
+    builder.planes.finish()
+    bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
+    if bodies > _MANY:
+        spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
+    model = spec.compile()
+    needed = _PAIR_MEMORY * model.nbody**2 + _SPARE_MEMORY
+    if model.narena < needed:
+        spec.memory = needed
+        model = spec.compile()
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    if np.any(model.eq_type == int(mujoco.mjtEq.mjEQ_TENDON)):
+        # the engine cannot wake what two tendons couple, and ends with an error
+        model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+    geom_node = builder.resolve(model, slots)
+    data = mujoco.MjData(model)
+    planes = {box.id: plane.id for box, plane in builder.planes.pairs}
+    return Compiled(model, data, slots, steps, geom_node, couplings.motors, planes, settings.physics_of_1_4)
+
+
+def _not_moved_by_engine(frame: Frame) -> bool:
+    # a stable sort, so that moving bodies get the ids 1, 2, ... in the order of the scene
+    return not frame.has_body or frame.motion in (Motion.FIXED, Motion.VIRTUAL)
+
+
+def _set_options(spec: Any, gravity: float, step: float) -> None:
+    spec.compiler.degree = False
+    option = spec.option
+    option.timestep = step
+    option.gravity = [0.0, 0.0, -gravity]
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = 10.0
+    option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
+    spec.default.geom.solref = [2.0 * step, 1.0]
+    spec.default.geom.friction = [DEFAULT_FRICTION, _TORSIONAL, _ROLLING]
+
+
+class _Builder:
+    def __init__(self, spec: Any, *, has_wheels: bool) -> None:
+        self._spec = spec
+        self._has_wheels = has_wheels
+        self.articulated = Articulated(spec)
+        self.planes = PlaneBuilder()
+        self._bodies: dict[Frame, Any] = {}
+        self._geoms: list[tuple[Any, Node, Slot]] = []
+        self._feet: list[tuple[Any, Node, Slot]] = []
+        self._hulls: dict[bytes, str] = {}
+        self._step = spec.option.timestep
+        self._couplings: CouplingBuilder | None = None
+        self.physics_of_1_4 = False
+
+    def add(self, frame: Frame) -> Slot:
+        slot = Slot(frame, rigid_frame(frame.node))
+        if not frame.has_body:
+            return slot
+        body = self._add_body(frame, slot)
+        self._bodies[frame] = body
+        has_links = self.articulated.set_inertia(frame, slot.pose, body) if frame.carries or frame.joints else False
+        if frame.joints:
+            slot.joints = self.articulated.add_joints(frame, slot.pose, body)
+        if frame.motion is Motion.HINGE:
+            self._add_wheel(frame, slot, body)
+        else:
+            self._add_geoms(frame, slot, body, has_links)
+        return slot
+
+    def _add_body(self, frame: Frame, slot: Slot) -> Any:
+        parent, pose = self._spec.worldbody, slot.pose
+        position, rotation = np.array(pose.position), as_array(pose.rotation)
+        if frame.parent is not None:
+            parent = self._bodies[frame.parent]
+            outer = rigid_frame(frame.parent.node)
+            turned = as_array(outer.rotation).T
+            position, rotation = (
+                matmul(turned, position - np.array(outer.position)),
+                matmul(turned, rotation),
+            )
+        body = parent.add_body(
+            name=frame.node.name, pos=position, quat=_quaternion(rotation), mocap=frame.motion is Motion.KINEMATIC
+        )
+        if frame.motion is Motion.FREE:
+            body.add_freejoint(name=frame.node.name)
+            if _is_weightless(frame):
+                body.gravcomp = 1.0
+        return body
+
+    def _add_geoms(self, frame: Frame, slot: Slot, body: Any, has_links: bool) -> None:
+        heavy = [node for node in frame.solid if node.body.type is not PhysicsType.SENSOR]
+        total = sum(volume(shape) for node in heavy or frame.solid for shape in node.shapes or ()) or 1.0
+        mass = frame.node.body.mass if frame.motion is Motion.FREE and not has_links else 0.0
+        lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
+        is_robot = _is_free_robot(frame) and not has_links
+        gets_planes = self._has_wheels and frame.motion is Motion.FIXED
+        turned = as_array(slot.pose.rotation)
+        stand, floor = self._stance(frame, slot), caster_floor(frame, slot.pose)
+        for node in frame.solid:
+            position, rotation = relative_pose(node, slot.pose)
+            if heavy and node.body.type is PhysicsType.SENSOR:
+                self._add_feelers(node, slot, body)
+                continue
+            for shape in node.shapes or ():
+                if is_caster(node) and frame.motion is not Motion.JOINT:
+                    position = position + np.array([0.0, 0.0, rise(shape, position, rotation, floor)])
+                fitted = shape if stand is None else trimmed(shape, position, rotation, stand) or shape
+                geom = self._add_geom(body, fitted, position, rotation)
+                geom.mass = mass * volume(shape) / total
+                self._set_surface(geom, node, frame)
+                self._geoms.append((geom, node, slot))
+                if gets_planes and shape.kind is ShapeKind.BOX:
+                    surface = partial(self._set_surface, node=node, frame=frame)
+                    self.planes.note(body, geom, turned, surface)
+                if is_robot:
+                    low, high = bounding_box(shape, position, rotation)
+                    lower, upper = np.minimum(lower, low), np.maximum(upper, high)
+        if is_robot:
+            assert frame.robot is not None
+            body.explicitinertial = True
+            body.mass = mass
+            body.ipos, body.inertia = robot_inertia(mass, lower, upper)
+            rolls = frame.node.properties.get("GroundRobot") and not self.physics_of_1_4
+            if not rolls and not frame.robot.options.get("wheels") and np.all(lower <= 0.0) and np.all(upper >= 0.0):
+                # as in 1.4: forces and damping at the origin do not turn the robot
+                body.ipos = np.zeros(3)
+            if frame.node.body.type is PhysicsType.DYNAMIC:
+                body.inertia = _UNTURNABLE * np.asarray(body.inertia)
+            self._add_feet(frame, slot, body, stand)
+
+    def _add_feelers(self, node: Node, slot: Slot, body: Any) -> None:
+        """Add shapes that only detect contacts: they have no mass and exert no forces."""
+        position, rotation = relative_pose(node, slot.pose)
+        for shape in node.shapes or ():
+            geom = self._add_geom(body, shape, position, rotation)
+            geom.mass, geom.contype, geom.conaffinity = 0.0, 0, 0
+            self._geoms.append((geom, node, slot))
+
+    def _stance(self, frame: Frame, slot: Slot) -> Stance | None:
+        """Return the stance of a robot that is driven as one body over a floor; wheels, rotors and props have none."""
+        if frame.robot is None or frame.motion is not Motion.FREE or frame.robot.options.get("wheels") or frame.carries:
+            return None
+        if slot.pose.rotation[2][2] < 0.99 or not frame.node.properties.get("GroundRobot"):
+            return None
+        solid = [node for node in frame.solid if node.body.collides]
+        points = [corners(shape, *relative_pose(node, slot.pose)) for node in solid for shape in node.shapes or ()]
+        return stance(np.vstack(points)) if points else None
+
+    def _add_feet(self, frame: Frame, slot: Slot, body: Any, stand: Stance | None) -> None:
+        if stand is None:
+            return
+        # the engine has to be prepared for weightless bodies; see resolve
+        body.gravcomp = 1.0
+        for centre in stand.feet:
+            foot = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[stand.radius, 0.0, 0.0], pos=centre, mass=0.0)
+            self._set_surface(foot, frame.node, frame)
+            self._feet.append((foot, frame.node, slot))
+
+    def _add_geom(
+        self, body: Any, shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]
+    ) -> Any:
+        if shape.kind is ShapeKind.CONVEX:
+            mesh = self._hull(shape)
+            return body.add_geom(type=_TYPES[shape.kind], meshname=mesh, pos=position, quat=_quaternion(rotation))
+        turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
+        if shape.kind is ShapeKind.HEIGHT_FIELD:
+            return body.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_HFIELD,
+                hfieldname=self._height_field(shape),
+                pos=position + matmul(rotation, np.asarray(shape.position)),
+                quat=_quaternion(turned),
+            )
+        size = np.zeros(3)
+        size[: len(shape.size)] = shape.size
+        return body.add_geom(
+            type=_TYPES[shape.kind],
+            size=size,
+            pos=position + matmul(rotation, np.asarray(shape.position)),
+            quat=_quaternion(turned),
+        )
+
+    def _height_field(self, shape: CollisionShape) -> str:
+        """Return the name of the heights of a shape; robots of one file share them."""
+        assert shape.heights is not None
+        heights = np.ascontiguousarray(shape.heights, dtype=np.float32)
+        key = repr(shape.size).encode() + repr(heights.shape).encode() + heights.tobytes()
+        if key not in self._hulls:
+            name = self._hulls[key] = f"heights{len(self._hulls)}"
+            rows, columns = heights.shape
+            self._spec.add_hfield(name=name, size=shape.size, nrow=rows, ncol=columns, userdata=heights.ravel())
+        return self._hulls[key]
+
+    def _hull(self, shape: CollisionShape) -> str:
+        """Return the name of the mesh of a convex shape; equal shapes, as in a fleet of robots, share a mesh."""
+        vertices = np.ascontiguousarray(shape.vertices, dtype=np.float32).ravel()
+        key = vertices.tobytes()
+        if key not in self._hulls:
+            name = self._hulls[key] = f"hull{len(self._hulls)}"
+            inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+            self._spec.add_mesh(name=name, uservert=vertices, inertia=inertia)
+        return self._hulls[key]
+
+    def _set_surface(self, geom: Any, node: Node, frame: Frame) -> None:
+        friction = node.body.friction if node.body.friction is not None else frame.node.body.friction
+        if self.physics_of_1_4 and _is_free_robot(frame):
+            friction = friction_of(node.body if node.body.friction is not None else frame.node.body)
+        if friction is not None:
+            geom.friction = [friction, _TORSIONAL, _ROLLING]
+            # the friction of a script applies to all contacts, not only to contacts with lower friction
+            geom.priority = 1
+        restitution = max(node.body.restitution, frame.node.body.restitution)
+        if restitution > 0.0:
+            logarithm = math.log(min(restitution, 0.99))
+            geom.solref = [2.0 * self._step, -logarithm / math.hypot(math.pi, logarithm)]
+            geom.priority = 1
+        # a caster with a joint rolls, others slide
+        if is_caster(node) and frame.motion is not Motion.JOINT:
+            geom.condim, geom.priority = 1, 2
+        if (not node.body.collides and not frame.node.body.collides) or node.body.type is PhysicsType.SENSOR:
+            geom.contype = geom.conaffinity = 0
+
+    def _add_wheel(self, frame: Frame, slot: Slot, body: Any) -> None:
+        node = frame.node
+        assert frame.parent is not None
+        axis = wheel_axis(node, frame.parent.node)
+        radius, half_width, rotation = wheel_size(node, axis)
+        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, name=node.name, axis=axis, armature=_GEAR_INERTIA)
+        # an ellipsoid touches the floor at one point
+        geom = body.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+            size=[radius, radius, half_width],
+            quat=_quaternion(rotation),
+            mass=0.0,
+        )
+        # The inertia about the axle is 0, because an accelerating wheel would lift the front of a light robot. The
+        # inertia about the other axes is that of a disc, m r^2 / 4.
+        body.explicitinertial = True
+        body.mass = node.body.mass
+        body.ipos, body.iquat = [0.0, 0.0, 0.0], _quaternion(rotation)
+        across = 0.25 * node.body.mass * radius**2
+        body.inertia = [across, across, 1e-3 * across]
+        named = frame.parent.node.properties.get("Friction") if node.body.friction is None else node.body.friction
+        mu = float(named) if isinstance(named, (int, float)) and 0.0 <= named < math.inf else 1.0
+        geom.friction = [mu, _TORSIONAL, _ROLLING]
+        geom.priority = 1
+        self._geoms.append((geom, node, slot))
+        motor = self._spec.add_actuator(name=node.name, target=node.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        # reduces the difference to the commanded speed by nine tenths in each step
+        motor.set_to_velocity(kv=10.0 * _GEAR_INERTIA / self._step)
+
+    def couple(self, slots: list[Slot]) -> CouplingBuilder:
+        """Add tendons and constraints, after all bodies and joints."""
+        self._couplings = CouplingBuilder(self._spec, slots, self._bodies)
+        return self._couplings
+
+    def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
+        """Store the ids that the compiler has assigned."""
+        self.articulated.resolve(model)
+        geom_node: list[Any] = [None] * model.ngeom
+        for geom, node, slot in self._geoms:
+            geom_node[geom.id] = node
+            slot.geoms.setdefault(node, []).append(geom.id)
+        if self._couplings is not None:
+            self._couplings.resolve(model)
+            for guide, node in self._couplings.geoms:
+                geom_node[guide.id] = node
+        for box, plane in self.planes.pairs:
+            geom_node[plane.id] = geom_node[box.id]
+        for foot, node, slot in self._feet:
+            geom_node[foot.id] = node
+            slot.feet.append(foot.id)
+        for slot in slots:
+            body = self._bodies.get(slot.frame)
+            if body is None:
+                continue
+            slot.body = body.id
+            slot.mocap = int(model.body_mocapid[body.id])
+            if model.body_jntnum[body.id]:
+                joint = int(model.body_jntadr[body.id])
+                slot.qpos, slot.dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+            if slot.frame.motion is Motion.FREE:
+                set_damping(model, slot, self.physics_of_1_4)
+                if slot.feet and not _is_weightless(slot.frame):
+                    model.body_gravcomp[slot.body] = 0.0
+            if slot.frame.motion is Motion.HINGE:
+                slot.actuator = model.actuator(slot.frame.node.name).id
+        return geom_node
+
+
+def _is_free_robot(frame: Frame) -> bool:
+    return frame.robot is not None and frame.motion is Motion.FREE
+
+
+def _is_weightless(frame: Frame) -> bool:
+    return not frame.node.body.gravity or bool(frame.node.properties.get("NoGravity"))
+
+
+def set_damping(model: mujoco.MjModel, slot: Slot, of_1_4: bool) -> None:
+    """Set the damping of a free body, given as the share of the velocity that it loses per second.
+
+    ``v' = -c v`` with ``exp(-c) = 1 - d`` keeps ``1 - d`` of the velocity after a second.
+
+    Args:
+        of_1_4: whether the scene has the physics of MORSE 1.4; see `morse.physics.driving.calibration`.
+    """
+    body = slot.frame.node.body
+    linear, angular = (-math.log(1.0 - min(max(d, 0.0), 0.999)) for d in (body.linear_damping, body.angular_damping))
+    linear *= FREE_DAMPING if of_1_4 else 1.0
+    model.dof_damping[slot.dof : slot.dof + 3] = linear * model.body_mass[slot.body]
+    model.dof_damping[slot.dof + 3 : slot.dof + 6] = angular * float(model.body_inertia[slot.body].mean())
+
+
+def _quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(rotation).ravel())
+    return quaternion

@@ -1,0 +1,130 @@
+"""The handle of components for joints that the physics moves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.physics.model import motors
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import mujoco
+    from numpy.typing import NDArray
+
+    from morse.physics.model.articulated import JointSlot
+    from morse.physics.model.couplings import TendonSlot
+    from morse.physics.state.engine_state import EngineState
+    from morse.scene import Control, Node
+
+
+class JointHandle:
+    """Commands the motors of an armature, and measures its joints.
+
+    All values are in rad, rad/s and N m for revolute joints, in m, m/s and N for prismatic joints.
+    """
+
+    #: created from the scene, without a state; cached values of the engine are not saved
+    is_apparatus = True
+
+    def __init__(self, state: EngineState, armature: Node) -> None:
+        self._state = state
+        self._name = armature.name
+        self._model: mujoco.MjModel | None = None
+        self._order: tuple[str, ...] = ()
+
+    @property
+    def _slots(self) -> dict[str, JointSlot]:
+        state = self._state
+        return next(slots for node, slots in state.joints.items() if node.name == self._name)
+
+    def _take(self, names: Sequence[str]) -> None:
+        """Look up the addresses of joints, again after objects were added or removed."""
+        state = self._state
+        if self._model is state.model and self._order == names:
+            return
+        self._model, self._order = state.model, tuple(names)
+        slots = [self._slots.get(name) for name in names]
+        self._present = [slot is not None for slot in slots]
+        found = [slot for slot in slots if slot is not None]
+        self._all = all(self._present)
+        self._qpos = np.array([slot.qpos for slot in found], dtype=np.intp)
+        self._dofs = np.array([slot.dof for slot in found], dtype=np.intp)
+        self._motors = np.array([slot.actuator for slot in found], dtype=np.intp)
+
+    def tell(self, names: Sequence[str], values: Sequence[float]) -> None:
+        """Set the commands of motors: positions, velocities or efforts, see `morse.scene.Control`."""
+        self._take(names)
+        if not self._all:
+            values = [value for value, there in zip(values, self._present, strict=True) if there]
+        self._state.data.ctrl[self._motors] = values
+
+    def set_control(self, name: str, control: Control, command: float) -> None:
+        """Change the control mode of a motor, and its command."""
+        state, slot = self._state, self._slots.get(name)
+        if slot is None or slot.motor is None:
+            return
+        arrays = {array: getattr(state.model, array) for array in motors.ARRAYS}
+        motors.write(arrays, slot.actuator, slot.dof, slot.motor.setting(control))
+        state.data.ctrl[slot.actuator] = command
+        state.is_stirred = True
+
+    @property
+    def tendon_motors(self) -> list[TendonSlot]:
+        """The motors of the tendons of the armature."""
+        return [slot for slot in self._state.tendon_motors if slot.armature == self._name]
+
+    def pull(self, commands: Mapping[str, float]) -> None:
+        """Set the commands of motors of tendons: name to command."""
+        for slot in self.tendon_motors:
+            if slot.motor.name in commands:
+                self._state.data.ctrl[slot.actuator] = commands[slot.motor.name]
+
+    def tendons(self) -> dict[str, tuple[float, float, float]]:
+        """Return the tendons that have a motor: name of the motor to length (m), speed (m/s) and force (N)."""
+        data = self._state.data
+        return {
+            slot.motor.name: (
+                float(data.ten_length[slot.tendon]),
+                float(data.ten_velocity[slot.tendon]),
+                float(data.actuator_force[slot.actuator]),
+            )
+            for slot in self.tendon_motors
+        }
+
+    def loose(self, name: str) -> tuple[list[float], list[float]]:
+        """Return the position and the velocity of a bone without a joint value, as stored in the engine.
+
+        Returns:
+            Displacements (m) along the axes of the bone, then an angle (rad) or a quaternion w, x, y, z; and their
+            velocities, m/s and rad/s. Both are empty if no object is attached to the bone.
+        """
+        slots = [self._slots.get(f"{name}{suffix}") for suffix in ("", "/x", "/y", "/z", "/turn")]
+        found = [slot for slot in slots if slot is not None]
+        data = self._state.data
+        return (
+            [value for slot in found for value in data.qpos[slot.qpos : slot.qpos + slot.width].tolist()],
+            [value for slot in found for value in data.qvel[slot.dof : slot.dof + slot.dofs].tolist()],
+        )
+
+    def positions(self, names: Sequence[str]) -> list[float]:
+        """Return the measured positions."""
+        return self._read(names, self._state.data.qpos, dofs=False)
+
+    def velocities(self, names: Sequence[str]) -> list[float]:
+        """Return the measured velocities."""
+        return self._read(names, self._state.data.qvel)
+
+    def efforts(self, names: Sequence[str]) -> list[float]:
+        """Return the efforts that the motors exert."""
+        return self._read(names, self._state.data.qfrc_actuator)
+
+    def _read(self, names: Sequence[str], values: NDArray[np.float64], *, dofs: bool = True) -> list[float]:
+        self._take(names)
+        found: list[float] = values[self._dofs if dofs else self._qpos].tolist()
+        if self._all:
+            return found
+        rest = iter(found)
+        return [next(rest) if there else 0.0 for there in self._present]

@@ -1,0 +1,1 @@
+"""Poses of bodies and of the nodes that they carry."""

@@ -1,0 +1,58 @@
+"""Computes the poses of all slots from the state of the engine."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from morse.physics.poses import rigid
+from morse.physics.poses.rows import Rows
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.physics.state.engine_state import EngineState
+
+
+def place_as_compiled(state: EngineState) -> None:
+    """Set every slot to its pose in the scene."""
+    count = len(state.slots)
+    moving = state.moving
+    state.positions, state.rotations = Rows(np.zeros((count, 3)), moving), Rows(np.zeros((count, 9)), moving)
+    for index, slot in enumerate(state.slots):
+        state.positions[index] = tuple(slot.pose.position)
+        state.rotations[index] = tuple(v for row in slot.pose.rotation for v in row)
+    state.relocated.clear()
+    state.quaternions = [rigid.quaternion(state.rotations[index]) for index in range(count)]
+
+
+def sync(state: EngineState) -> None:
+    """Compute all poses from the present state."""
+    mujoco.mj_kinematics(state.model, state.data)
+    refresh(state)
+
+
+def refresh(state: EngineState) -> None:
+    """Copy the poses of the moving bodies from the engine."""
+    state.positions.take(state.engine_positions)
+    state.rotations.take(state.engine_rotations)
+    state.touched.clear()
+    state.stamp += 1
+
+
+def settle_fixed(state: EngineState) -> None:
+    """Update the poses of static bodies, after one of them was moved by an explicit call."""
+    # with sleeping enabled, the engine computes the poses of static bodies only once
+    flags = state.model.opt.enableflags
+    state.model.opt.enableflags = flags & ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+    mujoco.mj_kinematics(state.model, state.data)
+    state.model.opt.enableflags = flags
+
+
+def contact_pairs(state: EngineState) -> NDArray[np.int32]:
+    """Return (N, 2) pairs of geoms that were in contact at the last collision detection."""
+    if state.known_contacts is not None:
+        return state.known_contacts
+    return np.asarray(state.data.contact.geom)

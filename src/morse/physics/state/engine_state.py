@@ -1,0 +1,115 @@
+"""The state of the engine and the poses of all slots, without behaviour."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.physics.model.layout import Motion
+from morse.physics.poses.rows import Rows
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import mujoco
+    from numpy.typing import NDArray
+
+    from morse.physics.model.articulated import JointSlot
+    from morse.physics.model.compile import Compiled, Slot
+    from morse.physics.model.couplings import TendonSlot
+    from morse.scene import Node
+
+
+class EngineState:
+    """A compiled scene and the values that change while it runs.
+
+    Rigid groups of nodes share a *slot*. Slots that the engine moves come first, so that slot ``k`` is MuJoCo body
+    ``k + 1``.
+
+    Attributes:
+        model, data: the MuJoCo model and state; only this package touches them.
+        slots: indices of each rigid group in the arrays of the engine.
+        slot_of: index of the slot of each node.
+        wheels: slot of a robot to the slots of its wheels.
+        links: slot of a body to all slots that joints attach to it.
+        attached: slot of a body to its wheels and links.
+        joints: armature to its joints by name.
+        tendon_motors: the motors of tendons.
+        geom_node: node of each geom.
+        planes: the geoms of boxes to those of the planes at their tops.
+        physics_of_1_4: whether driven robots lose speed as in MORSE 1.4 (`morse.physics.driving.calibration`).
+        steps: physics steps per tick.
+        period: seconds per tick.
+        moving: number of slots that the engine moves.
+        engine_positions, engine_rotations: present poses of these slots in the engine.
+        by_hand: slots that are only moved by explicit calls, because they have neither joints nor shapes.
+        stamp: changes whenever an object has moved.
+        displacements: changes whenever an object was moved within its slot.
+        positions: position of each slot, [x, y, z] in m, world frame.
+        rotations: rotation of each slot, 9 row-major numbers.
+        quaternions: w, x, y, z of each slot that was moved by an explicit call; of the other slots, at the start.
+        touched: slots that were moved by explicit calls since the last forward kinematics of the engine.
+        loose: static slots with shapes that were moved by explicit calls.
+        relocated: all static slots that were moved by explicit calls since the last reset or restored state.
+        rearranged: nodes whose shapes moved within their slots since the last ray cast.
+        kinematic: linear and angular velocity, world axes, of slots that move kinematically in this tick.
+        has_forces: whether forces or torques are set for the next tick.
+        is_stirred: whether a body that does not glide was changed by an explicit call since the last tick.
+        known_contacts: (N, 2) geoms in contact at the end of a tick in another engine instance, or None.
+        names: name of the first node of each slot; ``named`` maps it to the slot.
+    """
+
+    def __init__(self, compiled: Compiled, period: float) -> None:
+        self.take(compiled, period)
+
+    def take(self, compiled: Compiled, period: float) -> None:
+        """Use a compiled model, with all poses from the scene."""
+        self.model: mujoco.MjModel = compiled.model
+        self.data: mujoco.MjData = compiled.data
+        self.slots: list[Slot] = compiled.slots
+        self.geom_node: list[Node] = compiled.geom_node
+        self.planes: dict[int, int] = compiled.planes
+        self.physics_of_1_4 = compiled.physics_of_1_4
+        self.steps = compiled.steps
+        self.period = period
+        self.moving = sum(1 for slot in self.slots if slot.body > 0 and slot.frame.motion is not Motion.FIXED)
+        self.engine_positions = self.data.xpos[1 : self.moving + 1]
+        self.engine_rotations = self.data.xmat[1 : self.moving + 1]
+        self.slot_of: dict[Node, int] = {
+            node: index for index, slot in enumerate(self.slots) for node in slot.frame.members
+        }
+        self.wheels: dict[int, list[int]] = {}
+        for index, slot in enumerate(self.slots):
+            if slot.frame.motion is Motion.HINGE and slot.frame.parent is not None:
+                self.wheels.setdefault(self.slot_of[slot.frame.parent.node], []).append(index)
+        self.links: dict[int, list[int]] = {}
+        self.joints: dict[Node, dict[str, JointSlot]] = {}
+        for index, slot in enumerate(self.slots):
+            for joint in slot.joints:
+                self.joints.setdefault(joint.armature, {})[joint.name] = joint
+            outer = slot.frame.parent if slot.frame.motion is Motion.JOINT else None
+            while outer is not None:
+                self.links.setdefault(self.slot_of[outer.node], []).append(index)
+                outer = outer.parent
+        self.attached = {
+            index: (*self.wheels.get(index, ()), *self.links.get(index, ())) for index in {*self.wheels, *self.links}
+        }
+        self.by_hand = tuple(
+            index for index in range(self.moving, len(self.slots)) if self.slots[index].frame.motion is not Motion.FIXED
+        )
+        self.tendon_motors: list[TendonSlot] = compiled.tendon_motors
+        self.stamp = 0
+        self.displacements = 0
+        self.positions, self.rotations = Rows(np.zeros((0, 3))), Rows(np.zeros((0, 9)))
+        self.quaternions: list[Sequence[float]] = []
+        self.touched: set[int] = set()
+        self.loose: set[int] = set()
+        self.relocated: set[int] = set()
+        self.rearranged: set[Node] = set()
+        self.kinematic: dict[int, tuple[Sequence[float], Sequence[float]]] = {}
+        self.has_forces = False
+        self.is_stirred = True
+        self.known_contacts: NDArray[np.int32] | None = None
+        self.names = tuple(slot.frame.node.name for slot in self.slots)
+        self.named = {name: index for index, name in enumerate(self.names)}

@@ -1,0 +1,1 @@
+"""Messages of ROS: definitions, encoding, and the message of each kind of data. No transport."""

@@ -1,0 +1,376 @@
+"""Messages as bytes and back: CDR as ROS 2 uses it (OMG DDSI-RTPS 2.5, chapter 10; XCDR version 1).
+
+A message is a dictionary of its fields; missing fields have the defaults of their definition. Numbers in
+sequences may be numpy arrays, ``uint8[]`` may be bytes.
+"""
+
+from __future__ import annotations
+
+import struct
+from functools import cache, lru_cache
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from morse.rosmsgs.definitions import MessageField
+
+    Write = Callable[[bytearray, Any], None]
+    Read = Callable[["_Bytes"], Any]
+
+_HEADER = b"\x00\x01\x00\x00"  # CDR, little endian, no options
+_BIG, _LITTLE = b"\x00\x00", b"\x00\x01"
+#: size of the largest number, bytes
+_LARGEST = 8
+
+
+class CdrError(ValueError):
+    """The bytes are not a message of that type."""
+
+
+def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
+    """Encode a message, with the header of four bytes that contains the encoding.
+
+    Raises:
+        ValueError, TypeError, OverflowError, struct.error: a value does not fit its field.
+    """
+    buffer = bytearray(_HEADER)
+    _struct_writer(type_name)(buffer, message)
+    return bytes(buffer)
+
+
+def encode_stamped(
+    type_name: str, stamp: int, frame_id: str, numbers: Sequence[float], child_frame_id: str | None = None
+) -> bytes:
+    """Encode a message with a header and a fixed number of other numbers, in one step.
+
+    Args:
+        type_name: such as ``geometry_msgs/msg/PoseStamped``.
+        stamp: ns.
+        frame_id: of the header.
+        child_frame_id: the string between the header and the numbers; None if the message has none.
+        numbers: all other numbers of the message, in the order of their definition.
+
+    Raises:
+        struct.error: a wrong number of numbers, or a number that does not fit its field.
+    """
+    pack, texts = _stamped(type_name, frame_id, child_frame_id)
+    return pack(_HEADER, stamp // _SECOND, stamp % _SECOND, *texts, *numbers)
+
+
+@lru_cache(maxsize=4096)
+def _stamped(type_name: str, frame_id: str, child_frame_id: str | None) -> tuple[Callable[..., bytes], list[bytes]]:
+    """Packs a message whose header has that frame; its offsets depend on the length of the names."""
+    header, *rest = fields_of(type_name)
+    texts = [_string_bytes(frame_id)]
+    begin = _STAMP_SIZE + len(texts[0])
+    form = f"<4siI{len(texts[0])}s"
+    if child_frame_id is not None and rest[0].type == "string":
+        del rest[0]
+        gap = -begin % 4
+        texts.append(_string_bytes(child_frame_id))
+        begin += gap + len(texts[1])
+        form += f"{gap}x{len(texts[1])}s"
+    letters = ""
+    for field in rest:
+        inner = PRIMITIVES.get(field.type) or (None if field.type == "string" else _letters(field.type))
+        if header.type != "std_msgs/msg/Header" or inner is None or field.size == SEQUENCE:
+            raise ValueError(f"{type_name} is not a header and a fixed number of numbers")
+        letters += inner * max(field.size, 1)
+    return struct.Struct(form + _padding(letters, begin)).pack, texts
+
+
+def decode(type_name: str, data: bytes) -> dict[str, Any]:
+    """Decode a message from untrusted bytes; sequences of numbers become numpy arrays.
+
+    Raises:
+        CdrError: the bytes are not a message of that type.
+    """
+    kind = bytes(data[:2])
+    if len(data) < len(_HEADER) or kind not in (_BIG, _LITTLE):
+        raise CdrError(f"{type_name}: not CDR version 1: {bytes(data[:4])!r}")
+    message: dict[str, Any] = _struct_reader(type_name, "<" if kind == _LITTLE else ">")(_Bytes(memoryview(data)[4:]))
+    return message
+
+
+# -- writing -----------------------------------------------------------------------------------
+
+
+@cache
+def _struct_writer(type_name: str) -> Write:
+    if _letters(type_name) is not None:
+        return _plain_writer(type_name)
+    if type_name == "std_msgs/msg/Header":
+        return _write_header
+    parts = [(field.name, _writer(field)) for field in fields_of(type_name)]
+    known = frozenset(name for name, _ in parts)
+
+    def write(buffer: bytearray, value: Mapping[str, Any]) -> None:
+        for name, write_field in parts:
+            write_field(buffer, value.get(name))
+        _check_names(type_name, known, value)
+
+    return write
+
+
+def _write_header(buffer: bytearray, value: Mapping[str, Any]) -> None:
+    """The beginning of most messages; the frames of a simulation are few."""
+    _check_names("std_msgs/msg/Header", _HEADER_FIELDS, value)
+    stamp = value.get("stamp") or {}
+    _align(buffer, 4)
+    buffer += _STAMP(stamp.get("sec", 0), stamp.get("nanosec", 0))
+    buffer += _string_bytes(value.get("frame_id") or "")
+
+
+#: maximum length of a string that may be a name
+_NAME = 100
+_HEADER_FIELDS = frozenset(("stamp", "frame_id"))
+_STAMP = struct.Struct("<iI").pack
+_STAMP_SIZE, _SECOND = 8, 10**9
+
+
+@lru_cache(maxsize=4096)
+def _string_bytes(text: str) -> bytes:
+    """A string with its length, at an offset that is a multiple of 4."""
+    data = text.encode("utf-8", "replace").replace(b"\0", b"?")  # 0 ends a string
+    return (len(data) + 1).to_bytes(4, "little") + data + b"\0"
+
+
+def _check_names(type_name: str, known: frozenset[str], value: Mapping[str, Any]) -> None:
+    if not known.issuperset(value):
+        raise ValueError(f"{type_name} has no field {sorted(value.keys() - known)}")
+
+
+@cache
+def _letters(type_name: str) -> str | None:
+    """The numbers of a message of fixed length; None if its length is not fixed."""
+    letters = ""
+    for field in fields_of(type_name):
+        inner = PRIMITIVES.get(field.type) or (None if field.type == "string" else _letters(field.type))
+        if inner is None or field.size == SEQUENCE:
+            return None
+        letters += inner * max(field.size, 1)
+    return letters
+
+
+def _plain_writer(type_name: str) -> Write:
+    """Writes all numbers of a message of fixed length at once."""
+    letters = _letters(type_name) or ""
+    collect = _collector(type_name)
+    # the padding between the numbers depends on the offset of the message
+    packers = [_padded(letters, begin) for begin in range(_LARGEST)]
+
+    def write(buffer: bytearray, value: Mapping[str, Any]) -> None:
+        numbers: list[Any] = []
+        collect(value, numbers)
+        buffer += packers[(len(buffer) - len(_HEADER)) % _LARGEST](*numbers)
+
+    return write
+
+
+def _padded(letters: str, begin: int) -> Callable[..., bytes]:
+    return struct.Struct("<" + _padding(letters, begin)).pack
+
+
+def _padding(letters: str, begin: int) -> str:
+    """The format of numbers from an offset on."""
+    form, at = "", begin
+    for letter in letters:
+        size = struct.calcsize("<" + letter)
+        filled = -at % size
+        form += "x" * filled + letter
+        at += filled + size
+    return form
+
+
+@cache
+def _collector(type_name: str) -> Callable[[Mapping[str, Any], list[Any]], None]:
+    """Appends the numbers of a message of fixed length to a list."""
+    fields = fields_of(type_name)
+    parts = [
+        (field.name, field.size, None if field.type in PRIMITIVES else _collector(field.type), _default(field))
+        for field in fields
+    ]
+    known = frozenset(name for name, _, _, _ in parts)
+
+    def collect(value: Mapping[str, Any], numbers: list[Any]) -> None:
+        _check_names(type_name, known, value)
+        for name, size, inner, default in parts:
+            given = value.get(name)
+            if inner is not None:
+                inner(given or {}, numbers)
+            elif size == SINGLE:
+                numbers.append(default if given is None else given)
+            elif given is None:
+                numbers += [default] * size
+            else:
+                if len(given) != size:
+                    raise ValueError(f"field '{name}' has {size} items, not {len(given)}")
+                numbers += given.tolist() if hasattr(given, "tolist") else given
+
+    if len(fields) < 2 or any(field.size != SINGLE or field.type not in PRIMITIVES for field in fields):
+        return collect
+    all_of = itemgetter(*(field.name for field in fields))
+
+    def collect_all(value: Mapping[str, Any], numbers: list[Any]) -> None:
+        """Vectors and quaternions, which usually contain all their numbers."""
+        if len(value) != len(fields):
+            collect(value, numbers)
+            return
+        try:
+            given = all_of(value)
+        except KeyError:
+            given = (None,)
+        if None in given:
+            collect(value, numbers)
+        else:
+            numbers += given
+
+    return collect_all
+
+
+def _default(field: MessageField) -> float:
+    return field.default if PRIMITIVES.get(field.type, "d") in "fd" else int(field.default)
+
+
+def _writer(field: MessageField) -> Write:
+    if field.size == SINGLE:
+        return _single_writer(field)
+    if field.type in PRIMITIVES:
+        return _numbers_writer(field)
+    item = _single_writer(field._replace(size=SINGLE))
+
+    def write(buffer: bytearray, value: Any) -> None:
+        items = value or ()
+        if field.size != SEQUENCE and len(items) != field.size:
+            raise ValueError(f"field '{field.name}' has {field.size} items, not {len(items)}")
+        if field.size == SEQUENCE:
+            _write_count(buffer, len(items))
+        for one in items:
+            item(buffer, one)
+
+    return write
+
+
+def _single_writer(field: MessageField) -> Write:
+    if field.type == "string":
+        return _write_string
+    if field.type not in PRIMITIVES:
+        inner = _struct_writer(field.type)
+        return lambda buffer, value: inner(buffer, value or {})
+    letter = PRIMITIVES[field.type]
+    packer = struct.Struct("<" + letter)
+    size, pack, default = packer.size, packer.pack, _default(field)
+
+    def write(buffer: bytearray, value: Any) -> None:
+        _align(buffer, size)
+        buffer += pack(default if value is None else value)
+
+    return write
+
+
+def _numbers_writer(field: MessageField) -> Write:
+    dtype = np.dtype("<" + PRIMITIVES[field.type])
+
+    def write(buffer: bytearray, value: Any) -> None:
+        if value is None:
+            value = np.zeros(field.size)
+        if isinstance(value, (bytes, bytearray, memoryview)):
+            data, count = value, len(value) // dtype.itemsize
+        else:
+            array = np.ascontiguousarray(value, dtype=dtype)
+            data, count = array.tobytes(), array.size
+        if field.size not in (SEQUENCE, count):
+            raise ValueError(f"field '{field.name}' has {field.size} items, not {count}")
+        if field.size == SEQUENCE:
+            _write_count(buffer, count)
+        if count:
+            _align(buffer, dtype.itemsize)
+            buffer += data
+
+    return write
+
+
+def _align(buffer: bytearray, size: int) -> None:
+    rest = (len(buffer) - len(_HEADER)) % size
+    if rest:
+        buffer += bytes(size - rest)
+
+
+def _write_count(buffer: bytearray, count: int) -> None:
+    _align(buffer, 4)
+    buffer += count.to_bytes(4, "little")
+
+
+def _write_string(buffer: bytearray, value: Any) -> None:
+    text = "" if value is None else value
+    _align(buffer, 4)
+    # names of frames and joints are repeated often, texts are not
+    buffer += _string_bytes(text) if len(text) < _NAME else _string_bytes.__wrapped__(text)
+
+
+# -- reading -----------------------------------------------------------------------------------
+
+
+class _Bytes:
+    """Bytes and the present offset."""
+
+    __slots__ = ("at", "data")
+
+    def __init__(self, data: memoryview) -> None:
+        self.data, self.at = data, 0
+
+    def take(self, count: int, alignment: int) -> memoryview:
+        begin = -(-self.at // alignment) * alignment
+        self.at = begin + count
+        if self.at > len(self.data):
+            raise CdrError(f"{len(self.data)} bytes are too few")
+        return self.data[begin : self.at]
+
+
+@cache
+def _struct_reader(type_name: str, order: str) -> Read:
+    parts = [(field.name, _reader(field, order)) for field in fields_of(type_name)]
+    return lambda source: {name: read(source) for name, read in parts}
+
+
+def _reader(field: MessageField, order: str) -> Read:
+    if field.size == SINGLE:
+        return _single_reader(field.type, order)
+    count_of = _single_reader("uint32", order)
+    if field.type in PRIMITIVES:
+        dtype = np.dtype(order + PRIMITIVES[field.type])
+
+        def read_numbers(source: _Bytes) -> Any:
+            count = field.size or count_of(source)
+            data = source.take(count * dtype.itemsize, dtype.itemsize if count else 1)
+            return np.frombuffer(bytes(data), dtype=np.uint8 if dtype.kind == "b" else dtype)
+
+        return read_numbers
+    item = _single_reader(field.type, order)
+
+    def read(source: _Bytes) -> list[Any]:
+        count = field.size or count_of(source)
+        if count > len(source.data) - source.at:  # each item takes at least one byte
+            raise CdrError(f"{len(source.data)} bytes are too few for {count} items")
+        return [item(source) for _ in range(count)]
+
+    return read
+
+
+def _single_reader(type_name: str, order: str) -> Read:
+    if type_name == "string":
+        count_of = _single_reader("uint32", order)
+        return lambda source: bytes(source.take(count_of(source), 1)).rstrip(b"\0").decode("utf-8", "replace")
+    if type_name not in PRIMITIVES:
+        return _struct_reader(type_name, order)
+    unpacker = struct.Struct(order + PRIMITIVES[type_name])
+    size, unpack = unpacker.size, unpacker.unpack
+    if type_name == "bool":
+        return lambda source: source.take(1, 1)[0] != 0
+    return lambda source: unpack(source.take(size, size))[0]

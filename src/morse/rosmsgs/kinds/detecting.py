@@ -1,0 +1,102 @@
+"""Detections, and compressed images."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any
+
+from morse.core.mapping import maps
+from morse.rosmsgs.json_text import as_json
+from morse.rosmsgs.outlets import LARGE, Outlet
+from morse.rosmsgs.parts import header, quaternion, xyz
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from morse.core.kinds import BoundKind, Message
+
+#: constants of visualization_msgs/Marker
+_CUBE, _TEXT, _ADD, _DELETE_ALL = 1, 9, 0, 3
+#: size of an object with unknown size, m
+_SIZE = (0.3, 0.3, 0.3)
+_GREEN = {"r": 0.2, "g": 0.9, "b": 0.3, "a": 0.5}
+_WHITE = {"r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
+#: JPEG quality, 0 to 100
+_QUALITY = 85
+#: encodings of images that are compressed, and their modes in Pillow
+_MODES = {"rgb8": "RGB", "rgba8": "RGBA", "mono8": "L"}
+
+
+class DetectingKinds:
+    """The kind detections."""
+
+    @maps("detections")
+    def detections(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """Boxes with names, or JSON if the backend does not have vision_msgs; also markers for viewers."""
+        frame = "optical" if getattr(bound.component, "relative", False) else "world"
+        text = Outlet("std_msgs/msg/String", lambda m, f: {"data": as_json(list(m.records))})
+        return [
+            Outlet("vision_msgs/msg/Detection3DArray", _detections, frame=frame, instead=text),
+            Outlet("visualization_msgs/msg/MarkerArray", _markers, "markers", frame=frame, or_none=True),
+        ]
+
+
+def _detections(message: Message, frame: str) -> dict[str, Any]:
+    head = header(message, frame)
+    return {"header": head, "detections": [_detection(head, record) for record in message.records]}
+
+
+def _detection(head: Mapping[str, Any], record: Mapping[str, Any]) -> dict[str, Any]:
+    pose = _pose(record)
+    hypothesis = {"class_id": str(record.get("label", "")), "score": float(record.get("score", 1.0))}
+    return {
+        "header": head,
+        "results": [{"hypothesis": hypothesis, "pose": {"pose": pose}}],
+        "bbox": {"center": pose, "size": xyz(record.get("size"))},
+        "id": str(record.get("id", "")),
+    }
+
+
+def _pose(record: Mapping[str, Any]) -> dict[str, Any]:
+    return {"position": xyz(record.get("position")), "orientation": quaternion(record.get("orientation"))}
+
+
+def _markers(message: Message, frame: str) -> dict[str, Any]:
+    # removes the markers of objects that are no longer visible
+    made: list[dict[str, Any]] = [{"header": header(message, frame), "action": _DELETE_ALL}]
+    for number, record in enumerate(message.records):
+        size = record.get("size") or _SIZE
+        common = {"header": header(message, frame), "id": number, "action": _ADD, "pose": _pose(record)}
+        made.append({**common, "ns": "boxes", "type": _CUBE, "scale": xyz(size), "color": _GREEN})
+        text = {"ns": "names", "type": _TEXT, "scale": {"z": 0.2}, "color": _WHITE, "text": str(record.get("id", ""))}
+        made.append({**common, **text})
+    return {"markers": made}
+
+
+def compressed_outlet(capturing: Callable[[], bool]) -> Outlet:
+    """An image as JPEG, on ``image/compressed``; depth images and others without a JPEG format are not sent.
+
+    Args:
+        capturing: whether the camera captures images.
+    """
+    return Outlet(
+        "sensor_msgs/msg/CompressedImage",
+        _compressed,
+        "image/compressed",
+        LARGE,
+        or_none=True,
+        when=capturing,
+        takes_long=True,
+    )
+
+
+def _compressed(message: Message, frame: str) -> dict[str, Any] | None:
+    from PIL import Image
+
+    mode = _MODES.get(message.encoding)
+    if mode is None:
+        return None
+    picture = Image.fromarray(message.pixels.squeeze() if mode == "L" else message.pixels, mode)
+    file = io.BytesIO()
+    (picture.convert("RGB") if mode == "RGBA" else picture).save(file, "JPEG", quality=_QUALITY)
+    return {"header": header(message, frame), "format": f"{message.encoding}; jpeg compressed", "data": file.getvalue()}

@@ -1,0 +1,209 @@
+"""Poses, velocities, accelerations, forces."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.kinds.turning import quaternion_of
+from morse.core.mapping import maps
+from morse.rosmsgs.outlets import Inlet, Outlet
+from morse.rosmsgs.parts import (
+    ABSENT,
+    covariance,
+    from_quaternion,
+    from_xyz,
+    header,
+    quaternion,
+    three,
+    xyz,
+    xyzw,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.kinds import BoundKind, Message
+
+_FLOAT = "std_msgs/msg/Float64"
+_STICK = ("roll", "pitch", "yaw", "thrust")
+
+
+class SpatialKinds:
+    """The kinds pose, twist, accel, attitude, odometry and wrench."""
+
+    @maps("pose")
+    def pose(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """A point if there is no orientation."""
+        if not bound.has("orientation"):
+            return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True, is_copy=True)]
+        if bound.has("covariance"):
+            return [
+                Outlet(
+                    "geometry_msgs/msg/PoseWithCovarianceStamped",
+                    lambda m, f: {
+                        "header": header(m, f),
+                        "pose": {"pose": pose_message(m), "covariance": covariance(m.covariance)},
+                    },
+                    is_copy=True,
+                )
+            ]
+        return [
+            Outlet(
+                "geometry_msgs/msg/PoseStamped",
+                lambda m, f: {"header": header(m, f), "pose": pose_message(m)},
+                numbers=lambda m: (*three(m.position), *xyzw(m.orientation)),
+                is_detached=True,
+                is_copy=True,
+            )
+        ]
+
+    @maps("twist")
+    def twist(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """In the frame of the component."""
+        if bound.has("covariance"):
+            return [
+                Outlet(
+                    "geometry_msgs/msg/TwistWithCovarianceStamped",
+                    lambda m, f: {
+                        "header": header(m, f),
+                        "twist": {"twist": _twist(m), "covariance": covariance(m.covariance)},
+                    },
+                    is_copy=True,
+                )
+            ]
+        return [
+            Outlet(
+                "geometry_msgs/msg/TwistStamped",
+                lambda m, f: {"header": header(m, f), "twist": _twist(m)},
+                numbers=lambda m: (*three(m.linear), *three(m.angular)),
+                is_detached=True,
+                is_copy=True,
+            )
+        ]
+
+    @maps("accel")
+    def accel(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """Without gravity, therefore not an IMU message."""
+        return [
+            Outlet(
+                "geometry_msgs/msg/AccelWithCovarianceStamped",
+                lambda m, f: {"header": header(m, f), "accel": {"accel": _twist(m)}},
+                is_copy=True,
+            )
+        ]
+
+    @maps("attitude")
+    def attitude(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """An IMU message that marks the missing quantities."""
+        return [Outlet("sensor_msgs/msg/Imu", _attitude, frame="own", is_copy=True)]
+
+    @maps("odometry")
+    def odometry(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """Odometry of the robot, wherever the sensor is mounted; the transform of base_link is derived from it."""
+        return [
+            Outlet(
+                "nav_msgs/msg/Odometry",
+                stream.odometry,
+                numbers=stream.odometry_numbers,
+                has_child=True,
+                is_detached=True,
+            )
+        ]
+
+    @maps("wrench")
+    def wrench(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """Force and torque."""
+        return [
+            Outlet(
+                "geometry_msgs/msg/WrenchStamped",
+                lambda m, f: {"header": header(m, f), "wrench": {"force": xyz(m.force), "torque": xyz(m.torque)}},
+                is_copy=True,
+            )
+        ]
+
+    # -- commands ----------------------------------------------------------------------------
+
+    @maps("pose", direction="IN")
+    def take_pose(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """A goal from rviz or nav2; an orientation has no effect if the actuator does not use it."""
+        turns = bound.has("orientation")
+
+        def take(message: Mapping[str, Any]) -> dict[str, Any]:
+            pose = message["pose"]
+            slots = {"position": from_xyz(pose["position"])}
+            return {**slots, "orientation": from_quaternion(pose["orientation"])} if turns else slots
+
+        return [
+            Inlet("geometry_msgs/msg/PoseStamped", take, also="goal_pose"),
+            *(_number(slot) for slot in ("tolerance", "speed") if bound.has(slot)),
+        ]
+
+    @maps("twist", direction="IN")
+    def take_twist(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """A topic has one type: that of nav2 up to Jazzy, or with ``stamped=True`` the newer type."""
+        if stream.kwargs["stamped"]:
+            return [Inlet("geometry_msgs/msg/TwistStamped", lambda m: _from_twist(m["twist"]), also="cmd_vel")]
+        return [Inlet("geometry_msgs/msg/Twist", _from_twist, also="cmd_vel")]
+
+    @maps("attitude", direction="IN")
+    def take_attitude(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """An orientation; with thrust roll, pitch, yaw (or its rate) and thrust as four numbers."""
+        if bound.has("thrust"):
+            return [Inlet("std_msgs/msg/Float32MultiArray", lambda m: _from_stick(m, by_rate=bound.has("rates")))]
+        return [
+            Inlet("geometry_msgs/msg/QuaternionStamped", lambda m: {"orientation": from_quaternion(m["quaternion"])})
+        ]
+
+    @maps("wrench", direction="IN")
+    def take_wrench(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """Force and torque."""
+        return [
+            Inlet(
+                "geometry_msgs/msg/WrenchStamped",
+                lambda m: {"force": from_xyz(m["wrench"]["force"]), "torque": from_xyz(m["wrench"]["torque"])},
+            )
+        ]
+
+
+def _point(message: Message, frame: str) -> dict[str, Any]:
+    return {"header": header(message, frame), "point": xyz(message.position)}
+
+
+def _number(slot: str) -> Inlet:
+    return Inlet(_FLOAT, lambda message: {slot: message["data"]}, slot)
+
+
+def pose_message(message: Message) -> dict[str, Any]:
+    """``geometry_msgs/Pose``."""
+    return {"position": xyz(message.position), "orientation": quaternion(message.orientation)}
+
+
+def _twist(message: Message) -> dict[str, Any]:
+    return {"linear": xyz(message.linear), "angular": xyz(message.angular)}
+
+
+def _from_twist(message: Mapping[str, Any]) -> dict[str, Any]:
+    return {"linear": from_xyz(message["linear"]), "angular": from_xyz(message["angular"])}
+
+
+def _from_stick(message: Mapping[str, Any], *, by_rate: bool) -> dict[str, Any]:
+    if len(message["data"]) != len(_STICK):
+        raise ValueError(f"{len(message['data'])} numbers, expected {', '.join(_STICK)}")
+    roll, pitch, yaw, thrust = (float(number) for number in message["data"])
+    if not all(map(math.isfinite, (roll, pitch, yaw))):
+        raise ValueError("angles have to be finite")
+    if by_rate:
+        return {"orientation": quaternion_of(roll, pitch, 0.0), "rates": (0.0, 0.0, yaw), "thrust": thrust}
+    return {"orientation": quaternion_of(roll, pitch, yaw), "thrust": thrust}
+
+
+def _attitude(message: Message, frame: str) -> dict[str, Any]:
+    return {
+        "header": header(message, frame),
+        "orientation": quaternion(message.orientation),
+        "orientation_covariance": ABSENT if message.orientation is None else None,
+        "angular_velocity": xyz(message.rates),
+        "angular_velocity_covariance": ABSENT if message.rates is None else None,
+        "linear_acceleration_covariance": ABSENT,
+    }

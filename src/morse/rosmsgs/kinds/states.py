@@ -1,0 +1,143 @@
+"""Joints, motors, switches, contacts, time, and data of no kind."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.mapping import maps
+from morse.rosmsgs.json_text import as_json, from_json
+from morse.rosmsgs.outlets import Inlet, Outlet
+from morse.rosmsgs.parts import header, time, xyz
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from morse.core.kinds import BoundKind, Message
+
+_STRING, _BOOL, _FLOATS = "std_msgs/msg/String", "std_msgs/msg/Bool", "std_msgs/msg/Float32MultiArray"
+_QUANTITIES = ("position", "velocity", "effort")
+
+
+class StateKinds:
+    """The kinds contact, joints, actuators, switch, clock and general."""
+
+    @maps("contact")
+    def contact(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """Whether there is a contact, the names, and the force."""
+        outlets = [Outlet(_BOOL, lambda m, f: {"data": m.touching}, is_copy=True)]
+        if bound.has("names"):
+            outlets.append(Outlet(_STRING, lambda m, f: {"data": ",".join(m.names or ())}, "names", is_copy=True))
+        if bound.has("forces"):
+            outlets.append(Outlet("geometry_msgs/msg/WrenchStamped", _total_force, "wrench", frame="world"))
+        return outlets
+
+    @maps("joints")
+    def joints(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """All joints of the component."""
+        return [Outlet("sensor_msgs/msg/JointState", _joints, is_copy=True)]
+
+    @maps("actuators")
+    def actuators(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """One number for each motor."""
+        return [Outlet(_FLOATS, lambda m, f: {"data": m.values}, is_copy=True)]
+
+    @maps("switch")
+    def switch(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """On or off, or one of several states."""
+        if bound.has("choice"):
+            return [Outlet(_STRING, lambda m, f: {"data": m.choice})]
+        return [Outlet(_BOOL, lambda m, f: {"data": m.on})]
+
+    @maps("clock")
+    def clock_sensor(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """No topic: the time of the simulation is published once, on /clock."""
+        return []
+
+    @maps("general")
+    def general(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """All fields as JSON."""
+        return [Outlet(_STRING, lambda m, f: {"data": as_json(dict(m.fields))})]
+
+    # -- commands ----------------------------------------------------------------------------
+
+    @maps("joints", direction="IN")
+    def take_joints(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """A subset of the joints is allowed; the others keep their commands."""
+        return [Inlet("sensor_msgs/msg/JointState", lambda m: _from_joints(m, bound))]
+
+    @maps("actuators", direction="IN")
+    def take_actuators(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """One number for each motor."""
+        return [Inlet(_FLOATS, lambda m: {"values": m["data"]})]
+
+    @maps("switch", direction="IN")
+    def take_switch(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """On or off, or one of several states."""
+        if bound.has("choice"):
+            return [Inlet(_STRING, lambda m: {"choice": m["data"]})]
+        return [Inlet(_BOOL, lambda m: {"on": m["data"]})]
+
+    @maps("general", direction="IN")
+    def take_general(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """Fields as JSON."""
+        return [Inlet(_STRING, _from_text)]
+
+
+def clock(stamp: int) -> dict[str, Any]:
+    """``rosgraph_msgs/Clock`` from whole ns."""
+    return {"clock": time(stamp)}
+
+
+def _total_force(message: Message, frame: str) -> dict[str, Any] | None:
+    if message.forces is None:
+        return None
+    return {"header": header(message, frame), "wrench": {"force": xyz(np.sum(message.forces, axis=0))}}
+
+
+def _joints(message: Message, frame: str) -> dict[str, Any]:
+    quantities = {name: getattr(message, name) for name in _QUANTITIES}
+    return {
+        "header": header(message, ""),
+        "name": list(message.names),
+        **{name: () if values is None else values for name, values in quantities.items()},
+    }
+
+
+def joint_state(messages: Sequence[Message]) -> dict[str, Any]:
+    """Return a JointState of the joints in several messages; of the quantities, those that all messages have."""
+    first, *others = [_joints(message, "") for message in messages]
+    for name in ("name", *_QUANTITIES):
+        parts = [list(part[name]) for part in (first, *others)]
+        first[name] = [value for part in parts for value in part] if all(parts) else []
+    return first
+
+
+def _from_joints(message: Mapping[str, Any], bound: BoundKind) -> dict[str, Any]:
+    present = bound.gather()
+    names = list(present.names)
+    slots: dict[str, Any] = {}
+    for joint in message["name"]:
+        if joint not in names:
+            raise ValueError(f"there is no joint {joint!r}; known: {', '.join(names)}")
+    for quantity in _QUANTITIES:
+        given = message[quantity]
+        if not len(given):
+            continue
+        if len(given) != len(message["name"]):
+            raise ValueError(f"{len(given)} numbers of '{quantity}' for {len(message['name'])} names")
+        if not bound.has(quantity):
+            continue
+        values = np.array(getattr(present, quantity), dtype=np.float64)
+        for joint, value in zip(message["name"], given, strict=True):
+            values[names.index(joint)] = value
+        slots[quantity] = values
+    return slots
+
+
+def _from_text(message: Mapping[str, Any]) -> dict[str, Any]:
+    fields = from_json(message["data"])
+    if not isinstance(fields, dict):
+        raise ValueError(f"a JSON object of fields is expected, not {type(fields).__name__}")
+    return fields

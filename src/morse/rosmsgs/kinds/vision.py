@@ -1,0 +1,178 @@
+"""Scans, point clouds and images."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.mapping import maps
+from morse.rosmsgs.kinds.detecting import compressed_outlet
+from morse.rosmsgs.kinds.image_forms import form_of
+from morse.rosmsgs.outlets import LARGE, Inlet, Outlet
+from morse.rosmsgs.parts import header
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.kinds import BoundKind, Message
+    from morse.rosmsgs.kinds.image_forms import Form
+
+#: constants of sensor_msgs/PointField
+_UINT16, _UINT32, _FLOAT32 = 4, 6, 7
+#: encodings of images: type of a channel and number of channels (sensor_msgs/image_encodings.hpp)
+_ENCODINGS = {
+    "rgb8": ("u1", 3), "rgba8": ("u1", 4), "bgr8": ("u1", 3), "bgra8": ("u1", 4), "mono8": ("u1", 1),
+    "mono16": ("u2", 1), "16UC1": ("u2", 1), "32FC1": ("f4", 1), "32FC2": ("f4", 2), "32FC3": ("f4", 3),
+}  # fmt: skip
+
+
+class VisionKinds:
+    """The kinds scan, cloud, image, and camera_info."""
+
+    @maps("scan")
+    def scan(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """From right to left; all rays have the same time."""
+        period = 1.0 / bound.component.frequency
+        return [Outlet("sensor_msgs/msg/LaserScan", lambda m, f: _scan(m, f, period))]
+
+    @maps("cloud")
+    def cloud(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """With all fields of each point."""
+        return [Outlet("sensor_msgs/msg/PointCloud2", _cloud, qos=LARGE, takes_long=True)]
+
+    @maps("image")
+    def image(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """On ``image``, and as JPEG; nothing while the camera does not capture."""
+        camera = bound.component
+        form = form_of(stream, bound)
+
+        def capturing() -> bool:
+            return getattr(camera, "capturing", True)
+
+        make = _image if form is None else partial(_image, form=form)
+        return [
+            Outlet("sensor_msgs/msg/Image", make, "image", LARGE, when=capturing, takes_long=True),
+            compressed_outlet(capturing),
+        ]
+
+    @maps("camera_info")
+    def camera_info(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """With the stamp and the frame of the image."""
+        camera = bound.component
+        return [
+            Outlet(
+                "sensor_msgs/msg/CameraInfo",
+                lambda m, f: _camera_info(m, f) if getattr(camera, "capturing", True) else None,
+                "camera_info",
+            )
+        ]
+
+    @maps("image", direction="IN")
+    def take_image(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """Any image publisher can control an array of lamps."""
+        return [Inlet("sensor_msgs/msg/Image", _from_image)]
+
+
+def _scan(message: Message, frame: str, period: float) -> dict[str, Any]:
+    first, step, count = message.angle_min, message.angle_increment, len(message.ranges)
+    return {
+        "header": header(message, frame),
+        "angle_min": first,
+        # readers compute the number of rays from the angles: the declared fan may not be a multiple of the step
+        "angle_max": first + max(count - 1, 0) * step,
+        "angle_increment": step,
+        "scan_time": period,
+        "range_min": message.range_min,
+        "range_max": message.range_max,
+        "ranges": message.ranges,
+        "intensities": () if message.intensities is None else message.intensities,
+    }
+
+
+def _cloud(message: Message, frame: str) -> dict[str, Any]:
+    points = message.points
+    height, width = points.shape[:2] if points.ndim == 3 else (1, len(points))
+    count = height * width
+    columns: list[tuple[str, int, str, Any]] = [(axis, _FLOAT32, "<f4", points[..., i]) for i, axis in enumerate("xyz")]
+    if message.intensity is not None:
+        columns.append(("intensity", _FLOAT32, "<f4", message.intensity))
+    if message.color is not None:
+        columns.append(("rgb", _FLOAT32, "<u4", _packed(message.color)))
+    if message.ring is not None:
+        columns.append(("ring", _UINT16, "<u2", message.ring))
+    if message.id is not None:
+        columns.append(("id", _UINT32, "<u4", message.id))
+    table = np.zeros(count, dtype=[(name, dtype) for name, _, dtype, _ in columns])
+    for name, _, _, values in columns:
+        table[name] = np.reshape(values, -1)
+    offsets = {name: table.dtype.fields[name][1] for name, *_ in columns}
+    return {
+        "header": header(message, frame),
+        "height": height,
+        "width": width,
+        "fields": [
+            {"name": name, "offset": offsets[name], "datatype": kind, "count": 1} for name, kind, _, _ in columns
+        ],
+        "point_step": table.dtype.itemsize,
+        "row_step": table.dtype.itemsize * width,
+        "data": table.tobytes(),
+        "is_dense": bool(np.isfinite(points).all()),
+    }
+
+
+def _packed(color: Any) -> Any:
+    """Red, green and blue in the bits of a number, as in rviz."""
+    red, green, blue = (color[..., i].astype(np.uint32) for i in range(3))
+    return red << 16 | green << 8 | blue
+
+
+def _image(message: Message, frame: str, form: Form | None = None) -> dict[str, Any]:
+    pixels, encoding = message.pixels, message.encoding
+    if form is not None:
+        pixels, encoding = form(pixels, encoding)
+    height, width = pixels.shape[:2]
+    if encoding in _ENCODINGS:
+        pixels = np.ascontiguousarray(pixels, dtype="<" + _ENCODINGS[encoding][0])
+    data = pixels.tobytes()
+    return {
+        "header": header(message, frame),
+        "height": height,
+        "width": width,
+        "encoding": encoding,
+        "step": len(data) // height if height else 0,
+        "data": data,
+    }
+
+
+def _from_image(message: Mapping[str, Any]) -> dict[str, Any]:
+    height, width, encoding = message["height"], message["width"], message["encoding"]
+    if encoding not in _ENCODINGS:
+        raise ValueError(f"the encoding {encoding!r}; known: {', '.join(_ENCODINGS)}")
+    kind, channels = _ENCODINGS[encoding]
+    dtype = np.dtype((">" if message["is_bigendian"] else "<") + kind)
+    row, step, data = width * channels * dtype.itemsize, message["step"], message["data"]
+    if step < row or len(data) < step * height or not height or not width:
+        raise ValueError(f"{len(data)} bytes for {height} rows of {step} bytes, {width} pixels each")
+    rows = np.reshape(data[: step * height], (height, step))[:, :row]
+    pixels = np.ascontiguousarray(rows).view(dtype).reshape(height, width, channels)
+    if encoding.startswith("bgr"):
+        pixels = pixels[..., [2, 1, 0, *range(3, channels)]]
+    return {"pixels": pixels.astype(dtype.newbyteorder("="), copy=False)}
+
+
+def _camera_info(message: Message, frame: str) -> dict[str, Any]:
+    k = np.asarray(message.k, dtype=np.float64)
+    p = message.p if message.p is not None else np.hstack([k, np.zeros((3, 1))])
+    distortion = message.d if len(message.d) else np.zeros(5)
+    return {
+        "header": header(message, frame),
+        "height": message.height,
+        "width": message.width,
+        "distortion_model": message.model or "plumb_bob",
+        "d": distortion,
+        "k": k.reshape(-1),
+        "r": np.reshape(message.r if message.r is not None else np.eye(3), -1),
+        "p": np.reshape(p, -1),
+    }

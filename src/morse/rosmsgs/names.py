@@ -1,0 +1,138 @@
+"""Names of topics and frames (REP 105, REP 144: `/robot/component`, `robot/base_link`)."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.reports.quoting import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+MAP = "map"
+#: frames of components that are world frames in ROS
+#: names of the frames that keep the axes of the world or of the earth
+OF_WORLD = {"world": MAP, "ned": "map_ned", "enu": "enu", "utm": "utm", "earth": "earth"}
+#: frames of REP 105
+_TAKEN = (MAP, "odom", "base_link")
+_TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
+
+
+def _part(text: str) -> str:
+    cleaned = re.sub(r"[^A-Za-z0-9_/]", "_", text.replace(".", "/"))
+    return re.sub(r"(^|/)(?=[0-9])", r"\1_", cleaned)
+
+
+def cleaned(text: str) -> str:
+    """A name with characters that ROS allows; dots become slashes."""
+    return _part(text)
+
+
+def checked_topic(topic: str, what: str) -> str:
+    """Check the name of a topic or a namespace, and return it unchanged.
+
+    Raises:
+        MorseMiddlewareError: ROS does not allow it.
+    """
+    if not _TOPIC.fullmatch(topic):
+        raise MorseMiddlewareError(
+            f"{what} is {shown(topic)}, expected words of letters, digits and _ with / between "
+            "them, such as 'front/scan'"
+        )
+    return topic
+
+
+def robot_of(component: Any) -> Any:
+    """The robot of a component; a robot itself."""
+    return component.robot_parent or component
+
+
+class Names:
+    """Names according to the options of the middleware.
+
+    Args:
+        options: ``namespace`` and ``frame_prefix`` of the stream manager.
+    """
+
+    def __init__(self, options: Mapping[str, Any]) -> None:
+        self._namespace, self._prefix = options["namespace"], options["frame_prefix"]
+        if self._namespace:
+            checked_topic(self._namespace, "the option 'namespace'")
+
+    @property
+    def for_one_robot(self) -> bool:
+        """Whether the names do not contain the robot."""
+        return self._namespace is not None or self._prefix is not None
+
+    def namespace(self, robot: Any, given: str | None = None) -> str:
+        """``/robot``, or an empty string for none."""
+        chosen = self._namespace if given is None else given
+        if given:
+            checked_topic(given, f"{robot.name()}: the option 'namespace'")
+        return "/" + chosen.strip("/") if chosen else "" if chosen == "" else "/" + _part(robot.name())
+
+    def topic(self, component: Any, options: Mapping[str, Any]) -> str:
+        """The topic of a component: from the options of its stream, or its name."""
+        robot = robot_of(component)
+        base = self.namespace(robot, options["namespace"])
+        given = options["topic"]
+        if given is None:
+            return f"{base}/{_part(relative_name(component))}"
+        checked_topic(given, f"{component.name()}: the option 'topic'")
+        return str(given) if given.startswith("/") else f"{base}/{given}"
+
+    def prefix(self, robot: Any) -> str:
+        """The prefix of the frames of a robot."""
+        return f"{_part(robot.name())}/" if self._prefix is None else str(self._prefix)
+
+    def base(self, robot: Any) -> str:
+        """The frame of a robot."""
+        return f"{self.prefix(robot)}base_link"
+
+    def odom(self, robot: Any) -> str:
+        """The frame of the initial pose of a robot."""
+        return f"{self.prefix(robot)}odom"
+
+    def own(self, component: Any) -> str:
+        """The frame of a component."""
+        if component.robot_parent is None:
+            return self.base(component)
+        name = _part(relative_name(component))
+        # a sensor may be named odom: a frame can have only one parent
+        return f"{self.prefix(component.robot_parent)}{name}{'_link' if name in _TAKEN else ''}"
+
+    def part(self, owner: Any, joint: str) -> str:
+        """The frame of a part that a joint of a robot or of a component moves."""
+        if owner.robot_parent is None:
+            return f"{self.prefix(owner)}{_part(joint)}"
+        return f"{self.own(owner)}_{_part(joint)}"
+
+    def link(self, robot: Any, link: str) -> str:
+        """The frame of a link that the file of a robot or of an arm names."""
+        return f"{self.prefix(robot)}{_part(link)}"
+
+    def frame(self, component: Any, frame: str) -> str:
+        """A frame of a component, by its name in `morse.core.declarations.FRAMES`."""
+        if frame in OF_WORLD:
+            return OF_WORLD[frame]
+        if frame == "robot":
+            return self.base(robot_of(component))
+        if frame == "start":
+            return self.odom(robot_of(component))
+        return f"{self.own(component)}_{frame}" if frame in ("optical", "frd", "down") else self.own(component)
+
+    def frame_of(self, component: Any, frame_id: str) -> str | None:
+        """The frame of a command; empty for the frame of the fields, None if it is unknown."""
+        if not frame_id:
+            return ""
+        known = {self.frame(component, frame): frame for frame in ("own", "robot", "world")}
+        return known.get(frame_id.lstrip("/"))
+
+
+def relative_name(component: Any) -> str:
+    """The name of a component on its robot."""
+    name: str = component.name()
+    robot = component.robot_parent
+    return name.removeprefix(f"{robot.name()}.") if robot is not None else name

@@ -1,0 +1,286 @@
+"""Handles of robots, sensors and actuators, with the interface of `pymorse.Component`."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from morse.core.actuator import Actuator
+from morse.core.realism import copied
+from morse.core.reports.hints import nearest
+from morse.core.sensor import Sensor
+from morse.core.streams.pending_commands import PendingCommands
+from morse.core.validation.errors import CommandError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.context import Context
+    from morse.core.object import Object
+    from morse.simulation.handles.futures import LocalFuture
+    from morse.simulation.handles.handles import Handles
+
+_C = TypeVar("_C", bound="Object")
+
+#: number of messages of a sensor that are kept for `ComponentHandle.last`
+_KEPT = 100
+_PLAIN = frozenset((float, int, bool, str, type(None)))
+
+
+def component_handles(simulation: Handles, kept: dict[str, ComponentHandle]) -> dict[str, Any]:
+    """Return the handles of all robots by name, and the lists of robots that were created in loops.
+
+    Args:
+        kept: existing handles by full name; handles of components that still exist are reused.
+    """
+    from pymorse.names import normalize_name, series
+
+    context = simulation.context
+    handles: dict[str, Any] = {}
+    for name in [name for name in kept if context.component(name) is None]:
+        del kept[name]
+    for name, robot in context.robots.items():
+        handle = _handle(RobotHandle, simulation, name, normalize_name(name), kept)
+        by_name: dict[str, ComponentHandle] = {name: handle}
+        for full in sorted((n for n, c in context.components.items() if c.robot_parent is robot), key=_depth):
+            above, _, own = full.rpartition(".")
+            part = by_name[full] = _handle(ComponentHandle, simulation, full, normalize_name(own), kept)
+            by_name.get(above, handle).parts[part.name] = part
+        handles[handle.name] = handle
+    for plural, members in series(handles).items():
+        handles.setdefault(plural, [handles[member] for member in members])
+    return handles
+
+
+def _handle(
+    cls: type[ComponentHandle], simulation: Handles, full: str, name: str, kept: dict[str, ComponentHandle]
+) -> ComponentHandle:
+    if full not in kept:
+        kept[full] = cls(simulation, full, name)
+    kept[full].parts.clear()
+    return kept[full]
+
+
+def normalized(name: str) -> str:
+    """Return the attribute name for a robot."""
+    from pymorse.names import normalize_name
+
+    return normalize_name(name)
+
+
+def _depth(name: str) -> int:
+    return name.count(".")
+
+
+class ComponentHandle:
+    """A sensor or an actuator.
+
+    The services are methods that return a `LocalFuture`. The components mounted on this component are attributes. A
+    sensor is read with `data`, `get`, `last` and `subscribe`; an actuator is commanded with `publish`.
+
+    Attributes:
+        name: name of the attribute of the robot.
+        fqn: the full name in the simulation.
+        parts: the components mounted on it.
+    """
+
+    def __init__(self, simulation: Handles, fqn: str, name: str) -> None:
+        self._simulation = simulation
+        self._context: Context = simulation.context
+        self.fqn = fqn
+        self.name = name
+        self.parts: dict[str, ComponentHandle] = {}
+        self._wired: Object | None = None
+        self._messages: deque[dict[str, Any]] = deque(maxlen=_KEPT)
+        self._count = 0
+        self._subscribers: list[Callable[[dict[str, Any]], object]] = []
+        self._pending: PendingCommands
+
+    @property
+    def component(self) -> Object:
+        """The component itself, as created at the last start.
+
+        Raises:
+            LookupError: the component was deleted.
+            RuntimeError: the simulation is closed.
+        """
+        if self._simulation.finished:
+            raise RuntimeError(f"{self.fqn}: the simulation is closed")
+        found = self._context.component(self.fqn)
+        if found is None:
+            raise LookupError(f"the component '{self.fqn}' does not exist any more")
+        return found
+
+    def replaced(self, before: Object, after: Object) -> None:
+        """Called when a component was replaced by another one, which has taken over its input and output functions."""
+        if self._wired is before:
+            self._wired = after
+            if isinstance(after, Actuator):
+                self._pending.move_to(after)
+
+    # -- data ------------------------------------------------------------------------------
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """A copy of the present data; arrays stay arrays."""
+        return _copy(self.component.local_data)
+
+    def publish(self, message: dict[str, Any]) -> None:
+        """Set fields of an actuator, which applies them in the next tick.
+
+        Raises:
+            AttributeError: the component is not an actuator.
+            CommandError: a field does not exist, or a value is not valid; the command is then ignored.
+        """
+        component = self._wired
+        if component is None or not self._is_current(component):
+            component = self._wire(Actuator, "publish", "it is a sensor: use data, get(), last() or subscribe()")
+            self._pending = PendingCommands(component)
+        try:
+            self._pending.give(message)
+        except CommandError as error:
+            raise CommandError(error.field, f"{self.fqn}: {error}") from None
+
+    def get(self, timeout: float | None = None) -> dict[str, Any] | None:
+        """Run the simulation until the sensor measures, and return the data.
+
+        Args:
+            timeout: timeout in simulated seconds; None for no timeout.
+
+        Returns:
+            The data; None after ``timeout``.
+
+        Raises:
+            RuntimeError: the sensor is not active and would never measure, and there is no timeout.
+        """
+        sensor = self._listen("get")
+        clock, count = self._context.clock, self._count
+        last = None if timeout is None else clock.tick + timeout * clock.frequency
+        while self._count == count:
+            if last is not None and clock.tick >= last:
+                return None
+            if last is None and not sensor.active:
+                raise RuntimeError(f"{self.fqn} is not active: it does not measure")
+            self._simulation.step()
+        return _copy(self._messages[-1])
+
+    def last(self, n: int = 1) -> Any:
+        """Return the latest data since the first use of this handle, or None; for ``n`` > 1 a list, latest first."""
+        self._listen("last")
+        if n == 1:
+            return _copy(self._messages[-1]) if self._messages else None
+        return [_copy(message) for message in list(self._messages)[: -n - 1 : -1]] or None
+
+    def subscribe(self, callback: Callable[[dict[str, Any]], object]) -> None:
+        """Call ``callback(data)`` at each measurement."""
+        self._listen("subscribe")
+        self._subscribers.append(callback)
+
+    def unsubscribe(self, callback: Callable[[dict[str, Any]], object]) -> None:
+        """Remove a callback; one that has failed was already removed."""
+        if callback in self._subscribers:
+            self._subscribers.remove(callback)
+
+    def _listen(self, word: str) -> Object:
+        component = self._wired
+        if component is None or not self._is_current(component):
+            component = self._wire(Sensor, word, "it is an actuator: use publish()")
+            component.output_functions.append(self._measured)
+        return component
+
+    def _is_current(self, component: Object) -> bool:
+        return component is self._context.components.get(self.fqn) and not self._simulation.finished
+
+    def _wire(self, kind: type[_C], word: str, hint: str) -> _C:
+        component = self.component
+        if not isinstance(component, kind):
+            raise AttributeError(f"{self.fqn} has no {word}: {hint}")
+        self._wired = component
+        return component
+
+    def _measured(self, sensor: Any) -> None:
+        message = _copy(sensor.local_data)
+        self._messages.append(message)
+        self._count += 1
+        if self._subscribers:
+            guard, subscribers = self._context.guard, self._subscribers
+            guard.each(
+                list(subscribers),
+                lambda callback: callback(_copy(message)),
+                lambda callback, error: guard.remove(subscribers, callback, error),
+            )
+
+    def listen_again(self) -> None:
+        """Subscribe again, because the component may be a new instance."""
+        if isinstance(self._wired, Sensor) and self._context.component(self.fqn) is not None:
+            self._listen("subscribe")
+
+    # -- services --------------------------------------------------------------------------
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name in self.parts:
+            return self.parts[name]
+        if name in self._services():
+
+            def call(*arguments: Any) -> LocalFuture:
+                return self._simulation.call(self.fqn, name, *arguments)
+
+            return call
+        raise self._missing(name)
+
+    def _services(self) -> list[str]:
+        return [declaration.name for declaration in self.component.services()]
+
+    def _missing(self, name: str) -> Exception:
+        return AttributeError(f"{self.fqn} has no '{name}'{nearest(name, [*self.parts, *self._services()])}")
+
+    def __dir__(self) -> list[str]:
+        there = self._context.component(self.fqn) is not None and not self._simulation.finished
+        return [*super().__dir__(), *self.parts, *(self._services() if there else ())]
+
+    def _repr_png_(self) -> bytes | None:
+        """Return the present image of a camera as a PNG file, which notebooks display; None for other components."""
+        # imported on demand, because only notebooks need it
+        from morse.core.colors.image_colors import png_of
+
+        try:
+            return png_of(self.component)
+        except (LookupError, RuntimeError):
+            return None
+
+    def __repr__(self) -> str:
+        try:
+            names = ", ".join([*self.parts, *self._services()])
+            return f"<{type(self.component).__name__} {self.fqn}: {names}>"
+        except (LookupError, RuntimeError):
+            return f"<{self.fqn}, which is not there any more>"
+
+
+class RobotHandle(ComponentHandle):
+    """A robot; its components are available as items and as attributes."""
+
+    def __getitem__(self, name: str) -> ComponentHandle:
+        """The component of that name.
+
+        Raises:
+            KeyError: the robot has no such component.
+        """
+        if name not in self.parts:
+            raise KeyError(f"the robot {self.fqn} has no '{name}'{nearest(name, list(self.parts))}")
+        return self.parts[name]
+
+    def keys(self) -> list[str]:
+        """The names of the components."""
+        return list(self.parts)
+
+    def __iter__(self) -> Any:
+        return iter(self.parts)
+
+    def __len__(self) -> int:
+        return len(self.parts)
+
+
+def _copy(data: dict[str, Any]) -> dict[str, Any]:
+    return {key: value if type(value) in _PLAIN else copied(value) for key, value in data.items()}

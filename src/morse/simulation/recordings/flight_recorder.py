@@ -1,0 +1,188 @@
+"""Keeps the data for simulating the last seconds before a failure again."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import shlex
+import stat
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from morse.core.journal import RESET, RESTORE
+from morse.core.observer import Observer
+from morse.core.state import StateError
+
+if TYPE_CHECKING:
+    from morse.core.journal import Entry
+    from morse.simulation.running import Running
+    from morse.simulation.states.state import State
+
+logger = logging.getLogger(__name__)
+
+#: maximum number of inputs; with more inputs, the time before the failure is shorter
+_MOST_INPUTS = 100_000
+#: interval of retries for a simulation whose state cannot be saved, ticks
+_NEVER = 2**62
+#: maximum number of files of one run
+_MOST_FILES = 3
+
+
+#: maximum number of files of all runs of a user; a new file replaces the oldest one
+_MOST_OF_USER = 10
+_PREFIX, _SUFFIX = "morse-failure-", ".mcap"
+
+
+class _Segment(NamedTuple):
+    """The time from one state to the next.
+
+    Attributes:
+        start: the state at the beginning; None for the state after the launch, or after a reset.
+        seed: seed of the random numbers.
+        entries: the inputs since then.
+    """
+
+    start: State | None
+    seed: int
+    entries: list[Entry]
+
+
+class FlightRecorder(Observer):
+    """Keeps states and inputs; after a failure they are written to a file, whose name is logged.
+
+    With the scene, a state and the inputs after it determine the run: ``morse replay FILE --resimulate`` simulates the
+    seconds before the failure again, any number of times.
+
+    Args:
+        simulation: the simulation.
+        span: minimum number of simulated seconds before a failure, if the run was long enough.
+    """
+
+    def __init__(self, simulation: Running, span: float) -> None:
+        self._simulation = simulation
+        # with three states or more, at least two whole segments have passed
+        self._every = max(1, round(span / 2 * simulation.clock.frequency))
+        self._segments: list[_Segment] = []
+        self._known: set[str] = set()
+        self._files = 0
+        self._begin_anew()
+        simulation.journal.sinks.append(self._take)
+
+    def _take(self, entry: Entry) -> None:
+        if entry.kind in (RESET, RESTORE):
+            self._anew = True  # the next segment begins there
+            return
+        segment = self._segments[-1]
+        segment.entries.append(entry)
+        if len(segment.entries) >= _MOST_INPUTS // 2:
+            self._full = True
+
+    def _begin_anew(self) -> None:
+        self._segments.clear()
+        self._add()
+
+    def _add(self) -> None:
+        simulation = self._simulation
+        self._full = self._anew = False
+        self._began = simulation.ticks
+        try:
+            start = simulation.silent_state() if simulation.ticks else None
+        except StateError as error:
+            logger.debug("the last seconds before a failure cannot be saved: %s", error)
+            self.close()
+            self._segments.clear()
+            self._every = _NEVER
+            return
+        self._segments = [*self._segments[-2:], _Segment(start, simulation.seed(), [])]
+
+    def after_tick(self) -> None:
+        """Save a state if one is due; check whether a component has failed."""
+        failed = self._simulation.context.failed
+        if len(failed) > len(self._known):
+            names = ", ".join(sorted(failed - self._known))
+            self._known = set(failed)
+            self.write(f"{names} failed", self._simulation.ticks)
+        if self._simulation.ticks - self._began >= self._every or self._full:
+            self._add()
+
+    def restarted(self) -> None:
+        """The simulation was restarted: time begins at 0."""
+        self._known.clear()
+        self._begin_anew()
+
+    def edited(self) -> None:
+        """A class was replaced: earlier ticks cannot be simulated again."""
+        self._begin_anew()
+
+    def rearranged(self) -> None:
+        """Called when another state was restored, or objects were added or removed."""
+        if self._anew:
+            self._begin_anew()
+
+    def write(self, failure: str, last: int) -> str | None:
+        """Write a file, and log its name.
+
+        Args:
+            failure: description of the failure.
+            last: the tick in which it failed.
+
+        Returns:
+            The path; None if there are enough files, or if it cannot be written.
+        """
+        if self._files >= _MOST_FILES or not self._segments:
+            return None
+        self._files += 1
+        first = self._segments[0]
+        entries = [entry for segment in self._segments for entry in segment.entries]
+        ticks = last - (first.start.tick if first.start is not None else 0)
+        try:
+            # on demand, because it imports the messages of ROS
+            from morse.simulation.recordings.recorders import write_inputs
+
+            handle, path = tempfile.mkstemp(prefix=_PREFIX, suffix=_SUFFIX)
+            with open(handle, "wb", buffering=0) as file:
+                write_inputs(file, self._simulation, first.start, first.seed, entries, last, failure)
+        except (OSError, ImportError) as error:  # without file descriptors, a module is not found
+            reason = getattr(error, "strerror", None) or error
+            logger.warning("the last seconds before the failure cannot be saved: %s", reason)
+            return None
+        _remove_old(path)
+        span = _span(ticks, ticks / self._simulation.clock.frequency)
+        script = self._script()
+        logger.error("[ERROR][MORSE] %s in %s: morse replay %s --resimulate%s", span, path, path, script)
+        return path
+
+    def _script(self) -> str:
+        """The option that permits `morse replay` to execute the scene script."""
+        options = self._simulation.options
+        if options.arguments:  # only those of a trusted file are used
+            return " --trust"
+        return f" --scene {shlex.quote(os.path.abspath(options.script))}" if options.script else " --scene SCRIPT"
+
+    def close(self) -> None:
+        """The end of the simulation."""
+        if self._take in self._simulation.journal.sinks:
+            self._simulation.journal.sinks.remove(self._take)
+
+
+def _span(ticks: int, seconds: float) -> str:
+    if seconds >= 1.0:
+        return f"the last {seconds:.0f} s before the failure are"
+    return f"the last {ticks} ticks before the failure are" if ticks > 1 else "the tick of the failure is"
+
+
+def _remove_old(path: str) -> None:
+    """Remove the oldest files of the user in the folder of a new file."""
+    found: list[tuple[float, Path]] = []
+    for other in Path(path).parent.glob(f"{_PREFIX}*{_SUFFIX}"):
+        with contextlib.suppress(OSError):
+            facts = other.lstat()
+            is_own = not hasattr(os, "getuid") or facts.st_uid == os.getuid()
+            if is_own and stat.S_ISREG(facts.st_mode) and other != Path(path):
+                found.append((facts.st_mtime, other))
+    for _, other in sorted(found)[: max(len(found) + 1 - _MOST_OF_USER, 0)]:
+        # another run may have removed it, or may read it
+        with contextlib.suppress(OSError):
+            other.unlink()

@@ -1,0 +1,1 @@
+"""The state of a whole simulation: collected, saved, restored."""

@@ -1,0 +1,1 @@
+"""Ticks: their order, their schedule, their pace, and what they cost."""

@@ -1,0 +1,163 @@
+"""The main loop: ticks synchronized with the wall clock, until the end is requested."""
+
+from __future__ import annotations
+
+import logging
+import math
+from operator import methodcaller
+from typing import TYPE_CHECKING
+
+from morse.core import status
+from morse.core.observer import SHOWN
+from morse.physics import UnstableError
+from morse.simulation.ticks.diagnosis import Diagnosis
+from morse.simulation.ticks.pacing import Pacer
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.simulation.ticks.stepping import Stepping
+    from morse.simulation.ticks.ticking import Ticker
+
+logger = logging.getLogger(__name__)
+
+
+#: Robots that the script placed above the floor fall in the first ticks, half a second, which do not wait for the wall
+#: clock: so that robots are at rest when clients get their first message, as in 1.4, which took longer to start.
+_SETTLING = 30
+#: vertical speed below which a robot is at rest, m/s
+_STILL = 0.01
+
+
+class Loop:
+    """Runs a simulation.
+
+    Attributes:
+        pacer: synchronizes simulated time with the wall clock.
+        stopping: whether the simulation was asked to end.
+    """
+
+    def __init__(self, context: Context, ticker: Ticker, stepping: Stepping, speed: float) -> None:
+        self._context, self._ticker, self._stepping = context, ticker, stepping
+        network = context.network
+        self.pacer = Pacer(context.clock.period, speed, *([network.give_back] if network is not None else []))
+        self.pacer.while_waiting = self._look_around
+        self.stopping = False
+        self._diagnosis: Diagnosis | None = None
+        self._slow = self._running = False
+        context.paced = self._is_paced
+
+    def _is_paced(self) -> bool:
+        return self._running and not self._stepping.paused and not math.isinf(self.pacer.speed)
+
+    def stop(self) -> None:
+        """End the run after this tick; may be called from signal handlers."""
+        self.stopping = True
+        self.pacer.stop()
+
+    def go_on(self) -> None:
+        """Allow another run, after the last one has stopped."""
+        self.stopping = False
+        self.pacer.start()
+
+    def run(self, last: float = math.inf) -> None:
+        """Run until `stop` is called, or until tick ``last``."""
+        self.pacer.restart()
+        clock, pacer, network, stepping = self._context.clock, self.pacer, self._context.network, self._stepping
+        self._running = True
+        self._context.settling = clock.tick == 0 and not stepping.paused and last > _SETTLING
+        try:
+            while not self.stopping:
+                if stepping.paused:
+                    self._context.settling = False
+                if stepping.halted:
+                    self._wait_paused()
+                    continue
+                if not self._ticker.tick():
+                    continue
+                stepping.count()
+                if clock.tick >= last:
+                    break
+                if network is not None:
+                    network.tend()
+                if not stepping.paused:
+                    if self._context.settling:
+                        self._context.settling = clock.tick < _SETTLING and self._falls()
+                        pacer.restart()
+                    else:
+                        pacer.wait()
+                    if pacer.lost:
+                        self._diagnose()
+                    elif self._slow and pacer.keeps_up:
+                        self._recovered()
+        except UnstableError as error:
+            stepping.end(status.FAILED, str(error))
+            raise
+        finally:
+            self._running = self._context.settling = False
+            self.go_on()
+            if network is not None:
+                network.give_back()
+
+    def _falls(self) -> bool:
+        """Whether a robot still moves up or down, at the start of a run."""
+        bodies = [robot.bge_object for robot in self._context.robots.values()]
+        return any(body.is_dynamic and abs(body.velocity()[0][2]) > _STILL for body in bodies)
+
+    def _wait_paused(self) -> None:
+        """While paused, process requests of clients and pages, and wait for further requests."""
+        self._ticker.look()
+        if self._stepping.halted and not self.stopping:
+            if self._context.network is None:
+                raise RuntimeError("the simulation is paused and has no clients that could resume it")
+            self._context.wait(self._context.clock.period)
+            self.pacer.restart()
+
+    def _look_around(self) -> bool:
+        """Process requests between ticks if simulated time runs slowly; return False if a request has paused it."""
+        self._ticker.look()
+        return not self._stepping.paused
+
+    # -- too slow --------------------------------------------------------------------------
+
+    def restarted(self) -> None:
+        """Withdraw a warning about the pace after a restart."""
+        self.pacer.restart()
+        self._recovered()
+
+    def _diagnose(self) -> None:
+        """Find the cause of a slow simulation, and log a warning from time to time."""
+        if self._diagnosis is None:
+            self._diagnosis = Diagnosis()
+            self._ticker.profiles.append(self._diagnosis.profile)
+            self._ticker.component_profiles.append(self._diagnosis.profile)
+            return
+        if not self._diagnosis.done:
+            return
+        lost = self.pacer.report_due()
+        if not lost:
+            return
+        cause = self._diagnosis.cause(self._context.clock.period / self.pacer.speed)
+        self._stop_measuring()
+        logger.warning(
+            "the simulation cannot keep up: %.1f s lost, running at %.2f times real time (requested: %.2f)%s",
+            lost,
+            self.pacer.real_time_factor,
+            self.pacer.speed,
+            f"; {cause}" if cause else "",
+            extra={SHOWN: True},
+        )
+        self._slow = True
+        self._context.guard.tell(self._ticker.observers, methodcaller("report_pace", lost, cause))
+
+    def _stop_measuring(self) -> None:
+        if self._diagnosis is not None:
+            self._ticker.profiles.remove(self._diagnosis.profile)
+            self._ticker.component_profiles.remove(self._diagnosis.profile)
+            self._diagnosis = None
+
+    def _recovered(self) -> None:
+        """Withdraw a warning about the pace, because the simulation keeps up again or was restarted."""
+        self._stop_measuring()
+        if self._slow:
+            self._context.guard.tell(self._ticker.observers, methodcaller("report_pace", 0.0))
+        self._slow = False

@@ -1,0 +1,241 @@
+"""The order of a tick."""
+
+from __future__ import annotations
+
+import sys
+from operator import call, methodcaller
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from morse.core.context import acting
+from morse.core.guard import after_tick, before_tick
+from morse.core.realism import Realism
+from morse.core.reports.faults import name_of
+from morse.core.requests import serve
+from morse.core.sensor import Sensor
+from morse.simulation.ticks.schedule import Schedule
+from morse.simulation.ticks.together import Together, arranged, phase_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from morse.core.abstractobject import AbstractObject
+    from morse.core.context import Context
+    from morse.core.observer import Observer
+    from morse.core.robot import Robot
+    from morse.simulation.loader import Loaded
+    from morse.simulation.ticks.profile import Profile
+    from morse.simulation.ticks.stepping import Stepping
+
+_release = methodcaller("release")
+
+
+class Ticker:
+    """Runs a tick: input, services, actuators, physics, rays, sensors, output.
+
+    Attributes:
+        observers: notified before and after each tick, in order.
+        profiles: profiles that measure each tick; without profiles ticks are not measured.
+        reviews: functions that look at the components from time to time: called after a tick with its number and
+            whether the components have changed, they return the tick of their next call.
+        before_physics: callbacks that apply forces to bodies, called before the physics of each tick.
+    """
+
+    def __init__(self, context: Context, stepping: Stepping) -> None:
+        self._context, self._guard = context, context.guard
+        self._clock = context.clock
+        self._stepping = stepping
+        self.observers: list[Observer] = []
+        self.profiles: list[Profile] = []
+        self.component_profiles: list[Profile] = []
+        self.before_physics: list[Callable[[], object]] = []
+        self.reviews: list[Callable[[int, bool], int]] = []
+        self._acting = acting(context)
+        self._groups: list[Together] = []
+        self._served: list[AbstractObject] = []
+        self._offered = 0
+
+    def schedule(self, loaded: Loaded) -> None:
+        """Set the components of the simulation after they have changed."""
+        frequency = self._clock.frequency
+        self._robots = loaded.robots
+        self._robot_attributes = [vars(robot) for robot in loaded.robots]
+        self._watched = -1
+        self._review_at, self._has_changed = 0, True
+        self.separate()
+        # in reverse order, as in 1.4: of several actuators of a robot, the one created first has the last word; but
+        # keys and sticks that are held always have it
+        actuators = loaded.actuators[::-1]
+        actuators.sort(key=lambda actuator: bool(getattr(actuator, "obeys_controls", False)))
+        self._actuators: Schedule[Any] = Schedule(arranged(actuators, self._act), frequency)
+        self._sensors: Schedule[Any] = Schedule(arranged(loaded.sensors, self._act), frequency, _phase)
+        self._groups = [
+            unit for units in (self._actuators, self._sensors) for unit in units if isinstance(unit, Together)
+        ]
+        sensors = [sensor for sensor in loaded.sensors if isinstance(sensor, Sensor)]
+        self._asking_actuators = Schedule([a for a in loaded.actuators if a.requests], frequency)
+        self._asking_sensors = Schedule([s for s in loaded.sensors if s.requests], frequency, _phase)
+        self._delayed = [s.realism for s in sensors if isinstance(s.realism, Realism) and s.realism.delay]
+
+    def separate(self) -> None:
+        """Dissolve all groups of components that act together, until the next tick."""
+        for group in self._groups:
+            group.dissolve()
+
+    def tick(self) -> bool:
+        """Run one tick.
+
+        Returns:
+            False if input has paused the simulation, so that no time has passed.
+        """
+        with self._acting:
+            if self.profiles:
+                return self._measured_tick()
+            self._take_input()
+            self._serve()
+            # the simulation is paused, or was restarted while paused: the state must not change until the next request
+            if self._stepping.halted:
+                return False
+            self._actuate()
+            self._move()
+            self._answer_sensors()
+            self._sense()
+            self._show()
+        return True
+
+    def _measured_tick(self) -> bool:
+        """Run one tick, and measure the time of each phase."""
+        profiles = self.profiles
+        for profile in profiles:
+            profile.begin()
+        for name, phase in (("input", self._take_input), ("services", self._serve)):
+            phase()
+            for profile in profiles:
+                profile.mark(name)
+        if self._stepping.halted:
+            return False
+        for name, phase in (
+            ("actuators", self._actuate),
+            ("physics", self._move),
+            ("rays", self._answer_sensors),
+            ("sensors", self._sense),
+            ("output", self._show),
+        ):
+            phase()
+            for profile in profiles:
+                profile.mark(name)
+        return True
+
+    def look(self) -> None:
+        """Process input and services while the simulation is paused."""
+        with self._acting:
+            self._guard.tell(self.observers, before_tick)
+            self._context.services.process()
+            self._guard.tell(self.observers, after_tick)
+
+    # -- the phases ------------------------------------------------------------------------
+
+    def _take_input(self) -> None:
+        self._guard.tell(self.observers, before_tick)
+        self._clock.observe()
+
+    def _serve(self) -> None:
+        objects = self._context.service_objects
+        if len(objects) != self._offered:
+            self._offered = len(objects)
+            self._served = self._guard.those(objects, _is_busy, self._stop_serving)
+        self._context.services.process()
+
+    def _stop_serving(self, part: AbstractObject, error: BaseException) -> None:
+        who = f"{type(part).__name__} of the services of '{name_of(part)}'"
+        self._guard.failed(part, who, "does not act any more", error)
+        self._served = [one for one in self._served if one is not part]
+
+    def _actuate(self) -> None:
+        self._due = self._clock.tick
+        self._act(self._busy_robots())
+        if asking := self._asking_actuators.due(self._due):
+            serve(asking, self._guard)
+        self._act(self._actuators.due(self._due))
+
+    def _move(self) -> None:
+        self._guard.each(self.before_physics, call, self._remove_push)
+        self._context.world.step()
+        self._clock.advance()
+        if self._busy:
+            self._guard.each(self._busy, _update_pose, self._guard.deactivate)
+        # before the sensors: who has slept until this time is awake when its messages arrive
+        if self._served:
+            self._guard.each(list(self._served), _act, self._stop_serving)
+        self._context.services.answer()
+
+    def _remove_push(self, push: Callable[[], object], error: BaseException) -> None:
+        self._guard.remove(self.before_physics, push, error)
+
+    def _answer_sensors(self) -> None:
+        """Answer the requests of all due sensors in one call, which costs little more than a call for one sensor."""
+        if asking := self._asking_sensors.due(self._due):
+            serve(asking, self._guard)
+
+    def _sense(self) -> None:
+        self._act(self._sensors.due(self._due))
+        if self._delayed:
+            self._guard.each(self._delayed, _release, self._stop_releasing)
+
+    def _stop_releasing(self, realism: Realism, error: BaseException) -> None:
+        self._guard.deactivate(realism.sensor, error)
+        self._delayed = [one for one in self._delayed if one is not realism]
+
+    def _show(self) -> None:
+        self._guard.tell(self.observers, after_tick)
+        if self._clock.tick >= self._review_at:
+            self._review(self._clock.tick)
+
+    def _review(self, tick: int) -> None:
+        changed, self._has_changed = self._has_changed, False
+        due: list[int] = []
+        self._guard.each(
+            self.reviews,
+            lambda review: due.append(int(review(tick, changed))),
+            lambda review, error: self._guard.remove(self.reviews, review, error),
+        )
+        self._review_at = min(due, default=sys.maxsize)
+
+    # -- components ------------------------------------------------------------------------
+
+    def _busy_robots(self) -> Sequence[Robot]:
+        """Return the robots that have work to do; an action may be added to a robot as an attribute."""
+        size = sum(map(len, self._robot_attributes))
+        if size != self._watched:
+            self._watched = size
+            self._busy = self._guard.those(self._robots, _is_busy, self._guard.deactivate)
+        return self._busy
+
+    def _act(self, components: Sequence[Any]) -> None:
+        if self.component_profiles:
+            self._guard.each(components, self._measured, self._guard.deactivate)
+        else:
+            self._guard.act(components)
+
+    def _measured(self, component: Any) -> None:
+        begin = perf_counter()
+        component.action()
+        end = perf_counter()
+        for profile in self.component_profiles:
+            profile.component(component.name(), begin, end)
+
+
+def _act(part: Any) -> None:
+    part.action()
+
+
+def _update_pose(robot: Robot) -> None:
+    robot.update_pose()
+
+
+def _phase(component: Any) -> float:
+    return component.phase if type(component) is Together else phase_of(component)
+
+
+def _is_busy(part: AbstractObject) -> bool:
+    return not part.is_idle

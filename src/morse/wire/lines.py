@@ -1,0 +1,188 @@
+"""The clients of line-based servers; all functions run in the network loop, unless stated otherwise."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from typing import TYPE_CHECKING
+
+from morse.core.reports.quoting import escaped
+from morse.wire.strangers import FirstLine
+
+if TYPE_CHECKING:
+    from morse.wire.connection import Connection
+    from morse.wire.server import LineServer
+
+MAX_LINE = 1 << 20
+"""Maximum bytes of a line. A client that sends more without a line end gets an error and is disconnected."""
+#: maximum number of bytes of a line that a message quotes
+_SHOWN = 80
+
+
+class LineClient:
+    """One connection: whole lines in, bytes out.
+
+    Attributes:
+        peer: address and port of the client.
+        heard: time of the last received data (`time.monotonic`), or of the connection.
+        is_proven: whether it has sent something valid.
+        held: received bytes that are not yet processed.
+    """
+
+    def __init__(self, server: LineServer) -> None:
+        self.server = server
+        self.peer = "?"
+        self.transport: Connection
+        self.congested = False
+        self.gone = asyncio.Event()
+        self.heard = time.monotonic()
+        self.is_proven = False
+        self.held = 0
+        self._first_line: FirstLine | None = FirstLine()
+        self._partial: list[bytes] = []
+        self._size = 0
+        self._shut_out = False
+
+    def connection_made(self, transport: Connection, peer: str) -> None:
+        """A client has connected."""
+        self.transport = transport
+        self.peer = peer
+
+    def connection_lost(self, error: OSError | None) -> None:
+        """The connection has ended."""
+        self.gone.set()
+        self.server.leave(self)
+        self.release(self._size)
+        if self._partial and not self._shut_out:
+            self.unfinished(b"".join(self._partial))
+        self._partial.clear()
+
+    def eof_received(self) -> bool:
+        """Handle the end of the client's data; True keeps the connection for the pending answers."""
+        return False
+
+    def is_welcome(self, data: bytes) -> bool:
+        """Whether received bytes may be processed. A client that speaks another protocol is disconnected.
+
+        Call this method for all received bytes.
+        """
+        self.heard = time.monotonic()
+        if self._first_line is None:
+            return not self._shut_out
+        stranger = self._first_line.stranger(data)
+        if stranger is not None:
+            self._shut_out = True
+            self._first_line = None
+            text = f"{self.server.name}: {self.peer} is turned away: it speaks {stranger}; nothing of it was used"
+            self.server.complaints.warn("stranger", text)
+            self.transport.abort()
+            return False
+        if self._first_line.over:
+            self._first_line = None
+        return True
+
+    def data_received(self, data: bytes) -> None:
+        """Split the received bytes into lines."""
+        if not self.is_welcome(data):
+            return
+        if not self._partial and data.find(b"\n") == len(data) - 1:
+            self.line(data[:-1])  # one line, the usual case
+            return
+        first, *others = data.split(b"\n")
+        if others:
+            whole = b"".join([*self._partial, first])
+            self._partial.clear()
+            self.release(self._size)
+            self._size = 0
+            self.lines([whole, *others[:-1]])
+            first = others[-1]
+        if not first or self._shut_out:
+            return
+        self._partial.append(first)
+        self._size += len(first)
+        if self._size > MAX_LINE:
+            self.overlong()
+            self._shut_out = True
+            self.transport.close()
+        else:
+            self.hold(len(first))
+
+    # -- bytes held in memory --------------------------------------------------------------
+
+    def hold(self, count: int) -> bool:
+        """Account for unprocessed bytes; False if the limit is exceeded and this client is disconnected."""
+        limits = self.server.limits
+        while not limits.held.take(count):
+            greediest: LineClient = limits.greediest()
+            if greediest.held <= self.held + count:
+                greediest = self
+            greediest.give_up()
+            if greediest is self:
+                return False
+        self.held += count
+        return True
+
+    def release(self, count: int) -> None:
+        """Release bytes that have been processed."""
+        count = min(count, self.held)
+        self.held -= count
+        self.server.limits.held.give(count)
+
+    def give_up(self) -> None:
+        """Disconnect a client whose unread data exceed the limit, and discard its data."""
+        text = f"{self.server.name}: {self.peer} is disconnected: {self.held} bytes from it are not yet processed"
+        self.server.complaints.warn("greedy", text)
+        self._partial.clear()
+        self._size = 0
+        self._shut_out = True
+        self.release(self.held)
+        self.server.leave(self)
+        self.transport.abort()
+
+    # -- events ------------------------------------------------------------------------------
+
+    def pause_writing(self) -> None:
+        """The client reads too slowly."""
+        self.congested = True
+
+    def resume_writing(self) -> None:
+        """The client has caught up."""
+        self.congested = False
+
+    def lines(self, lines: list[bytes]) -> None:
+        """Several lines have arrived at once, without their line ends."""
+        for line in lines:
+            if self._shut_out:
+                return
+            self.line(line)
+
+    def line(self, line: bytes) -> None:
+        """A line has arrived, without its line end."""
+
+    def unfinished(self, rest: bytes) -> None:
+        """The client disconnected in the middle of a line."""
+
+    def overlong(self) -> None:
+        """The client sent more than `MAX_LINE` bytes without a line end; it is about to be disconnected."""
+
+    @property
+    def keeps_place(self) -> bool:
+        """Whether it does not have to leave for a new client."""
+        return self.is_proven
+
+    def importance(self) -> tuple[float, ...]:
+        """If there are too many clients, the one with the lowest importance leaves, unless it keeps its place.
+
+        It is the one that has been silent for longest.
+        """
+        return (self.heard,)
+
+    def dismiss(self) -> None:
+        """Disconnect it because another client needs its place."""
+        self.server.leave(self)
+        self.transport.abort()
+
+
+def beginning(line: bytes) -> str:
+    """The first characters of a line, for a message."""
+    return escaped(repr(line[:_SHOWN])[2:-1])
