@@ -14,6 +14,9 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
+from morse.simulation import loader
+from morse.simulation.ticks import ticking
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
@@ -25,7 +28,7 @@ logger = logging.getLogger(__name__)
 _OURS = Path(__file__).resolve().parents[1]
 _LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
 #: the files that call components: in ticks, and when they are created
-_CALLERS = [str(_OURS / "simulation" / name) for name in ("ticking.py", "loader.py")]
+_CALLERS = [ticking.__file__, loader.__file__]
 #: interval between two checks, wall-clock seconds
 _INTERVAL = 0.5
 #: time for the effect of an interruption, wall-clock seconds
