@@ -9,7 +9,6 @@ from component_library.markdown import code, page, section, table
 from morse.builder.names.classes import load_class
 from morse.core.declarations import data_fields, kinds
 from morse.core.kinds.table import GENERAL
-from morse.core.mapping import mapped_kinds
 from morse.middleware import registry
 
 if TYPE_CHECKING:
@@ -42,10 +41,10 @@ def _form(cls: type[Any], direction: str, middleware_name: str) -> str:
     middleware = registry.installed()[middleware_name]
     if middleware.stream_of(cls, direction) is None or middleware.stream_manager is None:
         return "–"
-    mapped = mapped_kinds(load_class(middleware.stream_manager))
+    manager = load_class(middleware.stream_manager)
     forms = []
     for use in kinds(cls):
-        known = (use.kind, direction) in mapped and use.kind != GENERAL
+        known = manager.has_form(use.kind, direction) and use.kind != GENERAL
         forms.append((use.kind if known else "*general*", use.when is not None or use.level != "all" or use.on_request))
     always = [form for form, depends in forms if not depends]
     perhaps = [form for form, depends in forms if depends and form not in always]

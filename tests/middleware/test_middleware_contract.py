@@ -156,6 +156,124 @@ def test_commands_come_in_by_slots_and_are_checked(bench: Bench, caplog: pytest.
     assert "robot1.wheels: a message is refused" in caplog.text
 
 
+class Owls(DatastreamManager):
+    """A middleware with one message for each component, whose payloads are texts."""
+
+    by_component = True
+
+    def __init__(self, options: dict[str, Any], context: Any) -> None:
+        super().__init__(options, context)
+        self.sky: list[tuple[str, str]] = []
+
+    @maps("general")
+    def general(self, stream: Any, message: Any) -> str | None:
+        if message.fields.get("x") == 0.0:
+            return None
+        return f"{message.kind.name} {sorted(message.fields)}"
+
+    def send(self, stream: Any, payload: str) -> None:
+        self.sky.append((stream.component_name, payload))
+
+    @maps("general", direction="IN")
+    def command(self, stream: Any, kind: Any, data: str) -> dict[str, float] | None:
+        name, _, value = data.partition("=")
+        return {name: float(value)} if name != "other" else None
+
+    @maps("twist", direction="IN")
+    def twist(self, stream: Any, kind: Any, data: str) -> dict[str, Any]:
+        return {"linear": [float(data), 0.0, 0.0]}
+
+
+class Plain(DatastreamManager):
+    """Has forms for data only."""
+
+    @maps("general")
+    def general(self, stream: Any, message: Any) -> bytes:
+        return b""
+
+
+class Gear(Actuator):
+    add_data("gear", 1, "int", "of the box")
+
+
+def test_fields_are_those_of_the_component_whatever_its_kind(bench: Bench) -> None:
+    owls = Owls({}, bench.context)
+    place = Place(Body("robot1.place"))
+    owls.connect(place, declared("OUT"))
+    place.action()
+    names = sorted(("x", "y", "z", "yaw", "pitch", "roll", "timestamp"))
+    assert owls.sky == [("robot1.place", f"pose {names}")]
+    place.local_data["x"] = 0.0
+    place.action()
+    assert len(owls.sky) == 1, "None: nothing is sent"
+
+
+def test_methods_read_commands_by_field_or_by_slot(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    owls = Owls({}, bench.context)
+    wheels, box = Wheels(Body("robot1.wheels")), Gear(Body("robot1.box"))
+    for component in (wheels, box):
+        owls.connect(component, declared("IN"))
+    owls.streams["robot1.wheels"][0].receive("0.5")
+    for data in ("gear=3", "other=7"):
+        owls.streams["robot1.box"][0].receive(data)
+    for component in (wheels, box):
+        component.action()
+    assert wheels.local_data["v"] == 0.5
+    assert box.local_data["gear"] == 3
+    assert not caplog.text
+    for wrong in ("gear=high", "gear=nan", None):
+        owls.streams["robot1.box"][0].receive(wrong)
+        box.action()
+        assert box.local_data["gear"] == 3, wrong
+    assert "robot1.box: this message cannot be read (ValueError" in caplog.text
+    assert "robot1.box: a message is refused: 'gear' is nan" in caplog.text
+
+
+def test_without_a_method_commands_are_fields(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    plain = Plain({}, bench.context)
+    wheels = Wheels(Body("robot1.wheels"))
+    plain.connect(wheels, declared("IN"))
+    (stream,) = plain.streams["robot1.wheels"]
+    for data in ({"v": 0.5}, {"v": "fast"}, ["v"], {"w": 0.25}):
+        stream.receive(data)
+    wheels.action()
+    assert (wheels.local_data["v"], wheels.local_data["w"]) == (0.5, 0.25)
+    assert "'v' is 'fast', expected" in caplog.text
+    assert "expected a JSON object" in caplog.text
+
+
+def test_a_payload_needs_a_way_out_and_a_failing_stream_is_closed_alone(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    plain, owls = Plain({}, bench.context), Owls({}, bench.context)
+    place = Place(Body("robot1.place"))
+    for manager in (plain, owls):
+        manager.connect(place, declared("OUT"))
+    for _ in range(2):
+        place.action()
+    assert "Plain has a method that returns a payload, b'', but no method send(self, stream, payload)" in caplog.text
+    assert plain.streams["robot1.place"] == []
+    assert len(owls.sky) == 2
+
+
+@pytest.mark.parametrize(("period", "messages"), [(0.1, 10), (0.25, 4), (1e-3, 60), (None, 60)])
+def test_a_stream_has_a_period(bench: Bench, period: float | None, messages: int) -> None:
+    owls = Owls({}, bench.context)
+    place = Place(Body("robot1.place"))
+    owls.connect(place, declared("OUT", **({} if period is None else {"period": period})))
+    for _ in range(60):
+        place.action()
+        bench.context.clock.advance()
+    assert len(owls.sky) == messages
+
+
+def test_periods_are_for_sensors_and_timeouts_for_actuators(bench: Bench) -> None:
+    with pytest.raises(MorseMiddlewareError, match=r"period=0.1 is for sensors"):
+        Owls({}, bench.context).connect(Wheels(Body("robot1.wheels")), declared("IN", period=0.1))
+    with pytest.raises(MorseMiddlewareError, match=r"timeout=0.1 is for actuators"):
+        Owls({}, bench.context).connect(Place(Body("robot1.place")), declared("OUT", timeout=0.1))
+
+
 def test_the_base_keeps_the_streams(bench: Bench) -> None:
     pigeons = Pigeons({}, bench.context)
     Recorder.made.clear()

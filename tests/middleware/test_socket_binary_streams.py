@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from morse.middleware.socket_datastream import SocketPublisher
+from morse.middleware.socket_datastream import SocketDatastreamManager, SocketPublisher
 from socket_bench import Bench, Peer, wait_until
 
 from morse.middleware.socket import frame_client
@@ -100,9 +100,11 @@ def test_nothing_is_encoded_for_frames_while_nobody_subscribes(
     bench.sensor(port=0)
     subscribe(reader, "robot1.other")
     encoded = []
-    frame = SocketPublisher._frame
+    send = SocketDatastreamManager.send
     monkeypatch.setattr(
-        SocketPublisher, "_frame", lambda self, number: (encoded.append(self.component_name), frame(self, number))[1]
+        SocketDatastreamManager,
+        "send",
+        lambda self, stream, payload: (encoded.append(stream.component_name), send(self, stream, payload))[1],
     )
     bench.tick()
     assert encoded == ["robot1.other"]

@@ -11,7 +11,7 @@ from PIL import Image
 from morse.core.exceptions import MorseRPCTypeError
 from morse.rendering.light_codes import LIGHT
 from morse.sensors.camera import CAMERA_INFO
-from morse.wire.images import image_json
+from morse.wire.images import image_fields
 
 SCENE = """
 robot = FakeRobot("robot")
@@ -101,10 +101,7 @@ def test_half_of_the_world_takes_a_fisheye_lens(look):
 
 
 def received(eye):
-    class Stream:
-        component_instance, data = eye, eye.local_data
-
-    message = json.loads(image_json(Stream))
+    message = json.loads(image_fields(eye, eye.local_data).line())
     return message, base64.b64decode(message["image"])
 
 

@@ -139,14 +139,11 @@ def test_small_things_may_be_left_out(look):
 
 
 def test_the_message_holds_pixels_labels_and_boxes(look):
-    from morse.wire.images import image_json
+    from morse.wire.images import image_fields
 
     eye, _ = look()
 
-    class Stream:
-        component_instance, data = eye, eye.local_data
-
-    message = json.loads(image_json(Stream))
+    message = json.loads(image_fields(eye, eye.local_data).line())
     pixels = np.frombuffer(base64.b64decode(message["image"]), "<u2").reshape(message["height"], message["width"])
     np.testing.assert_array_equal(pixels, eye.local_data["image"])
     kinds = np.frombuffer(base64.b64decode(message["classes"]), "<u2").reshape(150, 200)

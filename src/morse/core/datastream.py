@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,6 +11,7 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.core.kinds.table import GENERAL
 from morse.core.mapping import mapped_kinds
 from morse.core.observer import Observer
+from morse.core.reports.quoting import shown
 from morse.core.validation.options import checked_options, with_defaults
 from morse.scene import StreamDeclaration
 
@@ -22,9 +22,11 @@ if TYPE_CHECKING:
     from morse.core.object import Object
 
 
+_SECOND = 10**9
 #: options of the streams of all middlewares
 COMMON_OPTIONS: Mapping[str, Option] = {
-    "timeout": Option(float, None, "for actuators: simulated seconds after which a command ends", low=1e-3, unit="s")
+    "timeout": Option(float, None, "for actuators: simulated seconds after which a command ends", low=1e-3, unit="s"),
+    "period": Option(float, None, "for sensors: shortest simulated time between messages", low=1e-6, unit="s"),
 }
 
 
@@ -41,7 +43,7 @@ class AbstractDatastream(ABC):
 
     #: options that scripts may give; None: any option, because the stream checks them itself
     options: ClassVar[Mapping[str, Option] | None] = None
-    manager: Any = None
+    manager: DatastreamManager
     direction: str = ""
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
@@ -77,10 +79,14 @@ class AbstractDatastream(ABC):
 class DatastreamManager(Observer):
     """The data streams of one middleware.
 
-    This class keeps the list of streams: `connect` adds a stream, `disconnect` removes the streams of a component that
-    is deleted, and `finalize` removes all streams. The streams of a component that is recreated replace the former
-    ones. Subclasses are notified by `opened`, `closed` and `left`. They carry message kinds with methods that are
-    marked with `morse.core.mapping.maps`.
+    A middleware defines the form of messages, by methods that are marked with `morse.core.mapping.maps`, and how they
+    are sent, by `send`; it passes what arrives to `morse.core.streams.kind_stream.KindStream.receive`.
+
+    This class does the rest. It keeps the streams: `connect` adds a stream, `disconnect` removes the streams of a
+    component that is deleted, and `finalize` removes all streams. The streams of a component that is recreated replace
+    the former ones. Subclasses are notified by `opened`, `closed` and `left`. A stream sends at most one message in
+    each ``period`` of its options, and ends commands after its ``timeout``. A stream that raises an error is closed and
+    named in the log; its component and all other streams continue.
 
     The simulation calls `action` at the beginning of a tick, the streams when their components act, and `flush` at the
     end of the tick.
@@ -88,7 +94,7 @@ class DatastreamManager(Observer):
     Attributes:
         classpath: the name under which summaries and clients know it.
         options: options from ``env.configure_stream_manager``, and defaults for the others.
-        streams: the open streams by name of the component, in the order of the script.
+        streams: the open streams, a list for each name of a component, in the order of the script.
     """
 
     classpath: str = ""
@@ -96,6 +102,8 @@ class DatastreamManager(Observer):
     manager_options: ClassVar[Mapping[str, Option] | None] = None
     #: options of ``add_stream``; None: any option
     stream_options: ClassVar[Mapping[str, Option] | None] = None
+    #: whether a component has one message with all of its fields, instead of one for each of its kinds
+    by_component: ClassVar[bool] = False
     _mapped: ClassVar[dict[tuple[str, str], str]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -126,41 +134,54 @@ class DatastreamManager(Observer):
         before = self.streams.get(name)
         if before and before[0].component_instance is not component:
             self._close_streams(name)
-        if _is_of_1_4(type(self)):
-            self.register_component(name, component, _mw_data(declaration))
+        if type(self).register_component is DatastreamManager.register_component:
+            self._attach(component, declaration)
         else:
-            self.register_component(component, declaration)
+            data = [declaration.manager, declaration.stream, declaration.direction, dict(declaration.options)]
+            self.register_component(name, component, data)
 
-    def register_component(self, component: Any, declaration: Any, mw_data: list[Any] | None = None) -> None:
-        """Create a stream and attach it to a component.
+    def register_component(self, component_name: str, component_instance: Any, mw_data: list[Any]) -> None:
+        """Create a stream and attach it to a component; managers written for MORSE 1.4 override it.
 
-        A manager written for MORSE 1.4 overrides it with the arguments ``component_name, component_instance,
-        mw_data``, where ``mw_data`` is a list: manager, class path of the stream, direction, options. Both forms may
-        be passed on to this method.
+        Args:
+            component_name: name of the component.
+            component_instance: the component.
+            mw_data: name of the manager, class path of the stream, direction, options.
         """
-        if mw_data is not None:
-            component, declaration = declaration, StreamDeclaration(*mw_data[:4])
+        self._attach(component_instance, StreamDeclaration(*mw_data[:4]))
+
+    def _attach(self, component: Object, declaration: StreamDeclaration) -> None:
         stream = self.make_stream(component, declaration)
         stream.manager, stream.direction = self, declaration.direction
         self.streams.setdefault(component.name(), []).append(stream)
         self.opened(stream)
         stream.initialize()
         functions = component.input_functions if declaration.direction == "IN" else component.output_functions
-        functions.append(self._reader(stream, declaration))
+        functions.append(self._called(stream, declaration))
 
-    def _reader(self, stream: Any, declaration: StreamDeclaration) -> Callable[..., Any]:
+    def _called(self, stream: Any, declaration: StreamDeclaration) -> Callable[..., Any]:
         """The function of a stream that its component calls."""
         from morse.core.actuator import Actuator
         from morse.core.streams.command_timeout import CommandTimeout
 
-        timeout = declaration.options.get("timeout")
-        if not isinstance(timeout, (int, float)) or "timeout" not in self._common_options(type(stream)):
-            return stream.default  # type: ignore[no-any-return]
-        if declaration.direction != "IN" or not isinstance(stream.component_instance, Actuator):
+        common = self._common_options(type(stream))
+        # a class without declared options may have others of these names
+        options: dict[str, Any] = {
+            name: value for name, value in declaration.options.items() if name in common and _is_number(value)
+        }
+        timeout, period = options.get("timeout"), options.get("period")
+        is_of_actuator = declaration.direction == "IN" and isinstance(stream.component_instance, Actuator)
+        if timeout is not None and not is_of_actuator:
             raise MorseMiddlewareError(
                 f"{stream.component_name}: timeout={timeout} is for actuators, whose commands it ends"
             )
-        return CommandTimeout(stream, float(timeout)).default
+        if period is not None and declaration.direction == "IN":
+            raise MorseMiddlewareError(
+                f"{stream.component_name}: period={period} is for sensors, of whose messages it omits some"
+            )
+        if timeout is not None:
+            return CommandTimeout(stream, float(timeout)).default
+        return stream.default if period is None else Paced(stream, float(period)).default
 
     @staticmethod
     def _common_options(cls: type) -> Mapping[str, Option]:
@@ -224,6 +245,11 @@ class DatastreamManager(Observer):
         name = self._mapped.get((kind, direction)) or self._mapped.get((GENERAL, direction))
         return None if name is None else getattr(self, name)
 
+    @classmethod
+    def has_form(cls, kind: str, direction: str = "OUT") -> bool:
+        """Whether a kind has a form of its own, not that of ``general``."""
+        return (kind, direction) in cls._mapped
+
     def wanted(self, stream: Any, topic: str) -> bool:
         """Whether the stream has a reader; without a reader no messages are created.
 
@@ -231,6 +257,17 @@ class DatastreamManager(Observer):
             topic: sub-topic of the stream; empty for its main topic.
         """
         return True
+
+    def send(self, stream: Any, payload: Any) -> None:
+        """Send what a method marked with `maps` has returned; called in the tick.
+
+        Raises:
+            NotImplementedError: the middleware does not define how.
+        """
+        raise NotImplementedError(
+            f"{type(self).__name__} has a method that returns a payload, {shown(payload)}, but no method "
+            "send(self, stream, payload)"
+        )
 
     # -- the tick ----------------------------------------------------------------------------
 
@@ -268,10 +305,27 @@ class DatastreamManager(Observer):
             self._close_streams(name)
 
 
-def _is_of_1_4(cls: type[DatastreamManager]) -> bool:
-    parameters = list(inspect.signature(cls.register_component).parameters.values())
-    return len(parameters) == 4 and parameters[3].default is inspect.Parameter.empty
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _mw_data(declaration: StreamDeclaration) -> list[Any]:
-    return [declaration.manager, declaration.stream, declaration.direction, dict(declaration.options)]
+class Paced(AbstractDatastream):
+    """Calls a stream in the first tick of each period.
+
+    Args:
+        stream: of a sensor.
+        period: simulated time, s.
+    """
+
+    def __init__(self, stream: AbstractDatastream, period: float) -> None:
+        super().__init__(stream.component_instance, stream.kwargs)
+        self.stream, self._period = stream, round(period * _SECOND)
+        self._last: int | None = None
+
+    def default(self, ci: Object | None = None) -> Any:
+        """See `AbstractDatastream.default`."""
+        number = self.component_instance.clock.stamp() // self._period
+        if number == self._last:
+            return False
+        self._last = number
+        return self.stream.default(ci)

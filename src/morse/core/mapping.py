@@ -15,16 +15,23 @@ if TYPE_CHECKING:
 _F = TypeVar("_F", bound="Callable[..., Any]")
 
 OUT, IN = "OUT", "IN"
+#: attribute of a method that gives messages their form
+_MARK = "_morse_maps"
 
 
-def maps(*kinds: str, direction: str = OUT) -> Callable[[_F], _F]:
-    """Declare that a method of a `DatastreamManager` carries messages of some kinds.
+def maps(*kinds: str, direction: str = OUT, mark: str = _MARK) -> Callable[[_F], _F]:
+    """Declare that a method of a `DatastreamManager` gives messages of some kinds their form.
 
-    A method for published messages is called with the stream and the `morse.core.kinds.Message`, and sends the message.
-    A method for commands (``direction="IN"``) is called with the stream, the `morse.core.kinds.BoundKind` and the
-    received data, and returns slots by name, for `KindStream.receive`.
+    ``method(stream, message)``, for published messages: it returns the payload of the
+    `morse.core.kinds.Message`, which `DatastreamManager.send` sends. If it returns None, nothing is sent; a method may
+    also send the message itself.
 
-    A method for ``general`` is required: it carries the kinds that no other method names.
+    ``method(stream, kind, data)``, for commands (``direction="IN"``): it reads what `KindStream.receive` was called
+    with, and returns the values of the slots of the `morse.core.kinds.BoundKind` by name; the method for ``general``
+    returns the values of fields by name. None if the data are no command for the component.
+
+    A method for ``general`` is required: it carries the kinds that no other method names, by the fields of the
+    component (``message.fields``).
 
     Raises:
         MorseDeclarationError: there is no such kind or direction.
@@ -36,13 +43,13 @@ def maps(*kinds: str, direction: str = OUT) -> Callable[[_F], _F]:
         raise MorseDeclarationError(f"a direction is '{OUT}' or '{IN}', not {shown(direction)}")
 
     def declare(method: _F) -> _F:
-        method._morse_maps = (kinds, direction)  # type: ignore[attr-defined]
+        setattr(method, mark, (kinds, direction))
         return method
 
     return declare
 
 
-def mapped_kinds(cls: type) -> dict[tuple[str, str], str]:
+def mapped_kinds(cls: type, mark: str = _MARK, *, needs_general: bool = True) -> dict[tuple[str, str], str]:
     """Return the names of the methods of a class by kind and direction; a class takes precedence over its bases.
 
     Raises:
@@ -51,11 +58,11 @@ def mapped_kinds(cls: type) -> dict[tuple[str, str], str]:
     found: dict[tuple[str, str], str] = {}
     for base in cls.__mro__:
         for name, member in vars(base).items():
-            kinds, direction = getattr(member, "_morse_maps", ((), ""))
+            kinds, direction = getattr(member, mark, ((), ""))
             for kind in kinds:
                 found.setdefault((kind, direction), name)
     for direction in dict.fromkeys(direction for _, direction in found):
-        if (GENERAL, direction) not in found:
+        if needs_general and (GENERAL, direction) not in found:
             raise MorseDeclarationError(
                 f"{cls.__module__}.{cls.__name__} maps message kinds, but not '{GENERAL}': a method with "
                 f"@maps('{GENERAL}', direction='{direction}') is needed for components of users without a kind"

@@ -106,6 +106,15 @@ class Object(Requesting, AbstractObject):
         *_OF_EACH_TICK,
     )
 
+    #: whether it is a camera, whose object has the axes of its image: X right, Y down, Z forward
+    is_camera: ClassVar[bool] = False
+    #: whether components on it may move
+    moves_parts: bool = True
+
+    def frame_owner(self) -> Object | None:
+        """Return the component in whose frame its data are; None for itself."""
+        return None
+
     #: the group of components that act together with this one
     group: Group | None = None
 

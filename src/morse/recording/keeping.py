@@ -173,7 +173,7 @@ class Captures:
             for stream in self._streams_of(group):
                 if stream.component_instance in self.quiet:
                     try:
-                        stream.encode()
+                        stream.publish_now()
                     except Exception:  # the stream encodes its messages itself from now on, and reports the error
                         self._known[group.members] = None
         self._fired.clear()

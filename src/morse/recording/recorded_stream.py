@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core.groups.joining import may_join
 from morse.core.kinds.binding import stamp_of
+from morse.core.kinds.table import PICTURES
 from morse.middleware.ros2.stream import Ros2Stream
 from morse.recording.captures.classes import is_captured
 from morse.recording.captures.lone import Lone
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
+    from morse.recording.streams import RecordedStreams
     from morse.rosmsgs.outlets import Outlet
 
 
@@ -63,6 +65,7 @@ class RecordedStream(Ros2Stream):
     See `morse.recording.keeping.Captures`.
     """
 
+    manager: RecordedStreams
     #: None: no capture can encode its messages while it acts alone
     _lone: Lone | None = None
     _is_known = False
@@ -75,7 +78,7 @@ class RecordedStream(Ros2Stream):
                 self._look_at(component)
             lone = self._lone
             if lone is not None and lone.is_plain():
-                captures = self.manager.captures
+                captures: Any = self.manager.captures
                 lone.stamp = captures.world.stamp
                 captures.fire(lone)
                 if component in captures.quiet:
@@ -91,7 +94,7 @@ class RecordedStream(Ros2Stream):
         elif not self.moves_frames and (lines := self.lines()) and all(line.outlet.is_copy for line in lines):
             self._lone = Lone(component, is_of_data=True)
 
-    def encode(self) -> None:
+    def publish_now(self) -> None:
         """Publish the present messages."""
         super().default(self.component_instance)
 
@@ -111,7 +114,7 @@ class RecordedStream(Ros2Stream):
         for bound, lines in self.sending:
             for line in lines:
                 number, outlet = getattr(line.publisher, "number", None), line.outlet
-                if outlet.when is not None or (number is None and line.publisher.wanted()):
+                if bound.kind.name in PICTURES or (number is None and line.publisher.wanted()):
                     return None
                 if number is not None:
                     is_stamped = fields_of(outlet.type)[0].type == "std_msgs/msg/Header"
@@ -124,12 +127,11 @@ class RecordedStream(Ros2Stream):
 
     def single(self, type_name: str) -> Single | None:
         """Return the present message if the sensor has one message of that type; else None."""
-        if len(self.sending) != 1 or len(self.sending[0][1]) != 1 or self._odometry is not None:
+        if len(self.sending) != 1 or len(self.sending[0][1]) != 1 or self.moves_frames:
             return None
         bound, (line,) = self.sending[0]
         number = getattr(line.publisher, "number", None)
-        nothing = line.outlet.when is not None and not line.outlet.when()
-        if line.outlet.type != type_name or number is None or nothing:
+        if line.outlet.type != type_name or number is None or bound.is_silent:
             return None
         message = bound.gather()
         made = line.outlet.make(message, self.frame_id(line.outlet.frame or message.frame))

@@ -27,7 +27,6 @@ class Outlet(NamedTuple):
         frame: a name of `morse.core.declarations.FRAMES`, or ``down``; empty for the frame of the message.
         instead: outlet that is used if the backend does not have the type.
         or_none: nothing is published if the backend does not have the type.
-        when: whether there is anything to send in this tick; None: always.
         takes_long: `make` takes so long that it is called in another thread while the simulation is paced by the wall
             clock. It must then use nothing but the message, whose arrays do not change.
         numbers: for messages of a header and a fixed number of numbers: returns these, which `make` describes by name.
@@ -45,7 +44,6 @@ class Outlet(NamedTuple):
     frame: str = ""
     instead: Any = None
     or_none: bool = False
-    when: Callable[[], bool] | None = None
     takes_long: bool = False
     numbers: Callable[[Message], tuple[float, ...]] | None = None
     has_child: bool = False

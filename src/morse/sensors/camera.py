@@ -131,6 +131,7 @@ class Camera(Sensor):
         low=0.0,
         high=1e3,
     )
+    is_camera = True
     add_property("capturing", True, "capturing", "bool", "Take pictures")
 
     color = True

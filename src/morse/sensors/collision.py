@@ -75,9 +75,13 @@ class Collision(ContactSensor):
     def _tell_the_end(self) -> None:
         """Send one message to middlewares with message kinds when a contact has ended."""
         self.local_data["timestamp"] = self.clock.time
-        streams = [one for one in self.output_functions if isinstance(getattr(one, "__self__", None), KindStream)]
+        streams = [one for one in self.output_functions if _sends_kinds(getattr(one, "__self__", None))]
         publish(self, streams)
 
     def measure(self) -> None:
         """Measure the touched objects."""
         self.take(self._names)
+
+
+def _sends_kinds(stream: object) -> bool:
+    return isinstance(stream, KindStream) and stream.sends_kinds

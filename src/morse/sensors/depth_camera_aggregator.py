@@ -17,6 +17,7 @@ from morse.sensors.camera_unit import CameraUnit
 from morse.sensors.depth_camera import DepthCamera
 
 if TYPE_CHECKING:
+    from morse.core.object import Object
     from morse.core.sensor import Pose
 
 
@@ -68,6 +69,10 @@ class DepthCameraAggregator(CameraUnit):
             IndexError: no depth camera is mounted on it.
         """
         return self._master(self.clouds())
+
+    def frame_owner(self) -> Object | None:
+        """See `Object.frame_owner`: the cloud is in the frame of the master camera."""
+        return self.master() if self.clouds() else None
 
     @service
     def set_property(self, name: str, value: Any) -> None:

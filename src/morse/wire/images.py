@@ -1,8 +1,7 @@
-"""Images and point clouds as JSON, with pixels and points in base64."""
+"""The fields of images and point clouds; as JSON, with pixels and points in base64."""
 
 from __future__ import annotations
 
-import base64
 import io
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +11,7 @@ from morse.mathutils.portable import matmul
 from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from morse.core.datastream import AbstractDatastream
+    from collections.abc import Mapping
 
 #: fields of every image and cloud: arrays among them are lists in JSON
 _NOT_OTHERS = frozenset(("timestamp", "height", "width", "intrinsic_matrix"))
@@ -22,20 +19,65 @@ _NOT_OTHERS = frozenset(("timestamp", "height", "width", "intrinsic_matrix"))
 _LUMA = (0.2126, 0.7152, 0.0722)
 
 
-def image_json(
-    stream: AbstractDatastream, pixels: Callable[[Any], bytes] | None = None, *, others: bool = True
-) -> bytes | None:
-    """``{timestamp, height, width, image, intrinsic_matrix}``; the image is RGBA, 8 bits each, in base64.
+class PictureFields(dict[str, Any]):
+    """Fields of a message whose pixels, points and other arrays are in base64 in lines of JSON."""
 
-    A camera with ``compression`` sends the bytes of an image file instead, and ``format`` is its format. The other
-    fields of the component follow, arrays of them in base64. None while the camera does not capture.
+    def line(self) -> bytes:
+        """The JSON object, without the line end."""
+        return to_json({name: as_bytes(value) if _is_packed(name, value) else value for name, value in self.items()})
+
+
+def _is_packed(name: str, value: Any) -> bool:
+    return isinstance(value, np.ndarray) and name not in _NOT_OTHERS
+
+
+def image_fields(camera: Any, data: Mapping[str, Any]) -> PictureFields:
+    """``{timestamp, height, width, image, intrinsic_matrix}``, and the other fields of the component.
+
+    The image is RGBA, 8 bits each. A camera with ``compression`` has the bytes of an image file instead, and ``format``
+    is its format.
 
     Args:
-        stream: of a component with the fields ``image`` and ``intrinsic_matrix``.
-        pixels: converts the image of the field to bytes; default: RGBA.
-        others: send the other fields of the component as well.
+        camera: the component.
+        data: its data, with the field ``image``.
     """
-    return _json(stream, "image", pixels or as_bytes, others=others)
+    form = getattr(camera, "compression", "")
+    fields = _fields(camera, data, "image")
+    if form and np.size(fields["image"]):
+        fields["image"] = _file(fields["image"], form, camera.quality)
+    if form:
+        fields["format"] = form
+    if "intrinsic_matrix" in data:
+        fields["intrinsic_matrix"] = data["intrinsic_matrix"]
+    for name in data:
+        if name not in fields:
+            fields[name] = data[name]
+    return fields
+
+
+def cloud_fields(camera: Any, data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """``{timestamp, height, width, points, intrinsic_matrix}``; points are x, y, z in float32.
+
+    Data of other components than cameras are returned unchanged.
+    """
+    if "points" not in data or not hasattr(camera, "image_height"):
+        return data
+    fields = _fields(camera, data, "points")
+    if not isinstance(fields["points"], (bytes, bytearray, memoryview)):
+        fields["points"] = np.float32(fields["points"])
+    if "intrinsic_matrix" in data:
+        fields["intrinsic_matrix"] = data["intrinsic_matrix"]
+    return fields
+
+
+def _fields(camera: Any, data: Mapping[str, Any], field: str) -> PictureFields:
+    height, width = np.shape(data[field])[:2] if np.ndim(data[field]) >= 2 else (None, None)
+    return PictureFields(
+        timestamp=data["timestamp"],
+        height=getattr(camera, "image_height", height),
+        width=getattr(camera, "image_width", width),
+        **{field: data[field]},
+    )
 
 
 def _file(pixels: Any, form: str, quality: int) -> bytes:
@@ -53,89 +95,9 @@ def _file(pixels: Any, form: str, quality: int) -> bytes:
     return data.getvalue()
 
 
-def image_fields(stream: AbstractDatastream) -> dict[str, Any] | None:
-    """The data of `image_json`, with images and other arrays as arrays, and image files as bytes."""
-    return _fields(stream, "image", _unchanged, others=True)
-
-
-def cloud_fields(stream: AbstractDatastream) -> dict[str, Any] | None:
-    """The data of `cloud_json`, with the points (..., 3) as an array of float32."""
-    if not _is_cloud(stream):
-        return stream.data
-    return _fields(stream, "points", _as_float32, others=False)
-
-
-def _unchanged(value: Any) -> Any:
-    return value
-
-
-def _as_float32(points: Any) -> Any:
-    return points if isinstance(points, (bytes, bytearray, memoryview)) else np.float32(points)
-
-
-def _is_cloud(stream: AbstractDatastream) -> bool:
-    return "points" in stream.data and hasattr(stream.component_instance, "image_height")
-
-
-def cloud_json(stream: AbstractDatastream) -> bytes | None:
-    """``{timestamp, height, width, points, intrinsic_matrix}``; points are x, y, z in float32, in base64.
-
-    None while the camera does not capture. Data of other components are sent unchanged.
-    """
-    if not _is_cloud(stream):
-        return to_json(stream.data)
-    return _json(stream, "points", points_as_bytes)
-
-
-def _json(
-    stream: AbstractDatastream, field: str, encode: Callable[[Any], bytes], *, others: bool = False
-) -> bytes | None:
-    message = _fields(stream, field, encode, others=others)
-    if message is None:
-        return None
-    message[field] = base64.b64encode(message[field]).decode("ascii")
-    if others:
-        for name, value in message.items():
-            if name not in _NOT_OTHERS and isinstance(value, np.ndarray):
-                message[name] = as_bytes(value)
-    return to_json(message)
-
-
-def _fields(
-    stream: AbstractDatastream, field: str, encode: Callable[[Any], Any], *, others: bool
-) -> dict[str, Any] | None:
-    camera: Any = stream.component_instance
-    data = stream.data
-    # None: the component is not a camera, but has a cloud
-    if getattr(camera, "capturing", None) not in (None, True):
-        return None
-    form = getattr(camera, "compression", "") if field == "image" else ""
-    height, width = np.shape(data[field])[:2] if np.ndim(data[field]) >= 2 else (None, None)
-    message = {
-        "timestamp": data["timestamp"],
-        "height": getattr(camera, "image_height", height),
-        "width": getattr(camera, "image_width", width),
-        field: _file(data[field], form, camera.quality) if form and np.size(data[field]) else encode(data[field]),
-    }
-    if form:
-        message["format"] = form
-    if "intrinsic_matrix" in data:
-        message["intrinsic_matrix"] = data["intrinsic_matrix"]
-    if others:
-        for name in data:
-            if name not in message:
-                message[name] = data[name]
-    return message
-
-
 def as_bytes(value: Any) -> bytes:
     """The bytes of an array, row by row; bytes are returned unchanged."""
     return value.tobytes() if hasattr(value, "tobytes") else bytes(value)
-
-
-def points_as_bytes(points: Any) -> bytes:
-    """Points as float32; bytes are returned unchanged."""
-    return bytes(points) if isinstance(points, (bytes, bytearray, memoryview)) else np.float32(points).tobytes()
 
 
 def grey(image: Any) -> bytes:

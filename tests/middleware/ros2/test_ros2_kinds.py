@@ -10,8 +10,8 @@ import pytest
 
 from morse.core.kinds import KINDS
 from morse.core.kinds.message import Message
-from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.rosmsgs.cdr import encode
+from morse.rosmsgs.kinds import Ros2Topics
 
 if TYPE_CHECKING:
     from morse.rosmsgs.outlets import Outlet
@@ -44,8 +44,7 @@ class Stream:
 def said(kind: str, topic: str = "", **slots: Any) -> Any:
     """The message for a kind on a sub-topic, decoded by rosbags."""
     bound = Bound(kind, **slots)
-    name = Ros2DatastreamManager._mapped[kind, "OUT"]
-    outlets: list[Outlet] = getattr(Ros2DatastreamManager, name)(None, Stream(), bound)
+    outlets: list[Outlet] = Ros2Topics().outlets(Stream(), bound)
     (outlet,) = [outlet for outlet in outlets if outlet.topic == topic]
     made = outlet.make(bound.gather(), "frame")
     assert made is not None
@@ -58,16 +57,15 @@ def said(kind: str, topic: str = "", **slots: Any) -> Any:
 
 def heard(kind: str, message: dict[str, Any], **slots: Any) -> dict[str, Any]:
     """The slots that a command sets."""
-    name = Ros2DatastreamManager._mapped[kind, "IN"]
-    inlet = getattr(Ros2DatastreamManager, name)(None, Stream(), Bound(kind, **slots))[0]
+    inlet = Ros2Topics().inlets(Stream(), Bound(kind, **slots))[0]
     result: dict[str, Any] = inlet.take(message)
     return result
 
 
 def test_every_kind_that_has_a_form_in_the_table_has_a_method() -> None:
-    published = {kind for kind, direction in Ros2DatastreamManager._mapped if direction == "OUT"}
+    published = {kind for kind in KINDS if Ros2Topics.has(kind)}
     assert published == {name for name, kind in KINDS.items() if kind.published}
-    commanded = {kind for kind, direction in Ros2DatastreamManager._mapped if direction == "IN"}
+    commanded = {kind for kind in KINDS if Ros2Topics.has(kind, "IN")}
     assert commanded == {name for name, kind in KINDS.items() if kind.commanded}
 
 

@@ -13,7 +13,7 @@ from morse.core.kinds.kind import ORIENTATION
 from morse.core.kinds.message import Message
 from morse.core.kinds.replaced import uses_after_modifiers
 from morse.core.kinds.sources import Among, FromData, as_slot, source_of
-from morse.core.kinds.table import GENERAL
+from morse.core.kinds.table import GENERAL, PICTURES
 from morse.core.kinds.turning import NED_AS_WORLD, TURNABLE, turned
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
@@ -92,6 +92,7 @@ class BoundKind:
         used = {name for _, source in self._sources for name in source.fields}
         self.rest = tuple(name for name in fields if name not in used and name != "timestamp")
         self._turns = self._find_turns()
+        self._is_picture = kind.name in PICTURES
         self.frame = next((_frame_in_message(slot, s) for slot, s in self._sources if slot.frame), "own")
         self._covariances = covariances(component, self.kind, self._sources, fields)
 
@@ -120,12 +121,20 @@ class BoundKind:
             known.name == slot and source.is_present for known, source in self._sources
         )
 
+    @property
+    def is_silent(self) -> bool:
+        """Whether there is no message at present, because a camera does not capture."""
+        return self._is_picture and self.component.capturing is False
+
     def gather(self) -> Message:
-        """Return the message with the present values of the fields."""
+        """Return the message with the present values of the fields; its slots are computed when they are read."""
         component = self.component
-        if self.kind.name == GENERAL:
-            return Message(self.kind, stamp_of(component), "own", dict(component.local_data))
-        return self.message_of(self.values(component), stamp_of(component))
+        data = component.local_data
+        slots = data if self.kind.name == GENERAL else self._present
+        return Message(self.kind, stamp_of(component), self.frame, slots, data, self.topic)
+
+    def _present(self) -> dict[str, Any]:
+        return self._slots_of(self.values(self.component))
 
     @property
     def sources(self) -> Sequence[tuple[Slot, Source]]:
@@ -147,13 +156,16 @@ class BoundKind:
 
     def message_of(self, values: Sequence[Any], stamp: int) -> Message:
         """Return the message with the `values` of the slots at a time, whole ns."""
+        return Message(self.kind, stamp, self.frame, self._slots_of(values))
+
+    def _slots_of(self, values: Sequence[Any]) -> dict[str, Any]:
         slots: dict[str, Any] = {
             slot.name: as_slot(slot, value)
             for (slot, _), value in zip(self._sources, values, strict=True)
             if value is not None
         }
         slots.update(self._covariances)
-        return Message(self.kind, stamp, self.frame, slots)
+        return slots
 
     @property
     def needs(self) -> frozenset[str] | None:
@@ -177,6 +189,17 @@ class BoundKind:
         slots = {slot.name: value for slot, source in self._sources if (value := source.get(holder)) is not None}
         slots.update(self._covariances)
         return Message(self.kind, stamp, self.frame, slots)
+
+    def message_with(self, holder: Any, data: Mapping[str, Any], stamp: int) -> Message:
+        """Return the message of a measurement at a time, whole ns, with the values of `values` for the holder.
+
+        Args:
+            holder: the component, or an object with ``local_data`` if `needs` is not None.
+            data: the fields of the component.
+            stamp: simulated time of the measurement, whole ns.
+        """
+        slots = data if self.kind.name == GENERAL else self._slots_of(self.values(holder))
+        return Message(self.kind, stamp, self.frame, slots, data, self.topic)
 
     def scatter(self, slots: Mapping[str, Any], frame: str = "") -> tuple[dict[str, Any], str | None]:
         """Return the fields that a command sets, for `morse.core.validation.Commands`; other fields stay unchanged.
@@ -303,9 +326,14 @@ def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
         raise KindError(findings)
     if bound or not fields or says_nothing(type(component)):
         return tuple(bound)
+    return (general_kind(component),)
+
+
+def general_kind(component: Any) -> BoundKind:
+    """Return the kind ``general`` of a component, whatever kinds it declares: all of its fields."""
     from morse.core.declarations import KindUse
 
-    return (BoundKind(component, KindUse(GENERAL, {}), fields, units),)
+    return BoundKind(component, KindUse(GENERAL, {}), fields_of(component), {})
 
 
 def _of_members(component: Any, on_request: bool) -> Iterator[BoundKind]:

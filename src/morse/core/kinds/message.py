@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from morse.core.kinds.kind import Kind
 
@@ -13,26 +13,53 @@ if TYPE_CHECKING:
 class Message:
     """The data of a component at one time.
 
+    A message has two forms: `slots`, which have the names, units and frames of the kind, and `fields`, which are the
+    data as the component declares them. A ``general`` message has the same names in both.
+
     Every slot of the kind can be read as an attribute: ``message.position``. Arrays are C-contiguous numpy arrays
     of the dtype of the slot, read-only; single values are Python objects. A slot that the component does not fill is
     None.
+
+    Args:
+        slots: values by slot name, or the function that computes them when they are first read.
+        fields: data of the component by name; default: the slots.
 
     Attributes:
         kind: see `morse.core.kinds.KINDS`.
         stamp: simulated time of the measurement, whole ns.
         frame: frame of the first slot, see `morse.core.declarations.FRAMES`.
-        slots: values by slot name; in a ``general`` message the data fields, in the order of their declaration.
+        topic: sub-topic of the topic of the component; empty for the topic itself.
     """
 
-    __slots__ = ("frame", "kind", "slots", "stamp")
+    __slots__ = ("_fields", "_slots", "frame", "kind", "stamp", "topic")
 
-    def __init__(self, kind: Kind, stamp: int, frame: str, slots: Mapping[str, Any]) -> None:
-        self.kind, self.stamp, self.frame, self.slots = kind, stamp, frame, slots
+    def __init__(
+        self,
+        kind: Kind,
+        stamp: int,
+        frame: str,
+        slots: Mapping[str, Any] | Callable[[], Mapping[str, Any]],
+        fields: Mapping[str, Any] | None = None,
+        topic: str = "",
+    ) -> None:
+        self.kind, self.stamp, self.frame, self.topic = kind, stamp, frame, topic
+        self._slots, self._fields = slots, fields
+
+    @property
+    def slots(self) -> Mapping[str, Any]:
+        """Values by slot name. They are computed when they are first read, which must be in the tick of the message."""
+        slots = self._slots
+        if callable(slots):
+            slots = self._slots = slots()
+        return slots
 
     @property
     def fields(self) -> Mapping[str, Any]:
-        """The data fields of a ``general`` message, by name."""
-        return self.slots
+        """The data of the component by field name, in the order of their declaration.
+
+        They are those of the component itself: do not change them, and copy those that are needed after the tick.
+        """
+        return self.slots if self._fields is None else self._fields
 
     def __getattr__(self, name: str) -> Any:
         try:

@@ -125,5 +125,7 @@ _ALL = (
 
 KINDS: dict[str, Kind] = {kind.name: kind for kind in _ALL}
 
+#: kinds of cameras, which have no message while the camera does not capture
+PICTURES = ("image", "cloud", "camera_info")
 #: kinds whose messages need at least one of the optional slots
 NEEDS_ONE = ("attitude", "pressure", "joints", "switch")

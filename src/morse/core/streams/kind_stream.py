@@ -1,88 +1,165 @@
-"""The stream class of middlewares that carry message kinds, for all components."""
+"""The stream of the contract of middlewares: it carries messages, and the methods of its manager give them a form."""
 
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.waiting import Waiting
 from morse.core.datastream import AbstractDatastream
-from morse.core.kinds import bind
-from morse.core.reports.faults import summary
-from morse.core.reports.quoting import shown
-from morse.core.validation.commands import Commands
-from morse.core.validation.errors import CommandError
+from morse.core.kinds.binding import BoundKind, bind, general_kind
+from morse.core.kinds.table import GENERAL
+from morse.core.mapping import IN
+from morse.core.validation import ClientCommands
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
-    from morse.core.kinds import BoundKind
+    from morse.core.kinds import Message
     from morse.core.object import Object
 
-logger = logging.getLogger(__name__)
+    #: returns the payload of a message of a stream
+    Form = Callable[[Any, Message], Any]
 
 #: largest number of messages that are queued for the next action of an actuator
 _MOST_WAITING = 64
 
 
+class _Slots(NamedTuple):
+    """A command by slots of a kind."""
+
+    kind: BoundKind
+    values: Mapping[str, Any]
+    frame: str
+
+
 class KindStream(AbstractDatastream):
-    """Sends the messages of a component with the methods of its manager, or passes received messages to the component.
+    """Sends the messages of a component in the form of its manager, or passes what has arrived to the component.
+
+    A message is created if `DatastreamManager.wanted` returns True. The method of the manager for its kind
+    (`morse.core.mapping.maps`) returns a payload, and `DatastreamManager.send` sends it. What arrives is queued by
+    `receive` until the actuator acts; then a method of the manager reads it, and the values are validated.
+
+    A subclass with ``encode()`` or ``decode(data)``, as in MORSE 1.4, has a form of its own: these methods return the
+    payload, or the fields of a message.
 
     Attributes:
         kinds: the message kinds that the component sends or receives.
+        complaints: the log of what clients do wrong.
     """
+
+    #: whether it sends each kind by itself, instead of one message with all fields
+    sends_kinds: bool = True
+    #: what the middleware calls a message, in the log
+    what: ClassVar[str] = "message"
+    encode: Callable[[], Any] | None = None
+    decode: Callable[[Any], Any] | None = None
+    _commands: ClientCommands | None = None
 
     def initialize(self) -> None:
         """Find the message kinds of the component, and the method of the manager for each."""
+        logger = logging.getLogger(type(self).__module__)
         self.kinds: tuple[BoundKind, ...] = self.find_kinds()
-        self._outgoing = [(bound, self.manager.mapping(bound.kind.name)) for bound in self.kinds]
-        self.complaints = Complaints(logger)
-        self._arrived: Waiting[tuple[BoundKind, Mapping[str, Any], str]] = Waiting(
-            _MOST_WAITING, self.complaints, self.component_name, "commands"
-        )
-        self._commands = Commands(self.component_instance) if self.direction == "IN" else None
+        self.sends_kinds = not self.manager.by_component
+        if self.direction == IN:
+            self._commands = ClientCommands(self.component_instance, logger, self.what)
+            self.complaints = self._commands.complaints
+            self._queue: Waiting[Any] = Waiting(_MOST_WAITING, self.complaints, self.component_name, "commands")
+        else:
+            self.complaints = Complaints(logger)
+            self._forms = tuple(self._find_forms())
 
     def find_kinds(self) -> tuple[BoundKind, ...]:
         """Return the message kinds of the component that the stream carries."""
-        return bind(self.component_instance)
+        kinds = bind(self.component_instance)
+        if not self.manager.by_component:
+            return kinds
+        return (next((one for one in kinds if not one.topic), None) or general_kind(self.component_instance),)
+
+    def _find_forms(self) -> Iterator[tuple[BoundKind, Form]]:
+        """Iterate over the kinds that are sent, and what returns their payloads."""
+        encode = self.own_form()
+        if encode is not None:
+            yield self.kinds[0], lambda stream, message: encode()
+            return
+        for bound in self.kinds:
+            form = self.manager.mapping(bound.kind.name)
+            if form is not None:
+                yield bound, form
+
+    def own_form(self) -> Callable[[], Any] | None:
+        """Return the method of a class with a form of its own; None if the manager gives messages their form."""
+        return self.encode
 
     def default(self, ci: Object | None = None) -> bool:
-        """Publish the messages; or read the received messages and return True if there were any."""
+        """Publish the messages; or read what has arrived and return True if there was a command."""
         if self._commands is None:
-            for bound, send in self._outgoing:
-                if send is not None and self.manager.wanted(self, bound.topic):
-                    send(self, bound.gather())
+            manager = self.manager
+            for bound, form in self._forms:
+                if manager.wanted(self, bound.topic) and not bound.is_silent:
+                    payload = form(self, bound.gather())
+                    if payload is not None:
+                        manager.send(self, payload)
             return False
-        taken = False
-        while self._arrived:
-            taken = self._take(*self._arrived.popleft(), self._commands) or taken
-        return taken
+        if self.rests:
+            return False
+        is_commanded = False
+        for data in self.arrived():
+            is_commanded = self._commands.take(self._read, data) or is_commanded
+        return is_commanded
 
-    def receive(self, bound: BoundKind, slots: Mapping[str, Any], frame: str = "") -> None:
-        """Queue a message for the component; may be called from any thread.
+    @property
+    def rests(self) -> bool:
+        """Whether what arrives has to wait, because it took more than its share of the time."""
+        return self._commands is not None and self._commands.rest
+
+    # -- commands ----------------------------------------------------------------------------
+
+    def receive(self, data: Any, slots: Mapping[str, Any] | None = None, frame: str = "") -> None:
+        """Queue what has arrived for the next action of the component; may be called from any thread.
 
         Args:
-            bound: one of `kinds`.
-            slots: values by slot name.
+            data: what a method of the manager with ``direction="IN"`` reads; without such a method, values by field
+                name. Or one of `kinds`, whose ``slots`` follow.
+            slots: values by slot name of that kind.
             frame: frame of the first slot; empty for the frame of the fields.
         """
-        self._arrived.append((bound, slots, frame))
+        self._queue.append(data if slots is None else _Slots(data, slots, frame))
 
-    def _take(self, bound: BoundKind, slots: Mapping[str, Any], frame: str, commands: Commands) -> bool:
-        try:
-            fields, remark = bound.scatter(slots, frame)
-            unknown = commands.take(fields)
-        except CommandError as error:
-            self.complain(f"field {error.field}", f"a message is refused: {error}")
-            return False
-        except Exception as error:  # a slot may contain anything, and a client must not stop the component
-            self.complain("message", f"a message cannot be read ({summary(error)}): {shown(slots)}")
-            return False
-        for text in filter(None, (remark, unknown)):
-            self.complain(text, text)
-        return True
+    def arrived(self) -> Iterable[Any]:
+        """Remove what has arrived since the last action from the queue, and return it, the oldest first."""
+        queue = self._queue
+        return [queue.popleft() for _ in range(len(queue))] if queue else ()
+
+    def _read(self, data: Any) -> dict[str, Any] | None:
+        """Return the fields that a command sets; None if it is none for this component."""
+        if isinstance(data, _Slots):
+            return self._scattered(*data)
+        if self.decode is not None:
+            fields: dict[str, Any] | None = self.decode(data)
+            return fields
+        general = self.manager.mapping(GENERAL, IN)
+        if general is None:
+            return data  # type: ignore[no-any-return] # validated like all fields
+        commands = []
+        for bound in self.kinds:
+            form = self.manager.mapping(bound.kind.name, IN)
+            values = form(self, bound, data) if form is not None else None
+            if values is not None and form == general:
+                commands.append(values)
+            elif values:
+                commands.append(self._scattered(bound, values))
+        if len(commands) < 2:
+            return commands[0] if commands else None
+        return {name: value for command in commands for name, value in command.items()}
+
+    def _scattered(self, bound: BoundKind, slots: Mapping[str, Any], frame: str = "") -> dict[str, Any]:
+        fields, remark = bound.scatter(slots, frame)
+        if remark is not None:
+            self.complain(remark, remark)
+        return fields
 
     def complain(self, kind: str, text: str) -> None:
-        """Log a problem with a received message."""
+        """Log a problem of a client, at most once in a while for each kind."""
         self.complaints.warn(kind, f"{self.component_name}: {text}")

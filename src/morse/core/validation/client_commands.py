@@ -62,6 +62,9 @@ class ClientCommands:
     def _take(self, read: Callable[[Any], Any], message: Any) -> bool:
         try:
             fields = read(message)
+        except CommandError as error:
+            self._refuse_field(error)
+            return False
         except Exception as error:
             text = shown(message[:_SHOWN] if isinstance(message, (bytes, str)) else message)
             self._refuse("read", f"this {self._what} cannot be read ({type(error).__name__}: {error}): {text}")
@@ -71,11 +74,14 @@ class ClientCommands:
         try:
             remark = self._commands.take(fields)
         except CommandError as error:
-            self._refuse(f"field {error.field}", f"a {self._what} is refused: {error}")
+            self._refuse_field(error)
             return False
         if remark is not None:
             self._logger.warning("%s: %s", self._component.name(), remark)
         return True
+
+    def _refuse_field(self, error: CommandError) -> None:
+        self._refuse(f"field {error.field}", f"a {self._what} is refused: {error}")
 
     def complain(self, kind: str, text: str) -> None:
         """Log a problem of a client, at most once in a while for each kind."""

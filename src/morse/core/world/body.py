@@ -17,6 +17,22 @@ Pose: TypeAlias = tuple["Sequence[float]", "Sequence[float]"]
 """Position (3), m, and rotation (9, row by row)."""
 
 
+class Mounting(Protocol):
+    """The pose of an object in its rigid group."""
+
+    @property
+    def offset(self) -> Sequence[float]:
+        """Position (3), m."""
+
+    @property
+    def turned(self) -> Sequence[float]:
+        """Rotation, 9 numbers row by row."""
+
+    @property
+    def is_apart(self) -> bool:
+        """Whether the pose differs from the pose of the group."""
+
+
 class Bodies(Protocol):
     """Bodies, by number or by name."""
 
@@ -59,7 +75,7 @@ class Body(BodyNames, Protocol):
         """Position and rotation in the rigid group of the object."""
 
     @property
-    def mounting(self) -> Any:
+    def mounting(self) -> Mounting:
         """The pose of the object in its rigid group."""
 
     @property

@@ -161,16 +161,9 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
             if at == device and target in (_EVERYBODY, vehicle.system):
                 if message.get_type() == "COMMAND_LONG":
                     self._refuse(vehicle, message)
-                for stream in vehicle.streams:
-                    self._give(stream, message)
+                for stream in vehicle.streams if message.get_type() in COMMANDS else ():
+                    stream.receive(message)
         return True
-
-    @staticmethod
-    def _give(stream: MavlinkStream, message: Any) -> None:
-        try:
-            stream.arrived(message)
-        except (ValueError, TypeError, OverflowError) as error:
-            stream.complain(message.get_type(), f"{message.get_type()} is refused: {error}")
 
     @staticmethod
     def _refuse(vehicle: Vehicle, message: Any) -> None:

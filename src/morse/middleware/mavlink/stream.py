@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.streams.kind_stream import KindStream
@@ -11,6 +11,7 @@ from morse.middleware.mavlink.mapping import STREAM_OPTIONS
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
     from morse.middleware.mavlink.axes import Axes
+    from morse.middleware.mavlink.datastream import MavlinkDatastreamManager
     from morse.middleware.mavlink.vehicle import Vehicle
 
 #: frames of positions without a MAVLink message
@@ -25,6 +26,7 @@ class MavlinkStream(KindStream):
     """
 
     options = STREAM_OPTIONS
+    manager: MavlinkDatastreamManager
     vehicle: Vehicle
 
     def initialize(self) -> None:
@@ -46,14 +48,6 @@ class MavlinkStream(KindStream):
         """The conversion for a frame of MORSE."""
         known: Axes = self.manager.axes[frame if frame in ("ned", "enu") else "world"]
         return known
-
-    def arrived(self, message: Any) -> None:
-        """Take a message for the vehicle."""
-        for bound in self.kinds:
-            take = self.manager.mapping(bound.kind.name, "IN")
-            slots: dict[str, Any] | None = take(self, bound, message)
-            if slots:
-                self.receive(bound, slots)
 
     def number(self, bound: BoundKind) -> int:
         """The id of the component on its vehicle, 0..255."""

@@ -206,7 +206,7 @@ class Telemetry:
     @maps("general")
     def general(self, stream: MavlinkStream, m: Message) -> None:
         """Every number as a message, and lists of numbers; other values have no message."""
-        for name, value in stream.data.items():
+        for name, value in m.fields.items():
             if name == "timestamp":
                 continue
             label = name.encode("ascii", "replace")[:_LETTERS]

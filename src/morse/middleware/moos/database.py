@@ -36,6 +36,9 @@ class Database:
     Args:
         options: see `morse.middleware.moos.mapping.MANAGER_OPTIONS`.
 
+    Attributes:
+        connections: number of connections that `received` has noticed.
+
     Raises:
         MorseMiddlewareError: pymoos2 is not installed.
     """
@@ -49,6 +52,7 @@ class Database:
         self._host, self._port = options["moos_host"], options["moos_port"]
         self._complaints = Complaints(logger)
         self._was_connected = False
+        self.connections = 0
         client: Any = _made(MOOSCommClient, unpack)
         self._client = client(self._host, self._port, options["moos_name"], options["rate"])
         self._client.start()
@@ -85,6 +89,7 @@ class Database:
         connected, refusal = self.connected, self._client.refusal
         self._client.refusal = ""
         if connected and not self._was_connected:
+            self.connections += 1
             self._complaints.log(logging.INFO, "connected", f"moos: connected to the database {self.place}")
         elif self._was_connected and not connected:
             because = f": {refusal}" if refusal else ""

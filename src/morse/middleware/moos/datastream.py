@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from morse.core.context import Context
-    from morse.middleware.moos.streams import MoosPublisher
+    from morse.core.kinds import Message
+    from morse.middleware.moos.streams import MoosPublisher, MoosStream
 
 logger = logging.getLogger(__name__)
 
@@ -32,6 +33,7 @@ class MOOSDatastreamManager(DatastreamManager):
 
     classpath = "morse.middleware.moos_datastream.MOOSDatastreamManager"
     manager_options = MANAGER_OPTIONS
+    by_component = True
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
@@ -49,10 +51,15 @@ class MOOSDatastreamManager(DatastreamManager):
             logger.info("moos: the database is expected at %s", made.place)
         return self._databases[place]
 
+    def wanted(self, stream: MoosStream, topic: str) -> bool:
+        """Whether the database is connected."""
+        return stream.database.connected
+
     @maps("general")
-    def general(self, stream: MoosPublisher) -> None:
+    def general(self, stream: MoosPublisher, message: Message) -> None:
         """The variables of a sensor."""
-        stream.publish()
+        for name, value in stream.variables(stream.database.connections):
+            stream.database.publish(name, value)
 
     def claim(self, database: Database, variable: str, name: str) -> None:
         """Log if two components publish the same variable: 1.4 has no names of robots in some variables."""

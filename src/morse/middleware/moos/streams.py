@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.core.datastream import AbstractDatastream
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
-from morse.core.validation import ClientCommands
+from morse.core.streams.kind_stream import KindStream
 from morse.middleware.moos.mapping import STREAM_OPTIONS
 from morse.middleware.moos.variables import commands_of, constants_of, form_of
 from morse.wire.encoding import from_json
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterable, Iterator
 
-    from morse.core.object import Object
     from morse.middleware.moos.database import Database
-
-logger = logging.getLogger(__name__)
+    from morse.middleware.moos.datastream import MOOSDatastreamManager
 
 #: words for a boolean field
 _WORDS = {"true": True, "on": True, "1": True, "false": False, "off": False, "0": False}
@@ -27,7 +23,7 @@ _WORDS = {"true": True, "on": True, "1": True, "false": False, "off": False, "0"
 _LONGEST = 1 << 16
 
 
-class MoosStream(AbstractDatastream):
+class MoosStream(KindStream):
     """A stream with variables.
 
     Attributes:
@@ -35,6 +31,7 @@ class MoosStream(AbstractDatastream):
     """
 
     options = STREAM_OPTIONS
+    manager: MOOSDatastreamManager
 
     def initialize(self) -> None:
         """Check the prefix, and find the database.
@@ -42,6 +39,7 @@ class MoosStream(AbstractDatastream):
         Raises:
             MorseMiddlewareError: it is no part of a name of MOOS.
         """
+        super().initialize()
         self.prefix = self.kwargs["prefix"]
         if not self.prefix.isprintable() or any(letter in self.prefix for letter in " ,=*?") or not self.prefix:
             raise MorseMiddlewareError(
@@ -57,63 +55,60 @@ class MoosPublisher(MoosStream):
         """Determine the variables."""
         super().initialize()
         self._form = form_of(self.component_instance)
-        self._has_constants = False
-        self._claimed = False
+        self._connection = 0
+        self._is_claimed = False
 
-    def default(self, ci: Object | None = None) -> bool:
-        """Publish the data if a database is connected."""
-        if self.database.connected:
-            self.publish()
-        else:
-            self._has_constants = False
-        return False
+    def variables(self, connection: int) -> Iterator[tuple[str, float | str]]:
+        """The variables of a measurement; with the constants in the first one of each connection.
 
-    def publish(self) -> None:
-        """Publish the variables; constants after each connection."""
-        publish = self.database.publish
-        if not self._has_constants:
-            self._has_constants = True
-            for name, value in constants_of(self.component_instance):
-                publish(f"{self.prefix}_{name}", value)
-        variables = [(f"{self.prefix}_{name}", value) for name, value in self._form(self.component_instance)]
-        if not self._claimed:
-            self._claimed = True
-            for name, _ in variables[:1]:
-                self.manager.claim(self.database, name, self.component_name)
-        for name, value in variables:
-            publish(name, value)
+        Args:
+            connection: number of the connection.
+        """
+        constants = constants_of(self.component_instance) if connection != self._connection else ()
+        self._connection = connection
+        for name, value in constants:
+            yield f"{self.prefix}_{name}", value
+        for name, value in self._form(self.component_instance):
+            variable = f"{self.prefix}_{name}"
+            if not self._is_claimed:
+                self._is_claimed = True
+                self.manager.claim(self.database, variable, self.component_name)
+            yield variable, value
 
 
 class MoosReader(MoosStream):
     """Writes variables into the data of an actuator; of several values of a variable, the last one."""
 
+    what = "command"
+
     def initialize(self) -> None:
         """Register the variables."""
         super().initialize()
-        self._arrived: dict[str, Any] = {}
-        self._commands = ClientCommands(self.component_instance, logger, "command")
-        self._fields = {f"{self.prefix}_{name}": field for name, field in commands_of(self.component_instance).items()}
-        for variable in self._fields:
-            self.manager.listen(self.database, variable, self._take)
+        #: the last value of each field that has arrived
+        self._values: dict[str, Any] = {}
+        self.fields = {f"{self.prefix}_{name}": field for name, field in commands_of(self.component_instance).items()}
+        for variable in self.fields:
+            self.manager.listen(self.database, variable, self.take)
 
     def finalize(self) -> None:
         """End the registrations."""
-        for variable in self._fields:
-            self.manager.ignore(self.database, variable, self._take)
+        for variable in self.fields:
+            self.manager.ignore(self.database, variable, self.take)
 
     @property
     def waiting(self) -> Collection[Any]:
         """Fields that have arrived."""
-        return self._arrived
+        return self._values
 
-    def _take(self, variable: str, value: float | str) -> None:
-        field = self._fields[variable]
+    def take(self, variable: str, value: float | str) -> None:
+        """Keep the value of a variable that has arrived."""
+        field = self.fields[variable]
         try:
-            self._arrived[field] = self._read(field, value)
+            self._values[field] = self._read_value(field, value)
         except ValueError as error:
-            self._commands.complain(variable, f"{variable} is refused: {error}: {shown(value)}")
+            self.complain(variable, f"{variable} is refused: {error}: {shown(value)}")
 
-    def _read(self, field: str, value: Any) -> Any:
+    def _read_value(self, field: str, value: Any) -> Any:
         known = self.data.get(field)
         if isinstance(value, bytes) or (isinstance(value, str) and len(value) > _LONGEST):
             raise ValueError("expected a number or a short string")
@@ -126,14 +121,9 @@ class MoosReader(MoosStream):
             return value
         return from_json(value.encode("utf-8", "replace"))
 
-    def default(self, ci: Object | None = None) -> bool:
-        """Take the fields that have arrived; True if there were any."""
-        if not self._arrived or self._commands.rest:
-            return False
-        fields = list(self._arrived.items())
-        self._arrived.clear()
-        # a wrong variable does not invalidate the others
-        taken = False
-        for field, value in fields:
-            taken = self._commands.take(dict, [(field, value)]) or taken
-        return taken
+    def arrived(self) -> Iterable[dict[str, Any]]:
+        """The fields that have arrived, one by one: a wrong variable does not invalidate the others."""
+        if not self._values:
+            return ()
+        fields, self._values = self._values, {}
+        return [{field: value} for field, value in fields.items()]

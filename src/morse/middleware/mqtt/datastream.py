@@ -13,11 +13,12 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.core.mapping import maps
 from morse.middleware.mqtt.broker import Broker
 from morse.middleware.mqtt.mapping import MANAGER_OPTIONS
-from morse.wire.encoding import plain
+from morse.wire.encoding import from_json, plain
 
 if TYPE_CHECKING:
     from morse.core.context import Context
-    from morse.middleware.mqtt.streams import MqttPublisher, MqttStream
+    from morse.core.kinds import BoundKind, Message
+    from morse.middleware.mqtt.streams import MqttStream
 
     #: name of a topic below that of the component, and its payload
     Parcels = list[tuple[str, bytes]]
@@ -39,6 +40,7 @@ class MqttDatastreamManager(DatastreamManager):
 
     classpath = "morse.middleware.mqtt.datastream.MqttDatastreamManager"
     manager_options = MANAGER_OPTIONS
+    by_component = True
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
@@ -57,43 +59,52 @@ class MqttDatastreamManager(DatastreamManager):
             raise MorseMiddlewareError(f"{name}: the topic {topic} is that of {owner}; set topic='...' for one of them")
         self._owners[topic] = name
 
-    def closed(self, stream: MqttStream) -> None:
+    def closed(self, stream: Any) -> None:
         """Release the topic."""
         self._owners.pop(getattr(stream, "topic", ""), None)
 
+    # -- messages ----------------------------------------------------------------------------
+
+    def wanted(self, stream: MqttStream, topic: str) -> bool:
+        """Whether a broker is connected."""
+        return self.broker.connected
+
     @maps("general")
-    def general(self, stream: MqttPublisher) -> Parcels:
+    def general(self, stream: MqttStream, message: Message) -> Parcels:
         """All fields, unchanged."""
-        return [("", _encoder.encode(stream.data))]
+        return [("", _encoder.encode(message.fields))]
 
     @maps("image")
-    def image(self, stream: MqttPublisher) -> Parcels:
+    def image(self, stream: MqttStream, message: Message) -> Parcels:
         """The pixels row by row on ``image``, their format on the topic of the camera."""
-        bound = next(one for one in stream.kinds if one.kind.name == "image")
-        if not getattr(bound.component, "capturing", True):
-            return []
-        message = bound.gather()
         height, width = message.pixels.shape[:2]
         about = {"height": height, "width": width, "encoding": message.encoding}
-        return [("", self._about(stream, "image", about)), ("image", message.pixels.tobytes())]
+        return [("", _about(message, "image", about)), ("image", message.pixels.tobytes())]
 
     @maps("cloud")
-    def cloud(self, stream: MqttPublisher) -> Parcels:
+    def cloud(self, stream: MqttStream, message: Message) -> Parcels:
         """The points on ``points``: x, y, z as float32, little-endian."""
-        bound = next(one for one in stream.kinds if one.kind.name == "cloud")
-        if not getattr(bound.component, "capturing", True):
-            return []
-        points = np.asarray(bound.gather().points, dtype="<f4").reshape(-1, 3)
-        about = {"points": len(points)}
-        return [("", self._about(stream, "points", about)), ("points", points.tobytes())]
+        points = np.asarray(message.points, dtype="<f4").reshape(-1, 3)
+        return [("", _about(message, "points", {"points": len(points)})), ("points", points.tobytes())]
 
-    @staticmethod
-    def _about(stream: MqttPublisher, carried: str, about: dict[str, Any]) -> bytes:
-        large = (carried, "point_list", "range_list", "remission_list")
-        rest = {name: value for name, value in stream.data.items() if name not in large}
-        return _encoder.encode({**rest, **about})
+    def send(self, stream: MqttStream, payload: Parcels) -> None:
+        """Pass messages to the connection."""
+        for below, data in payload:
+            topic = f"{stream.topic}/{below}" if below else stream.topic
+            self.broker.publish(topic, data, stream.kwargs["qos"], stream.kwargs["retain"])
+
+    @maps("general", direction="IN")
+    def command(self, stream: MqttStream, kind: BoundKind, data: bytes) -> Any:
+        """The fields of a JSON object."""
+        return from_json(data)
 
     def finalize(self) -> None:
         """Say farewell."""
         super().finalize()
         self.broker.close()
+
+
+def _about(message: Message, carried: str, about: dict[str, Any]) -> bytes:
+    large = (carried, "point_list", "range_list", "remission_list")
+    rest = {name: value for name, value in message.fields.items() if name not in large}
+    return _encoder.encode({**rest, **about})

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import logging
 import re
 from typing import TYPE_CHECKING, Any
 
-from morse.core.datastream import AbstractDatastream
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.kinds import bind
 from morse.core.reports.quoting import shown
-from morse.core.validation import ClientCommands
+from morse.core.streams.kind_stream import KindStream
 from morse.middleware.mqtt.mapping import STREAM_OPTIONS
-from morse.wire.encoding import from_json
 from morse.wire.inbox import Inbox
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterable
 
-    from morse.core.object import Object
-
-logger = logging.getLogger(__name__)
+    from morse.middleware.mqtt.datastream import MqttDatastreamManager
 
 #: maximum size of a message, bytes
 _LONGEST = 1 << 20
@@ -28,10 +22,11 @@ _LONGEST = 1 << 20
 _LONGEST_TOPIC = 1024
 
 
-class MqttStream(AbstractDatastream):
+class MqttStream(KindStream):
     """A stream with a topic."""
 
     options = STREAM_OPTIONS
+    manager: MqttDatastreamManager
 
     def initialize(self) -> None:
         """Determine the name of the topic.
@@ -39,6 +34,7 @@ class MqttStream(AbstractDatastream):
         Raises:
             MorseMiddlewareError: MQTT does not allow it.
         """
+        super().initialize()
         given = self.kwargs["topic"]
         path = self.component_name.replace(".", "/")
         self.topic = f"{self.manager.options['prefix']}/{path}" if given is None else given
@@ -56,20 +52,9 @@ class MqttPublisher(MqttStream):
     """
 
     def initialize(self) -> None:
-        """Determine the format of the data."""
+        """Reserve the topic."""
         super().initialize()
-        self.kinds = bind(self.component_instance)
-        main = next((bound for bound in self.kinds if not bound.topic), None)
-        self._form = self.manager.mapping(main.kind.name if main is not None else "general")
         self.manager.claim(self.topic, self.component_name)
-
-    def default(self, ci: Object | None = None) -> bool:
-        """Publish the data if a broker is connected."""
-        if self.manager.broker.connected:
-            for below, data in self._form(self):
-                topic = f"{self.topic}/{below}" if below else self.topic
-                self.manager.broker.publish(topic, data, self.kwargs["qos"], self.kwargs["retain"])
-        return False
 
 
 class MqttReader(MqttStream):
@@ -82,15 +67,14 @@ class MqttReader(MqttStream):
         """Listen."""
         super().initialize()
         self._inbox = Inbox()
-        self._commands = ClientCommands(self.component_instance, logger)
         self.topic = f"{self.topic}/set" if self.kwargs["topic"] is None else self.topic
         self.manager.claim(self.topic, self.component_name)
-        self.manager.broker.listen(self.topic, self.kwargs["qos"], self._arrived)
+        self.manager.broker.listen(self.topic, self.kwargs["qos"], self.receive)
 
-    def _arrived(self, data: bytes) -> None:
-        """A message has arrived; in the thread of the connection."""
+    def receive(self, data: bytes, slots: Any = None, frame: str = "") -> None:
+        """Queue a message; called in the thread of the connection."""
         if len(data) > _LONGEST:
-            self._commands.complain("large", f"a message is refused: {len(data)} bytes are more than {_LONGEST}")
+            self.complain("large", f"a message is refused: {len(data)} bytes are more than {_LONGEST}")
         else:
             self._inbox.put(data)
 
@@ -103,14 +87,11 @@ class MqttReader(MqttStream):
         """Messages that have arrived."""
         return self._inbox.arrived
 
-    def default(self, ci: Object | None = None) -> bool:
-        """Process received messages; True if there were any."""
-        if not self._inbox or self._commands.rest:
-            return False
-        messages, dropped = self._inbox.take()
-        if dropped:
-            self._commands.complain("dropped", f"{dropped} messages arrived too fast: newer messages replace them")
-        taken = False
-        for data in messages:
-            taken = self._commands.take(from_json, data) or taken
-        return taken
+    def arrived(self) -> Iterable[bytes]:
+        """The messages that have arrived since the last action."""
+        if not self._inbox:
+            return ()
+        messages, lost = self._inbox.take()
+        if lost:
+            self.complain("dropped", f"{lost} messages arrived too fast: newer messages replace them")
+        return messages

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros.kinds import Ros1Kinds
+from morse.middleware.ros.kinds import Ros1Topics
 from morse.middleware.ros.mapping import MANAGER_OPTIONS
 from morse.middleware.ros.node import RospyBackend
 from morse.middleware.ros.old_names import class_path
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _OWN = Qos(10)
 
 
-class ROSDatastreamManager(Ros1Kinds, Ros2DatastreamManager):
+class ROSDatastreamManager(Ros2DatastreamManager):
     """Topics of ROS 1: the messages and frames of MORSE 1.4, and those of ROS 2 for all other components.
 
     Options of ``env.configure_stream_manager('ros', ...)`` are in `morse.middleware.ros.mapping`.
@@ -38,6 +38,7 @@ class ROSDatastreamManager(Ros1Kinds, Ros2DatastreamManager):
     classpath = "morse.middleware.ros_datastream.ROSDatastreamManager"
     manager_options = MANAGER_OPTIONS
     title = "ros"
+    table = Ros1Topics()
     log_topic = LogTopicOfRos1
     backend: RospyBackend
 

@@ -7,19 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.mapping import maps
 from morse.rosmsgs.json_text import as_json
-from morse.rosmsgs.kinds.sensing import SensingKinds
-from morse.rosmsgs.kinds.spatial import SpatialKinds
-from morse.rosmsgs.kinds.states import StateKinds, clock
-from morse.rosmsgs.kinds.vision import VisionKinds
+from morse.rosmsgs.kinds import Ros2Topics
+from morse.rosmsgs.kinds.states import clock
 from morse.rosmsgs.outlets import Inlet, Outlet
 from morse.rosmsgs.parts import from_quaternion, from_xyz, header
+from morse.rosmsgs.table import topics
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from morse.core.kinds import BoundKind, Message
+    from morse.rosmsgs.table import Carrier
 
 logger = logging.getLogger(__name__)
 
@@ -38,16 +37,16 @@ def _text_of(component: Any) -> Outlet:
     return Outlet(_STRING, lambda m, f: {"data": repr(dict(component.local_data))})
 
 
-class Ros1Kinds:
+class Ros1Topics(Ros2Topics):
     """Messages that differ from those of ROS 2."""
 
     # -- sensors -----------------------------------------------------------------------------
 
-    @maps("pose")
-    def pose(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("pose")
+    def pose(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """A GPS without orientation publishes a ``NavSatFix`` in metres, as in 1.4."""
         if not _is_a(bound.component, "GPS"):
-            return SpatialKinds.pose(self, stream, bound)  # type: ignore[arg-type]
+            return super().pose(stream, bound)
         logger.warning(
             "ros: %s sends metres as latitude (x), longitude (y) and altitude (z), as MORSE 1.4 did; "
             "level('raw') sends degrees",
@@ -55,25 +54,25 @@ class Ros1Kinds:
         )
         return [Outlet("sensor_msgs/msg/NavSatFix", _metres)]
 
-    @maps("imu")
-    def imu(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("imu")
+    def imu(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """On the topic of the component."""
-        return [outlet._replace(topic="") for outlet in SensingKinds.imu(self, stream, bound)]  # type: ignore[arg-type]
+        return [outlet._replace(topic="") for outlet in super().imu(stream, bound)]
 
-    @maps("attitude")
-    def attitude(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("attitude")
+    def attitude(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """A gyroscope publishes its angles as text."""
         if _is_a(bound.component, *_AS_REPR):
             return [_text_of(bound.component)]
-        return SpatialKinds.attitude(self, stream, bound)  # type: ignore[arg-type]
+        return super().attitude(stream, bound)
 
-    @maps("battery")
-    def battery(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("battery")
+    def battery(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Per cent."""
         return [Outlet("std_msgs/msg/Float32", lambda m, f: {"data": 100.0 * m.charge})]
 
-    @maps("scan")
-    def scan(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("scan")
+    def scan(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """As in 1.4: from a minimum range of 0.3 m to the maximum range, which rays that hit nothing have."""
         infinite = stream.kwargs["infinite"]
 
@@ -86,53 +85,53 @@ class Ros1Kinds:
 
             return scan
 
-        outlets = VisionKinds.scan(self, stream, bound)  # type: ignore[arg-type]
+        outlets = super().scan(stream, bound)
         return [outlet._replace(make=limited(outlet.make)) for outlet in outlets]
 
-    @maps("detections")
-    def detections(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("detections")
+    def detections(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """As JSON."""
         return [Outlet(_STRING, lambda m, f: {"data": as_json(bound.component.local_data["visible_objects"])})]
 
-    @maps("clock")
-    def clock_sensor(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("clock")
+    def clock_sensor(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """The time of the simulation, on the topic of the component."""
         return [Outlet("rosgraph_msgs/msg/Clock", lambda m, f: clock(m.stamp))]
 
-    @maps("general")
-    def general(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("general")
+    def general(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """All fields as JSON, or in the format of 1.4 for its components."""
         if _is_a(bound.component, *_AS_REPR):
             return [_text_of(bound.component)]
-        return StateKinds.general(self, stream, bound)  # type: ignore[arg-type]
+        return super().general(stream, bound)
 
     # -- actuators ---------------------------------------------------------------------------
 
-    @maps("pose", direction="IN")
-    def take_pose(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("pose", direction="IN")
+    def take_pose(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """A ``Pose``, or a ``Point`` for actuators without orientation."""
         if not bound.has("orientation"):
             return [Inlet("geometry_msgs/msg/Point", lambda m: {"position": from_xyz(m)})]
         return [Inlet("geometry_msgs/msg/Pose", _from_pose)]
 
-    @maps("attitude", direction="IN")
-    def take_attitude(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("attitude", direction="IN")
+    def take_attitude(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """A ``Quaternion``; with thrust four numbers, as in ROS 2."""
         if bound.has("thrust"):
-            return SpatialKinds.take_attitude(self, stream, bound)  # type: ignore[arg-type]
+            return super().take_attitude(stream, bound)
         return [Inlet("geometry_msgs/msg/Quaternion", lambda m: {"orientation": from_quaternion(m)})]
 
-    @maps("wrench", direction="IN")
-    def take_wrench(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("wrench", direction="IN")
+    def take_wrench(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """A ``Wrench``."""
         return [Inlet("geometry_msgs/msg/Wrench", _from_wrench)]
 
-    @maps("joints", direction="IN")
-    def take_joints(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("joints", direction="IN")
+    def take_joints(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """A pan-tilt unit takes a ``Vector3``: y is pan, z is tilt."""
         if _is_a(bound.component, "PTU"):
             return [Inlet("geometry_msgs/msg/Vector3", lambda m: {"position": [m["y"], m["z"]]})]
-        return StateKinds.take_joints(self, stream, bound)  # type: ignore[arg-type]
+        return super().take_joints(stream, bound)
 
 
 def _metres(message: Message, frame: str) -> dict[str, Any]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.object import Object
+    from morse.middleware.ros.datastream import ROSDatastreamManager
     from morse.middleware.ros2.backends.backend import Publisher, Subscription
 
 _SECOND = 1e9
@@ -34,6 +35,7 @@ class _OwnClass(AbstractDatastream):
         topic_name: the name of the topic: the option ``topic``, or that of the component.
     """
 
+    manager: ROSDatastreamManager
     ros_class: ClassVar[Any] = None
     topic_name: str = ""
 

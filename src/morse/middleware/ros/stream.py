@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from morse.middleware.ros.kinds import Ros1Topics
 from morse.middleware.ros.mapping import STREAM_OPTIONS
 from morse.middleware.ros2.stream import Ros2Stream, Sending
 from morse.rosmsgs.kinds.states import joint_state
@@ -28,6 +29,7 @@ class RosStream(Ros2Stream):
     """Sends the messages of a component with the frame names of 1.4 or of REP 105."""
 
     options = STREAM_OPTIONS
+    table = Ros1Topics()
 
     def _is_of_1_4(self) -> bool:
         return bool(self.manager.options["frames"] == "1.4")
@@ -37,7 +39,7 @@ class RosStream(Ros2Stream):
         if given or not self._is_of_1_4():
             return str(given) if given else super()._find_frame_id(frame)
         kind = self.kinds[0].kind.name if self.kinds else ""
-        topic: str = self.manager.names.topic(self.component_instance, self.kwargs)
+        topic: str = self.names.topic(self.component_instance, self.kwargs)
         return _OF_1_4.get(kind, topic)
 
     def child_frame_id(self) -> str:
@@ -58,7 +60,8 @@ class RosStream(Ros2Stream):
     def _offered(self, bound: BoundKind, outlets: list[Outlet]) -> list[Sending]:
         if not self._merges_joints():
             return super()._offered(bound, outlets)
-        offer = self.manager.offer(self, bound, outlets[0], below=False)
+        topic = self.names.topic(self.component_instance, self.kwargs)
+        offer = self.manager.offer(self, topic, outlets[0])
         return [] if offer is None else [Sending(*offer)]
 
     def _merges_joints(self) -> bool:
@@ -74,7 +77,7 @@ class RosStream(Ros2Stream):
     def transforms(self) -> Iterator[Frame]:
         """The transforms on ``/tf`` in each tick: of a camera on its robot, of the objects that a camera recognises."""
         component: Any = self.component_instance
-        if hasattr(component, "lens") and self.kwargs["pub_tf"]:
+        if component.is_camera and self.kwargs["pub_tf"]:
             yield self.kwargs["parent_frame_id"], self.own_frame(), component.sensor_to_robot_position_3d()
         for bound in self.kinds:
             if bound.kind.name == "detections" and component.active:

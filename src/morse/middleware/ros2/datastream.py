@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from morse.core.clients.complaints import Complaints
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
+from morse.core.mapping import maps
 from morse.middleware.ros2.domain import announce, join
 from morse.middleware.ros2.mapping import MANAGER_OPTIONS
 from morse.middleware.ros2.robots import Robots
@@ -16,11 +17,8 @@ from morse.middleware.ros2.rosout import LogTopic
 from morse.middleware.ros2.sending import Sender
 from morse.middleware.ros2.together import Together
 from morse.middleware.ros2.transforms import Transforms
-from morse.rosmsgs.kinds.detecting import DetectingKinds
-from morse.rosmsgs.kinds.sensing import SensingKinds
-from morse.rosmsgs.kinds.spatial import SpatialKinds
-from morse.rosmsgs.kinds.states import StateKinds, clock
-from morse.rosmsgs.kinds.vision import VisionKinds
+from morse.rosmsgs.kinds import Ros2Topics
+from morse.rosmsgs.kinds.states import clock
 from morse.rosmsgs.names import Names, robot_of
 from morse.rosmsgs.outlets import COMMAND
 from morse.rosmsgs.qos import Qos
@@ -29,10 +27,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.core.context import Context
-    from morse.core.kinds import BoundKind
+    from morse.core.kinds import BoundKind, Message
     from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
     from morse.middleware.ros2.stream import Ros2Stream
     from morse.rosmsgs.outlets import Inlet, Outlet
+    from morse.rosmsgs.table import TopicTable
 
 logger = logging.getLogger(__name__)
 
@@ -41,7 +40,7 @@ _CLOCK = "rosgraph_msgs/msg/Clock"
 _SECOND = 10**9
 
 
-class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKinds, StateKinds, DatastreamManager):
+class Ros2DatastreamManager(DatastreamManager):
     """Topics of ROS 2, with simulated time and the tree of frames.
 
     Options of ``env.configure_stream_manager('ros2', ...)`` are in `morse.middleware.ros2.mapping`.
@@ -58,6 +57,8 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     manager_options = MANAGER_OPTIONS
     #: name of this middleware in messages
     title = "ros2"
+    #: the topics of each kind
+    table: ClassVar[TopicTable] = Ros2Topics()
     log_topic: ClassVar[type[LogTopic]] = LogTopic
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
@@ -111,9 +112,25 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self._claims[topic] = (type_name, owner)
         return made
 
-    def send(self, publisher: Publisher | None, type_name: str, message: dict[str, Any]) -> None:
+    def tell(self, publisher: Publisher | None, type_name: str, message: dict[str, Any]) -> None:
         """Publish a message that belongs to no component."""
         self._publish(publisher, type_name, message)
+
+    # -- messages ----------------------------------------------------------------------------
+
+    @classmethod
+    def has_form(cls, kind: str, direction: str = "OUT") -> bool:
+        """See `DatastreamManager.has_form`."""
+        return cls.table.has(kind, direction)
+
+    def wanted(self, stream: Ros2Stream, topic: str) -> bool:
+        """Whether a topic of the messages has a reader, or the tree of frames needs them."""
+        return stream.has_reader(topic) or stream.moves(topic)
+
+    @maps("general")
+    def message(self, stream: Ros2Stream, message: Message) -> None:
+        """The topics of the kind of the message, see `morse.rosmsgs.table.TopicTable`."""
+        stream.publish(message)
 
     def release(self, owner: str) -> None:
         """Release the topics of an owner."""
@@ -128,21 +145,12 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
 
     # -- topics ------------------------------------------------------------------------------
 
-    def offer(
-        self, stream: Ros2Stream, bound: BoundKind, outlet: Outlet, *, below: bool = True
-    ) -> tuple[str, Outlet, Publisher] | None:
+    def offer(self, stream: Ros2Stream, topic: str, outlet: Outlet) -> tuple[str, Outlet, Publisher] | None:
         """A topic that a stream publishes; None if it is optional and the backend does not have the message.
-
-        Args:
-            below: whether the topic is that of the kind and of the outlet, below that of the component.
 
         Raises:
             MorseMiddlewareError: the topic is that of another component, or the backend does not have the message.
         """
-        base = self.names.topic(stream.component_instance, stream.kwargs)
-        # a component whose own topic has this message needs no second topic below it
-        last = "" if bound.topic.rpartition("/")[2] == outlet.topic else outlet.topic
-        topic = "/".join(part for part in (base, bound.topic, last) if part) if below else base
         qos = outlet.qos._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else outlet.qos
         owner = self._claims.get(topic)
         if owner is not None:
@@ -153,7 +161,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         if key not in self._publishers:
             made = self.backend.publisher(*key)
             if made is None and outlet.instead is not None:
-                return self.offer(stream, bound, outlet.instead)
+                return self.offer(stream, topic, outlet.instead)
             if made is None and outlet.or_none:
                 return None
             self._publishers[key] = self._made(made, stream, outlet.type)

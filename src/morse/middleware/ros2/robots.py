@@ -112,14 +112,14 @@ class Robots:
             if stream.own_frame() != manager.names.base(robot)
         }
         text = describe(robot.name(), robot.bge_object, manager.names.base(robot), known.joints, frames)
-        manager.send(known.description, _TEXT, {"data": text})
+        manager.tell(known.description, _TEXT, {"data": text})
 
     def _send_states(self, known: _Robot) -> None:
         messages = [(owner, bound.gather()) for owner, bound in known.measured]
         newest = max((message.stamp for _, message in messages), default=-1)
         if newest > known.last or newest < known.last:
             known.last = newest
-            self._manager.send(known.states, _JOINTS, union(messages, newest, known.joints))
+            self._manager.tell(known.states, _JOINTS, union(messages, newest, known.joints))
 
 
 def union(messages: list[tuple[Any, Message]], stamp: int, joints: list[Joint]) -> dict[str, Any]:

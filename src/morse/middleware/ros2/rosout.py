@@ -66,7 +66,7 @@ class LogTopic(logging.Handler):
             lost, self._lost = self._lost, 0
             logger.warning("%s lines of the log are not on /rosout: too many were logged in a tick", lost)
         for _ in range(min(len(self.lines), _EACH_TICK)):
-            self._manager.send(self._publisher, self.type, self.message(self.lines.popleft(), stamp))
+            self._manager.tell(self._publisher, self.type, self.message(self.lines.popleft(), stamp))
 
     def message(self, record: logging.LogRecord, stamp: int) -> dict[str, Any]:
         """A log record as a message, at a simulated time, ns."""

@@ -13,17 +13,21 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.core.mapping import maps
 from morse.middleware.socket.directory import StreamDirectory
 from morse.middleware.socket.frame_server import FrameServer
+from morse.middleware.socket.frames import data_frame, line_frame
 from morse.middleware.socket.mapping import LAST_PORT, MANAGER_OPTIONS
 from morse.middleware.socket.stream_client import StreamServer
 from morse.middleware.socket.streams import SocketStream
 from morse.middleware.socket.time_sync import TimeSync
 from morse.wire.encoding import to_json
-from morse.wire.images import cloud_json, image_json
+from morse.wire.images import PictureFields, cloud_fields, image_fields
 from morse.wire.listener import allow_many_sockets, listen, port_of
 from morse.wire.server import close_all
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from morse.core.context import Context
+    from morse.core.kinds import Message
     from morse.core.object import Object
     from morse.middleware.socket.frame_channel import FrameChannel
     from morse.scene import StreamDeclaration
@@ -47,6 +51,7 @@ class SocketDatastreamManager(DatastreamManager):
 
     classpath = "morse.middleware.socket_datastream.SocketDatastreamManager"
     manager_options = MANAGER_OPTIONS
+    by_component = True
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
@@ -100,7 +105,6 @@ class SocketDatastreamManager(DatastreamManager):
             MorseMiddlewareError: no port is available.
         """
         stream.server = self._server(stream.component_name, stream.kwargs.get("port"))
-        stream.outbox, stream.frames = self._outbox, self._frames
         if stream.direction == "OUT" and stream.server.binary is None:
             stream.server.binary = self._binary.open(stream.component_name, stream.server.readers)
         if stream.direction == "IN":
@@ -137,22 +141,38 @@ class SocketDatastreamManager(DatastreamManager):
     def _present(self) -> int | None:
         return None if self._is_awaited() else self.context.clock.tick
 
-    # -- message formats ---------------------------------------------------------------------
+    # -- messages ----------------------------------------------------------------------------
+
+    def wanted(self, stream: SocketStream, topic: str) -> bool:
+        """Whether a client reads lines, or the binary frames."""
+        server, binary = stream.server, stream.server.binary
+        return bool(server.connected or (binary is not None and (binary.every or binary.ready)))
 
     @maps("general")
-    def general(self, stream: SocketStream) -> bytes:
-        """The data of the component as JSON, for all other kinds."""
-        return to_json(stream.data)
+    def general(self, stream: SocketStream, message: Message) -> Mapping[str, Any]:
+        """The data of the component, for all other kinds."""
+        return message.fields
 
     @maps("image")
-    def image(self, stream: SocketStream) -> bytes | None:
-        """The pixels in base64."""
-        return image_json(stream)
+    def image(self, stream: SocketStream, message: Message) -> Mapping[str, Any]:
+        """The pixels; in base64 in lines."""
+        return image_fields(stream.component_instance, message.fields)
 
     @maps("cloud")
-    def cloud(self, stream: SocketStream) -> bytes | None:
-        """The points in base64."""
-        return cloud_json(stream)
+    def cloud(self, stream: SocketStream, message: Message) -> Mapping[str, Any]:
+        """The points; in base64 in lines."""
+        return cloud_fields(stream.component_instance, message.fields)
+
+    def send(self, stream: SocketStream, payload: Any) -> None:
+        """Send fields, or the line of a publisher that writes its own, at the end of the tick."""
+        server, binary = stream.server, stream.server.binary
+        line = _line(payload) if server.connected or isinstance(payload, (bytes, str)) else b""
+        if server.connected:
+            self._outbox.append((server, line))
+        if binary is not None and (binary.every or binary.ready):
+            is_line = isinstance(payload, (bytes, str))
+            frame = line_frame(binary.number, line) if is_line else data_frame(binary.number, payload)
+            self._frames.append((binary, frame))
 
     # -- the tick ----------------------------------------------------------------------------
 
@@ -242,6 +262,16 @@ class SocketDatastreamManager(DatastreamManager):
         if self._sync is not None:
             await self._sync.close()
         await close_all([*self._servers.values(), self._binary])
+
+
+def _line(payload: Any) -> bytes:
+    if isinstance(payload, PictureFields):
+        line = payload.line()
+    elif isinstance(payload, str):
+        line = payload.encode()
+    else:
+        line = payload if isinstance(payload, bytes) else to_json(payload)
+    return line if line.endswith(b"\n") else line + b"\n"
 
 
 def _port(value: Any, what: str) -> int:

@@ -14,6 +14,7 @@ from morse.middleware.text.streams import TextStream
 
 if TYPE_CHECKING:
     from morse.core.context import Context
+    from morse.core.kinds import Message
     from morse.core.object import Object
     from morse.scene import StreamDeclaration
 
@@ -26,6 +27,7 @@ class TextDatastreamManager(DatastreamManager):
     """
 
     classpath = "morse.middleware.text_datastream.TextDatastreamManager"
+    by_component = True
     manager_options = {}  # noqa: RUF012 - declared by the base
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
@@ -67,9 +69,14 @@ class TextDatastreamManager(DatastreamManager):
         stream.file.flush()
 
     @maps("general")
-    def general(self, stream: TextStream) -> str:
+    def general(self, stream: TextStream, message: Message) -> str:
         """All fields, whatever the kind."""
         return stream.encode_data()
+
+    def send(self, stream: TextStream, payload: str) -> None:
+        """Write a measurement."""
+        stream.file.write(payload)
+        stream.index += 1
 
     def flush(self) -> None:
         """The end of a tick."""

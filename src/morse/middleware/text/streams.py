@@ -5,16 +5,15 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import TYPE_CHECKING, Any
 
-from morse.core.datastream import AbstractDatastream
+from morse.core.streams.kind_stream import KindStream
 from morse.middleware.text.mapping import STREAM_OPTIONS
 from morse.middleware.text.values import written
 
 if TYPE_CHECKING:
-    from morse.core.object import Object
     from morse.middleware.text.file import TextFile
 
 
-class TextStream(AbstractDatastream):
+class TextStream(KindStream):
     """Writes one component into a file.
 
     Attributes:
@@ -27,6 +26,7 @@ class TextStream(AbstractDatastream):
 
     def initialize(self) -> None:
         """Write the header of the file."""
+        super().initialize()
         self.index = 0
         self.file.begin(self.header())
 
@@ -37,12 +37,6 @@ class TextStream(AbstractDatastream):
     @abstractmethod
     def encode_data(self) -> str:
         """A measurement, with a final line end."""
-
-    def default(self, ci: Object | None = None) -> bool:
-        """Write a measurement."""
-        self.file.write(self.encode_data())
-        self.index += 1
-        return False
 
 
 class Publisher(TextStream):

@@ -7,17 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.datastream import DatastreamManager
 from morse.core.mapping import maps
-from morse.middleware.yarp.bottle import encode
+from morse.middleware.yarp.bottle import as_dict, encode
 from morse.middleware.yarp.images import ENCODINGS, encode_image
 from morse.middleware.yarp.mapping import MANAGER_OPTIONS
 from morse.middleware.yarp.ports import ports_of
 
 if TYPE_CHECKING:
     from morse.core.context import Context
+    from morse.core.kinds import BoundKind, Message
     from morse.middleware.yarp.port import Port
-    from morse.middleware.yarp.streams import YarpPublisher
+    from morse.middleware.yarp.streams import YarpReader, YarpStream
 
 logger = logging.getLogger(__name__)
+
+_LEFT_OUT = "a message for YARP is left out"
 
 
 class YarpDatastreamManager(DatastreamManager):
@@ -29,36 +32,50 @@ class YarpDatastreamManager(DatastreamManager):
 
     classpath = "morse.middleware.yarp_datastream.YarpDatastreamManager"
     manager_options = MANAGER_OPTIONS
+    by_component = True
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
         self.ports = ports_of(context)
         self._outgoing: list[tuple[Port, bytes]] = []
 
-    @maps("general")
-    def general(self, stream: YarpPublisher) -> bytes:
-        """The values of all fields, in the order of their declaration."""
-        data = stream.data
-        return encode([data[name] for name in data])
+    # -- messages ----------------------------------------------------------------------------
 
-    def points(self, stream: YarpPublisher) -> bytes:
-        """The points of a laser scanner alone, as in 1.4."""
-        return encode(stream.data["point_list"])
+    def wanted(self, stream: YarpStream, topic: str) -> bool:
+        """Whether another port is connected."""
+        return bool(stream.port.outputs)
+
+    @maps("general")
+    def general(self, stream: YarpStream, message: Message) -> bytes | None:
+        """The values of all fields, in the order of their declaration; of a laser scanner the points, as in 1.4."""
+        fields = message.fields
+        return bottle(stream, fields["point_list"] if "point_list" in fields else [fields[name] for name in fields])
 
     @maps("image")
-    def image(self, stream: YarpPublisher) -> bytes | None:
+    def image(self, stream: YarpStream, message: Message) -> bytes | None:
         """The pixels alone, as in 1.4."""
-        bound = next(one for one in stream.kinds if one.kind.name == "image")
-        if not getattr(bound.component, "capturing", True):
-            return None
-        message = bound.gather()
-        if message.encoding not in ENCODINGS:
-            raise ValueError(f"YARP has no image for the encoding {message.encoding}; known: {', '.join(ENCODINGS)}")
-        return encode_image(message.pixels, message.encoding)
+        if message.encoding in ENCODINGS:
+            return encode_image(message.pixels, message.encoding)
+        known = ", ".join(ENCODINGS)
+        text = f"{_LEFT_OUT}: YARP has no image for the encoding {message.encoding}; known: {known}"
+        stream.complain("form", text)
+        return None
 
-    def send(self, port: Port, data: bytes) -> None:
+    def send(self, stream: YarpStream, payload: bytes) -> None:
         """Send a bottle at the end of the tick."""
-        self._outgoing.append((port, data))
+        self._outgoing.append((stream.port, payload))
+
+    @maps("general", direction="IN")
+    def command(self, stream: YarpReader, kind: BoundKind, data: list[Any]) -> dict[str, Any]:
+        """The fields of a bottle.
+
+        Raises:
+            ValueError: it does not fit.
+        """
+        if len(data) > len(stream.fields):
+            fields = ", ".join(stream.fields)
+            raise ValueError(f"it has {len(data)} values, expected at most {len(stream.fields)}: {fields}")
+        return {name: _value(stream.data[name], value) for name, value in zip(stream.fields, data, strict=False)}
 
     def flush(self) -> None:
         """Pass the bottles of a tick to the network thread."""
@@ -73,6 +90,23 @@ class YarpDatastreamManager(DatastreamManager):
         self.flush()
         super().finalize()
         self.ports.release()
+
+
+def bottle(stream: YarpStream, values: Any) -> bytes | None:
+    """A bottle of values; None if YARP has no such values, which the log tells."""
+    try:
+        return encode(values)
+    except (ValueError, TypeError) as error:
+        stream.complain("form", f"{_LEFT_OUT}: {error}")
+        return None
+
+
+def _value(present: Any, value: Any) -> Any:
+    if isinstance(present, bool) and type(value) is int and value in (0, 1):
+        return bool(value)  # a bottle of 1.4 has no booleans
+    if isinstance(present, dict) and isinstance(value, list):
+        return as_dict(value) or value
+    return value
 
 
 def _deliver(outgoing: list[tuple[Port, bytes]]) -> None:

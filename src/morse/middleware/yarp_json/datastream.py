@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.core.mapping import maps
-from morse.middleware.yarp.bottle import encode
-from morse.middleware.yarp.datastream import YarpDatastreamManager
-from morse.wire.encoding import to_json
+from morse.middleware.yarp.datastream import YarpDatastreamManager, bottle
+from morse.wire.encoding import from_json, to_json
 
 if TYPE_CHECKING:
-    from morse.middleware.yarp.streams import YarpPublisher
+    from morse.core.kinds import BoundKind, Message
+    from morse.middleware.yarp.streams import YarpStream
 
 
 class YarpJsonDatastreamManager(YarpDatastreamManager):
@@ -18,7 +18,18 @@ class YarpJsonDatastreamManager(YarpDatastreamManager):
 
     classpath = "morse.middleware.yarp_json.datastream.YarpJsonDatastreamManager"
 
-    @maps("general")
-    def general(self, stream: YarpPublisher) -> bytes:
+    @maps("general", "image")
+    def general(self, stream: YarpStream, message: Message) -> bytes | None:
         """All fields as one JSON text."""
-        return encode([to_json(stream.data).decode("ascii")])
+        return bottle(stream, [to_json(message.fields).decode("ascii")])
+
+    @maps("general", direction="IN")
+    def command(self, stream: YarpStream, kind: BoundKind, data: list[Any]) -> Any:
+        """The fields of a bottle.
+
+        Raises:
+            ValueError: it is not a JSON text.
+        """
+        if len(data) != 1 or not isinstance(data[0], str):
+            raise ValueError("expected one JSON text")
+        return from_json(data[0].encode("utf-8", "replace"))

@@ -5,15 +5,16 @@ from __future__ import annotations
 import io
 from typing import TYPE_CHECKING, Any
 
-from morse.core.mapping import maps
 from morse.rosmsgs.json_text import as_json
 from morse.rosmsgs.outlets import LARGE, Outlet
 from morse.rosmsgs.parts import header, quaternion, xyz
+from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from morse.core.kinds import BoundKind, Message
+    from morse.rosmsgs.table import Carrier
 
 #: constants of visualization_msgs/Marker
 _CUBE, _TEXT, _ADD, _DELETE_ALL = 1, 9, 0, 3
@@ -27,11 +28,11 @@ _QUALITY = 85
 _MODES = {"rgb8": "RGB", "rgba8": "RGBA", "mono8": "L"}
 
 
-class DetectingKinds:
+class DetectingKinds(TopicTable):
     """The kind detections."""
 
-    @maps("detections")
-    def detections(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("detections")
+    def detections(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Boxes with names, or JSON if the backend does not have vision_msgs; also markers for viewers."""
         frame = "optical" if getattr(bound.component, "relative", False) else "world"
         text = Outlet("std_msgs/msg/String", lambda m, f: {"data": as_json(list(m.records))})
@@ -73,23 +74,6 @@ def _markers(message: Message, frame: str) -> dict[str, Any]:
     return {"markers": made}
 
 
-def compressed_outlet(capturing: Callable[[], bool]) -> Outlet:
-    """An image as JPEG, on ``image/compressed``; depth images and others without a JPEG format are not sent.
-
-    Args:
-        capturing: whether the camera captures images.
-    """
-    return Outlet(
-        "sensor_msgs/msg/CompressedImage",
-        _compressed,
-        "image/compressed",
-        LARGE,
-        or_none=True,
-        when=capturing,
-        takes_long=True,
-    )
-
-
 def _compressed(message: Message, frame: str) -> dict[str, Any] | None:
     from PIL import Image
 
@@ -100,3 +84,9 @@ def _compressed(message: Message, frame: str) -> dict[str, Any] | None:
     file = io.BytesIO()
     (picture.convert("RGB") if mode == "RGBA" else picture).save(file, "JPEG", quality=_QUALITY)
     return {"header": header(message, frame), "format": f"{message.encoding}; jpeg compressed", "data": file.getvalue()}
+
+
+#: an image as JPEG; depth images and others without a JPEG format are not sent
+COMPRESSED = Outlet(
+    "sensor_msgs/msg/CompressedImage", _compressed, "image/compressed", LARGE, or_none=True, takes_long=True
+)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.kinds import BoundKind
+    from morse.rosmsgs.table import Carrier
 
     #: pixels and their encoding, converted
     Form = Callable[[Any, str], tuple[Any, str]]
@@ -25,13 +26,13 @@ _LUMA = (0.299, 0.587, 0.114)
 _MILLIMETRE, _FARTHEST = 1000.0, 65535
 
 
-def form_of(stream: Any, bound: BoundKind) -> Form | None:
+def form_of(stream: Carrier, bound: BoundKind) -> Form | None:
     """The conversion of the images of a stream; None for the images as they are.
 
     Raises:
         MorseMiddlewareError: the component has no images for an option of the stream.
     """
-    options = getattr(stream, "kwargs", {})
+    options = stream.kwargs
     encoding, depth16 = options.get("encoding"), options.get("depth16", False)
     if not encoding and not depth16:
         return None

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.mapping import maps
 from morse.rosmsgs.outlets import Inlet, Outlet
 from morse.rosmsgs.parts import ABSENT, covariance, header, quaternion, xyz
+from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
+    from morse.rosmsgs.table import Carrier
 
 _NAN = math.nan
 _PLACE = ("latitude", "longitude", "altitude")
@@ -23,16 +24,16 @@ _RADIATION = {"ultrasound": 0, "infrared": 1, "radar": 1}
 _FIX, _GPS, _UNKNOWN, _DIAGONAL, _KNOWN = 0, 1, 0, 2, 3
 
 
-class SensingKinds:
+class SensingKinds(TopicTable):
     """The kinds imu, magnetic_field, fix, pressure, temperature, battery and range."""
 
-    @maps("imu")
-    def imu(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("imu")
+    def imu(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """On ``data``, as in REP 145."""
         return [Outlet("sensor_msgs/msg/Imu", _imu, "data", is_detached=True, is_copy=True)]
 
-    @maps("magnetic_field")
-    def magnetic_field(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("magnetic_field")
+    def magnetic_field(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """On ``mag`` beside an imu."""
         beside = any(other.kind.name == "imu" for other in stream.kinds)
         return [
@@ -45,8 +46,8 @@ class SensingKinds:
             )
         ]
 
-    @maps("fix")
-    def fix(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("fix")
+    def fix(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Of the antenna; velocity and universal time have their own topics."""
         outlets = [Outlet("sensor_msgs/msg/NavSatFix", _fix, frame="own", is_copy=True)]
         if bound.has("velocity"):
@@ -55,13 +56,13 @@ class SensingKinds:
             outlets.append(Outlet("sensor_msgs/msg/TimeReference", _time_reference, "time_reference", frame="own"))
         return outlets
 
-    @maps("fix", direction="IN")
-    def take_fix(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("fix", direction="IN")
+    def take_fix(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """A target position."""
         return [Inlet("sensor_msgs/msg/NavSatFix", lambda m: {name: m[name] for name in _PLACE})]
 
-    @maps("pressure")
-    def pressure(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("pressure")
+    def pressure(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """A ``FluidPressure`` is absolute: the differential pressure is a number."""
         outlets = []
         if bound.has("absolute"):
@@ -72,8 +73,8 @@ class SensingKinds:
             )
         return outlets
 
-    @maps("temperature")
-    def temperature(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("temperature")
+    def temperature(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """In degrees Celsius."""
         return [
             Outlet(
@@ -83,13 +84,13 @@ class SensingKinds:
             )
         ]
 
-    @maps("battery")
-    def battery(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("battery")
+    def battery(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Quantities that are not measured are NaN."""
         return [Outlet("sensor_msgs/msg/BatteryState", _battery, is_copy=True)]
 
-    @maps("range")
-    def range(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("range")
+    def range(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Along the X axis of the frame: the frame of an altimeter points down, however the robot is tilted."""
         bundle = getattr(bound.component, "rays", None)
         return [

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.kinds.turning import quaternion_of
-from morse.core.mapping import maps
 from morse.rosmsgs.outlets import Inlet, Outlet
 from morse.rosmsgs.parts import (
     ABSENT,
@@ -19,21 +18,23 @@ from morse.rosmsgs.parts import (
     xyz,
     xyzw,
 )
+from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.kinds import BoundKind, Message
+    from morse.rosmsgs.table import Carrier
 
 _FLOAT = "std_msgs/msg/Float64"
 _STICK = ("roll", "pitch", "yaw", "thrust")
 
 
-class SpatialKinds:
+class SpatialKinds(TopicTable):
     """The kinds pose, twist, accel, attitude, odometry and wrench."""
 
-    @maps("pose")
-    def pose(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("pose")
+    def pose(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """A point if there is no orientation."""
         if not bound.has("orientation"):
             return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True, is_copy=True)]
@@ -58,8 +59,8 @@ class SpatialKinds:
             )
         ]
 
-    @maps("twist")
-    def twist(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("twist")
+    def twist(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """In the frame of the component."""
         if bound.has("covariance"):
             return [
@@ -82,8 +83,8 @@ class SpatialKinds:
             )
         ]
 
-    @maps("accel")
-    def accel(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("accel")
+    def accel(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Without gravity, therefore not an IMU message."""
         return [
             Outlet(
@@ -93,13 +94,13 @@ class SpatialKinds:
             )
         ]
 
-    @maps("attitude")
-    def attitude(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("attitude")
+    def attitude(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """An IMU message that marks the missing quantities."""
         return [Outlet("sensor_msgs/msg/Imu", _attitude, frame="own", is_copy=True)]
 
-    @maps("odometry")
-    def odometry(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("odometry")
+    def odometry(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Odometry of the robot, wherever the sensor is mounted; the transform of base_link is derived from it."""
         return [
             Outlet(
@@ -111,8 +112,8 @@ class SpatialKinds:
             )
         ]
 
-    @maps("wrench")
-    def wrench(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("wrench")
+    def wrench(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Force and torque."""
         return [
             Outlet(
@@ -124,8 +125,8 @@ class SpatialKinds:
 
     # -- commands ----------------------------------------------------------------------------
 
-    @maps("pose", direction="IN")
-    def take_pose(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("pose", direction="IN")
+    def take_pose(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """A goal from rviz or nav2; an orientation has no effect if the actuator does not use it."""
         turns = bound.has("orientation")
 
@@ -139,15 +140,15 @@ class SpatialKinds:
             *(_number(slot) for slot in ("tolerance", "speed") if bound.has(slot)),
         ]
 
-    @maps("twist", direction="IN")
-    def take_twist(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("twist", direction="IN")
+    def take_twist(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """A topic has one type: that of nav2 up to Jazzy, or with ``stamped=True`` the newer type."""
         if stream.kwargs["stamped"]:
             return [Inlet("geometry_msgs/msg/TwistStamped", lambda m: _from_twist(m["twist"]), also="cmd_vel")]
         return [Inlet("geometry_msgs/msg/Twist", _from_twist, also="cmd_vel")]
 
-    @maps("attitude", direction="IN")
-    def take_attitude(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("attitude", direction="IN")
+    def take_attitude(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """An orientation; with thrust roll, pitch, yaw (or its rate) and thrust as four numbers."""
         if bound.has("thrust"):
             return [Inlet("std_msgs/msg/Float32MultiArray", lambda m: _from_stick(m, by_rate=bound.has("rates")))]
@@ -155,8 +156,8 @@ class SpatialKinds:
             Inlet("geometry_msgs/msg/QuaternionStamped", lambda m: {"orientation": from_quaternion(m["quaternion"])})
         ]
 
-    @maps("wrench", direction="IN")
-    def take_wrench(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("wrench", direction="IN")
+    def take_wrench(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """Force and torque."""
         return [
             Inlet(

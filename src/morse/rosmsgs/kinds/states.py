@@ -6,25 +6,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.mapping import maps
 from morse.rosmsgs.json_text import as_json, from_json
 from morse.rosmsgs.outlets import Inlet, Outlet
 from morse.rosmsgs.parts import header, time, xyz
+from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.core.kinds import BoundKind, Message
+    from morse.rosmsgs.table import Carrier
 
 _STRING, _BOOL, _FLOATS = "std_msgs/msg/String", "std_msgs/msg/Bool", "std_msgs/msg/Float32MultiArray"
 _QUANTITIES = ("position", "velocity", "effort")
 
 
-class StateKinds:
+class StateKinds(TopicTable):
     """The kinds contact, joints, actuators, switch, clock and general."""
 
-    @maps("contact")
-    def contact(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("contact")
+    def contact(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Whether there is a contact, the names, and the force."""
         outlets = [Outlet(_BOOL, lambda m, f: {"data": m.touching}, is_copy=True)]
         if bound.has("names"):
@@ -33,54 +34,54 @@ class StateKinds:
             outlets.append(Outlet("geometry_msgs/msg/WrenchStamped", _total_force, "wrench", frame="world"))
         return outlets
 
-    @maps("joints")
-    def joints(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("joints")
+    def joints(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """All joints of the component."""
         return [Outlet("sensor_msgs/msg/JointState", _joints, is_copy=True)]
 
-    @maps("actuators")
-    def actuators(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("actuators")
+    def actuators(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """One number for each motor."""
         return [Outlet(_FLOATS, lambda m, f: {"data": m.values}, is_copy=True)]
 
-    @maps("switch")
-    def switch(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("switch")
+    def switch(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """On or off, or one of several states."""
         if bound.has("choice"):
             return [Outlet(_STRING, lambda m, f: {"data": m.choice})]
         return [Outlet(_BOOL, lambda m, f: {"data": m.on})]
 
-    @maps("clock")
-    def clock_sensor(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("clock")
+    def clock_sensor(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """No topic: the time of the simulation is published once, on /clock."""
         return []
 
-    @maps("general")
-    def general(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("general")
+    def general(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """All fields as JSON."""
         return [Outlet(_STRING, lambda m, f: {"data": as_json(dict(m.fields))})]
 
     # -- commands ----------------------------------------------------------------------------
 
-    @maps("joints", direction="IN")
-    def take_joints(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("joints", direction="IN")
+    def take_joints(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """A subset of the joints is allowed; the others keep their commands."""
         return [Inlet("sensor_msgs/msg/JointState", lambda m: _from_joints(m, bound))]
 
-    @maps("actuators", direction="IN")
-    def take_actuators(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("actuators", direction="IN")
+    def take_actuators(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """One number for each motor."""
         return [Inlet(_FLOATS, lambda m: {"values": m["data"]})]
 
-    @maps("switch", direction="IN")
-    def take_switch(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("switch", direction="IN")
+    def take_switch(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """On or off, or one of several states."""
         if bound.has("choice"):
             return [Inlet(_STRING, lambda m: {"choice": m["data"]})]
         return [Inlet(_BOOL, lambda m: {"on": m["data"]})]
 
-    @maps("general", direction="IN")
-    def take_general(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("general", direction="IN")
+    def take_general(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """Fields as JSON."""
         return [Inlet(_STRING, _from_text)]
 

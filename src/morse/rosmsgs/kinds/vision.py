@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.mapping import maps
-from morse.rosmsgs.kinds.detecting import compressed_outlet
+from morse.rosmsgs.kinds.detecting import COMPRESSED
 from morse.rosmsgs.kinds.image_forms import form_of
 from morse.rosmsgs.outlets import LARGE, Inlet, Outlet
 from morse.rosmsgs.parts import header
+from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.kinds import BoundKind, Message
     from morse.rosmsgs.kinds.image_forms import Form
+    from morse.rosmsgs.table import Carrier
 
 #: constants of sensor_msgs/PointField
 _UINT16, _UINT32, _FLOAT32 = 4, 6, 7
@@ -28,49 +29,37 @@ _ENCODINGS = {
 }  # fmt: skip
 
 
-class VisionKinds:
+class VisionKinds(TopicTable):
     """The kinds scan, cloud, image, and camera_info."""
 
-    @maps("scan")
-    def scan(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("scan")
+    def scan(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """From right to left; all rays have the same time."""
         period = 1.0 / bound.component.frequency
         return [Outlet("sensor_msgs/msg/LaserScan", lambda m, f: _scan(m, f, period))]
 
-    @maps("cloud")
-    def cloud(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("cloud")
+    def cloud(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """With all fields of each point."""
         return [Outlet("sensor_msgs/msg/PointCloud2", _cloud, qos=LARGE, takes_long=True)]
 
-    @maps("image")
-    def image(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """On ``image``, and as JPEG; nothing while the camera does not capture."""
-        camera = bound.component
+    @topics("image")
+    def image(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
+        """On ``image``, and as JPEG."""
         form = form_of(stream, bound)
-
-        def capturing() -> bool:
-            return getattr(camera, "capturing", True)
-
         make = _image if form is None else partial(_image, form=form)
         return [
-            Outlet("sensor_msgs/msg/Image", make, "image", LARGE, when=capturing, takes_long=True),
-            compressed_outlet(capturing),
+            Outlet("sensor_msgs/msg/Image", make, "image", LARGE, takes_long=True),
+            COMPRESSED,
         ]
 
-    @maps("camera_info")
-    def camera_info(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+    @topics("camera_info")
+    def camera_info(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """With the stamp and the frame of the image."""
-        camera = bound.component
-        return [
-            Outlet(
-                "sensor_msgs/msg/CameraInfo",
-                lambda m, f: _camera_info(m, f) if getattr(camera, "capturing", True) else None,
-                "camera_info",
-            )
-        ]
+        return [Outlet("sensor_msgs/msg/CameraInfo", _camera_info, "camera_info")]
 
-    @maps("image", direction="IN")
-    def take_image(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+    @topics("image", direction="IN")
+    def take_image(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """Any image publisher can control an array of lamps."""
         return [Inlet("sensor_msgs/msg/Image", _from_image)]
 

@@ -36,19 +36,16 @@ class Listener(DatastreamManager):
         self.heard = 0
 
     @maps("general")
-    def general(self, _stream: Any, message: Any) -> None:
+    def general(self, stream: Any, message: Any) -> None:
         """Take a message.
 
         Raises:
             TypeError: a slot cannot be written.
         """
-        to_json(dict(message.slots))
-        self.heard += 1
-
-    @maps("general", direction="IN")
-    def command(self, _stream: Any, _bound: Any, arrived: Any) -> Any:
-        """Write the message unchanged."""
-        return arrived
+        to_json(dict(message.fields))
+        for kind in stream.kinds:
+            to_json(dict(kind.gather().slots))
+            self.heard += 1
 
 
 def carried(stand: Stand) -> Iterator[Fault]:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from morse.middleware.socket.streams import SocketPublisher
-from morse.wire.images import as_bytes, grey, image_json
+from morse.wire.images import PictureFields, as_bytes, grey, image_fields
+
+_FIELDS = ("timestamp", "height", "width", "image", "intrinsic_matrix")
 
 
 class VideoPublisher(SocketPublisher):
-    """An image with only the fields of 1.4, in the format of `morse.wire.images.image_json`."""
+    """An image with only the fields of 1.4, in the format of `morse.wire.images.image_fields`."""
 
     def pixels(self) -> bytes:
         """The bytes of the image, row by row; RGBA."""
@@ -15,7 +19,11 @@ class VideoPublisher(SocketPublisher):
 
     def encode(self) -> bytes | None:
         """The message, or None while the camera does not capture."""
-        return image_json(self, lambda _: self.pixels(), others=False)
+        camera: Any = self.component_instance
+        if camera.capturing is False:
+            return None
+        fields = image_fields(camera, {**self.data, "image": self.pixels()})
+        return PictureFields({name: fields[name] for name in _FIELDS if name in fields}).line()
 
 
 class Video8uPublisher(VideoPublisher):

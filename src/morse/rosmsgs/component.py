@@ -1,0 +1,274 @@
+"""The messages of one component, without a transport."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.kinds import GENERAL, bind
+from morse.core.validation.options import with_defaults
+from morse.helpers.transformation import Transformation3d
+from morse.rosmsgs.cdr import encode
+from morse.rosmsgs.fields import field_outlet, unsaid
+from morse.rosmsgs.kinds import Ros2Topics
+from morse.rosmsgs.names import Names, relative_name, robot_of
+from morse.rosmsgs.options import MESSAGE_OPTIONS
+from morse.rosmsgs.parts import covariance, header, quaternion, three, xyz, xyzw
+from morse.rosmsgs.poses import OPTICAL_INVERSE, motion_of_robot, pose_of, product, quaternion_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from morse.core.kinds import BoundKind, Message
+    from morse.core.object import Object
+    from morse.core.world.body import Mounting
+    from morse.rosmsgs.outlets import Outlet
+    from morse.rosmsgs.poses import Motion
+    from morse.rosmsgs.table import TopicTable
+
+_UNKNOWN = (0.0,) * 36
+
+
+class Topic(NamedTuple):
+    """A topic of a component.
+
+    Attributes:
+        name: such as ``/robot/pose``.
+        bound: the kind of its messages.
+        outlet: type and form of its messages.
+    """
+
+    name: str
+    bound: BoundKind
+    outlet: Outlet
+
+
+def kinds_of(component: Object, options: Mapping[str, Any]) -> tuple[BoundKind, ...]:
+    """The message kinds of a component, with the cloud of a laser scanner if the option ``points`` asks for it.
+
+    Raises:
+        MorseMiddlewareError: the component has no such cloud.
+    """
+    usual = bind(component)
+    if not options.get("points"):
+        return usual
+    kinds = bind(component, on_request=True)
+    if len(kinds) == len(usual):
+        raise MorseMiddlewareError(
+            f"{component.name()}: points=True is for laser scanners with one layer, at the levels raw and rssi"
+        )
+    return kinds
+
+
+class ComponentMessages:
+    """The messages, topics and frames of a component.
+
+    Args:
+        component: the component.
+        names: of topics and frames.
+        options: see `MESSAGE_OPTIONS`; missing options have their defaults.
+
+    Attributes:
+        component_instance, component_name: the component and its name.
+        kinds: its message kinds.
+        kwargs: all options.
+        robot: the robot of the component.
+    """
+
+    table: ClassVar[TopicTable] = Ros2Topics()
+    component_instance: Object
+    component_name: str
+    kwargs: dict[str, Any]
+    kinds: tuple[BoundKind, ...]
+
+    def __init__(self, component: Object, names: Names, options: Mapping[str, Any]) -> None:
+        self.component_instance, self.component_name = component, component.name()
+        self.kwargs = with_defaults(MESSAGE_OPTIONS, dict(options))
+        self.kinds = kinds_of(component, self.kwargs)
+        self.name_frames(names)
+
+    def name_frames(self, names: Names) -> None:
+        """Begin with these names of topics and frames."""
+        self.names = names
+        self.robot: Any = robot_of(self.component_instance)
+        self._frame_ids: dict[str, str] = {}
+        self._known_motion: tuple[Message | None, Any] = None, None
+
+    # -- topics ------------------------------------------------------------------------------
+
+    def ports(self, bound: BoundKind) -> list[Outlet]:
+        """The topics of a kind."""
+        return self.table.outlets(self, bound)
+
+    def outlets(self) -> Iterator[tuple[BoundKind, list[Outlet]]]:
+        """Iterate over the topics of each kind, and of the fields without a kind if the options ask for them."""
+        for bound in self.kinds:
+            outlets = self.ports(bound)
+            if outlets:
+                yield bound, outlets
+        if self.kwargs["fields"] and self.kinds:
+            main = next((kind for kind in self.kinds if not kind.topic), self.kinds[0])
+            yield main, [field_outlet(self.component_instance, name) for name in unsaid(self.kinds)]
+
+    def topic_of(self, bound: BoundKind, outlet: Outlet) -> str:
+        """The name of a topic: that of the kind and of the outlet, below that of the component."""
+        base = self.names.topic(self.component_instance, self.kwargs)
+        # a component whose own topic has this message needs no second topic below it
+        last = "" if bound.topic.rpartition("/")[2] == outlet.topic else outlet.topic
+        return "/".join(part for part in (base, bound.topic, last) if part)
+
+    def topics(self) -> list[Topic]:
+        """All topics of the component."""
+        return [Topic(self.topic_of(bound, one), bound, one) for bound, several in self.outlets() for one in several]
+
+    def encoded(self, data: Mapping[str, Any], stamp: int) -> list[tuple[str, str, bytes]]:
+        """Return the messages of a measurement: topic, type such as ``sensor_msgs/msg/Imu``, CDR.
+
+        Any thread may call it, if the messages follow from the data (`needs_tick`).
+
+        Args:
+            data: the fields of the component, as in its ``local_data``.
+            stamp: simulated time of the measurement, ns.
+
+        Raises:
+            ValueError, TypeError, OverflowError, struct.error: a value does not fit its message.
+        """
+        holder = SimpleNamespace(local_data=data)
+        encoded = []
+        for bound, outlets in self.outlets():
+            message = bound.message_with(holder if bound.needs is not None else self.component_instance, data, stamp)
+            for outlet in outlets:
+                fields = outlet.make(message, self.frame_id(outlet.frame or bound.frame))
+                if fields is not None:
+                    encoded.append((self.topic_of(bound, outlet), outlet.type, encode(outlet.type, fields)))
+        return encoded
+
+    @property
+    def needs_tick(self) -> bool:
+        """Whether a message depends on more than the data of the component, so that it is made in the tick."""
+        kinds = [bound for bound, _ in self.outlets()]
+        return any(bound.kind.name == "odometry" and not self.is_rigid() for bound in kinds) or any(
+            bound.needs is None and bound.kind.name != GENERAL for bound in kinds
+        )
+
+    # -- frames ------------------------------------------------------------------------------
+
+    def frame_id(self, frame: str) -> str:
+        """The name of a frame of the component; an option of the stream may replace that of its messages."""
+        known = self._frame_ids.get(frame)
+        if known is None:
+            known = self._frame_ids[frame] = self._find_frame_id(frame)
+        return known
+
+    def _find_frame_id(self, frame: str) -> str:
+        given = self.kwargs["frame_id"]
+        if given and (not self.kinds or frame == self.kinds[0].frame):
+            return str(given)
+        name: str = self.names.frame(self.component_instance, frame)
+        return name
+
+    def own_frame(self) -> str:
+        """The name of the frame of the component."""
+        return self.frame_id("own")
+
+    def child_frame_id(self) -> str:
+        """The name of the frame of the robot."""
+        return str(self.kwargs["child_frame_id"] or self.names.base(self.robot))
+
+    def mounting(self) -> Transformation3d:
+        """The present pose of the component on its robot, X forward."""
+        obj, body = self.component_instance.bge_object, self.robot.bge_object
+        if self.is_rigid():
+            # the same bits in all ticks
+            pose = _placed(body.mounting).transformation3d_with(_placed(obj.mounting))
+        else:
+            pose = self.component_instance.sensor_to_robot_position_3d()
+        # the axes of a camera object are those of its image
+        return product(pose, OPTICAL_INVERSE) if self.component_instance.is_camera else pose
+
+    def is_rigid(self) -> bool:
+        """Whether the component is part of the body of the robot, in which only calls can move it."""
+        return bool(self.component_instance.bge_object.slot == self.robot.bge_object.slot)
+
+    def master(self) -> Object | None:
+        """The camera in whose frame the images or clouds of several cameras are; None for all other components."""
+        return self.component_instance.frame_owner()
+
+    def is_carried(self) -> bool:
+        """Whether it is on another component that may move it."""
+        component = self.component_instance
+        names = component.name().split(".")
+        depth = relative_name(component).count(".")
+        carriers = (component.context.component(".".join(names[:-up])) for up in range(1, depth + 1))
+        return any(carrier is None or carrier.moves_parts for carrier in carriers)
+
+    @property
+    def gives_transform(self) -> bool:
+        """Whether the transform from odom to base_link is derived from it."""
+        return bool(self.kwargs["tf"]) and any(bound.kind.name == "odometry" for bound in self.kinds)
+
+    # -- odometry ----------------------------------------------------------------------------
+
+    def motion(self, message: Message, mounting: Transformation3d | None = None) -> Motion:
+        """The motion of the robot, from a message of odometry.
+
+        Args:
+            message: of the sensor.
+            mounting: pose of the sensor on the robot; None for the present one.
+        """
+        known, motion = self._known_motion
+        if mounting is None and message is known:  # a message is used for the frames and for its own topic
+            return motion  # type: ignore[no-any-return]
+        sensor = pose_of(message.position, message.orientation)
+        motion = motion_of_robot(sensor, message.linear, message.angular, mounting or self.mounting())
+        if mounting is None:
+            self._known_motion = message, motion
+        return motion
+
+    def odometry_numbers(self, message: Message, mounting: Transformation3d | None = None) -> tuple[float, ...]:
+        """The numbers of `odometry`."""
+        pose, linear, angular = self.motion(message, mounting)
+        return (
+            *three((pose.x, pose.y, pose.z)), *xyzw(quaternion_of(pose)), *_numbers(message.pose_covariance),
+            *three(linear), *three(angular), *_numbers(message.twist_covariance),
+        )  # fmt: skip
+
+    def odometry(self, message: Message, frame: str, mounting: Transformation3d | None = None) -> dict[str, Any]:
+        """``nav_msgs/Odometry`` of the robot, wherever the sensor is mounted.
+
+        Args:
+            message: of the sensor.
+            frame: of the pose.
+            mounting: pose of the sensor on the robot; None for the present one.
+        """
+        pose, linear, angular = self.motion(message, mounting)
+        return {
+            "header": header(message, frame),
+            "child_frame_id": self.child_frame_id(),
+            "pose": {
+                "pose": {"position": xyz((pose.x, pose.y, pose.z)), "orientation": quaternion(quaternion_of(pose))},
+                "covariance": covariance(message.pose_covariance),
+            },
+            "twist": {
+                "twist": {"linear": xyz(linear), "angular": xyz(angular)},
+                "covariance": covariance(message.twist_covariance),
+            },
+        }
+
+
+def _numbers(matrix: Any) -> Sequence[float]:
+    """The 36 numbers of a covariance; None becomes all zeros, which means unknown."""
+    if matrix is None:
+        return _UNKNOWN
+    numbers: list[float] = np.asarray(matrix, dtype=np.float64).reshape(-1).tolist()
+    return numbers
+
+
+def _placed(mounting: Mounting) -> Transformation3d:
+    """A pose in a rigid group."""
+    made = Transformation3d()
+    made.set_pose(mounting.offset, mounting.turned)
+    return made
