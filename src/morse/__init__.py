@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from morse.launch.load import load
+    from morse.many.batch import batch
     from morse.simulation.simulation import Simulation
 
-__all__ = ["Simulation", "load"]
+__all__ = ["Simulation", "batch", "load"]
 
 #: where the names are: importing a part of MORSE, such as the builder, does not load the simulator
-_PLACES = {"Simulation": "morse.simulation.simulation", "load": "morse.launch.load"}
+_PLACES = {"batch": "morse.many.batch", "Simulation": "morse.simulation.simulation", "load": "morse.launch.load"}
 
 
 def __getattr__(name: str) -> Any:

@@ -71,6 +71,9 @@ class Sensor(Object):
         It is called after noise was added to the measured fields.
         """
 
+    def look_again(self) -> None:
+        """Called before a further measurement in the same tick, such as after the robot was placed elsewhere."""
+
     def default_action(self) -> None:
         """One measurement."""
         self.measure()

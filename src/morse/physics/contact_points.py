@@ -35,17 +35,25 @@ class ContactPoints:
 
     def look(self) -> NDArray[np.float32]:
         """Return (N, 6) points (m) and forces (N) on the movable body, or on the second one; world axes."""
+        with self.everything() as data:
+            return np.empty((0, 6), dtype=np.float32) if data is None else self._rows(data)
+
+    @contextmanager
+    def everything(self) -> Iterator[mujoco.MjData | None]:
+        """A copy of the state with all contacts and their forces; None if there are too many contacts."""
         model = self._state.model
         if self._copy is None:
             self._copy = mujoco.MjData(model)
-        data = self._copy
-        mujoco.mj_copyData(data, model, self._state.data)
+        mujoco.mj_copyData(self._copy, model, self._state.data)
         with self._everything_awake():
             try:
-                mujoco.mj_forward(model, data)
-            except mujoco.FatalError:  # too many contacts: the next tick excludes bodies
+                mujoco.mj_forward(model, self._copy)
+            except mujoco.FatalError:  # the next tick excludes bodies
                 self._copy = None
-                return np.empty((0, 6), dtype=np.float32)
+        yield self._copy
+
+    def _rows(self, data: mujoco.MjData) -> NDArray[np.float32]:
+        model = self._state.model
         rows = np.empty((data.ncon, 6), dtype=np.float32)
         wrench = np.zeros(6)
         for index, fixed in enumerate(self._second_is_fixed(data)):

@@ -41,11 +41,12 @@ from morse.physics.state.engine_values import CHANGED_WHILE_RUNNING
 from morse.physics.state.saving import Saving
 from morse.physics.state.scene_change import SceneChange
 from morse.physics.state.transfer import Transfer
+from morse.physics.touches import Touches
 from morse.physics.touching import Touching
 from morse.scene import Control
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
@@ -99,6 +100,8 @@ class World(ObjectWorld):
         self._contact_points = ContactPoints(self, self.gliding)
         self._touching: Touching | None = None
         self._take_objects()
+        if self.touches is not None:
+            self.touches = Touches(self, self._contact_points, self.touches.impulses)
         self._saving = Saving(self, self.gliding, self._steps, self._names)
         self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
 
@@ -242,6 +245,8 @@ class World(ObjectWorld):
         self.gliding.reset()
         self._steps.reset()
         self._rescue.reset()
+        if self.touches is not None:
+            self.touches.forget()
         self.drives.reset()
         self.attachments.reset()
         kinematics.place_as_compiled(self)
@@ -271,6 +276,8 @@ class World(ObjectWorld):
 
     def step(self) -> None:
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""
+        if self.touches is not None:
+            self.touches.begin()
         if self._lone_glider.step():
             return
         self.attachments.before_step()
@@ -287,6 +294,8 @@ class World(ObjectWorld):
             self.data.xfrc_applied[:] = 0.0
             self.has_forces = False
         self.attachments.after_step()
+        if self.touches is not None:
+            self.touches.end()
         kinematics.sync(self)
 
     @property
@@ -383,6 +392,13 @@ class World(ObjectWorld):
             self._touching = Touching(self)
         return self._touching.objects(cast("GameObject", obj), margin)
 
+    def watch_touches(self, name: str) -> Mapping[str, float]:
+        """See `morse.core.world.World.watch_touches`."""
+        if self.touches is None:
+            self.touches = Touches(self, self._contact_points, {})
+        self.touches.watch(name)
+        return self.touches.impulses[name]
+
     def contact_forces(self) -> bytes:
         """Return all contact points as bytes of (N, 6) float32, see `ContactPoints.look`."""
         return self._contact_points.look().tobytes()
@@ -443,3 +459,5 @@ class World(ObjectWorld):
         """
         checked = self._saving.checked(state)
         self._saving.set_state(checked)
+        if self.touches is not None:
+            self.touches.forget()

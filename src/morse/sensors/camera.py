@@ -246,6 +246,10 @@ class Camera(Sensor):
         """Return None, because the field of view is not a cone around the X axis."""
         return None
 
+    def look_again(self) -> None:
+        """Take another image in the same tick."""
+        self._taken = -1
+
     def measure(self) -> None:
         """Capture an image, if one is due."""
         exposure = self.expose()

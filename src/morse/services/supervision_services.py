@@ -28,12 +28,15 @@ class Supervision(AbstractObject):
 
     Args:
         stop: function that ends the simulation.
+        measure: function that lets sensors measure, see `measure`.
     """
 
-    def __init__(self, context: Context, stop: Callable[[], None]) -> None:
+    def __init__(
+        self, context: Context, stop: Callable[[], None], measure: Callable[[list[str] | None, bool], None]
+    ) -> None:
         super().__init__()
         self.context = context
-        self._stop = stop
+        self._stop, self._measure = stop, measure
 
     def name(self) -> str:
         """``simulation``."""
@@ -78,6 +81,16 @@ class Supervision(AbstractObject):
             raise MorseRPCInvokationError(
                 f"Component {short(name)} unknown{nearest(str(name), list(everything))}"
             ) from None
+
+    @service
+    def measure(self, sensors: list[str] | None = None, again: bool = True) -> None:
+        """Let sensors measure now, between two ticks, in addition to the measurements at their rates.
+
+        Args:
+            sensors: full names; all if not given.
+            again: whether those measure, too, that have measured in the last tick.
+        """
+        self._measure(sensors, again)
 
     @service
     def suspend_dynamics(self) -> str:

@@ -39,7 +39,7 @@ def offer_services(simulation: Running) -> None:
     pull = PullServices(context)
     simulation.before_physics.append(pull.apply)
     objects: list[AbstractObject] = [
-        Supervision(context, simulation.stop),
+        Supervision(context, simulation.stop, simulation.measure_by_service),
         LockstepServices(simulation),
         ExchangeServices(simulation, context),
         StateServices(simulation),

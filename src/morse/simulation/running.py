@@ -117,6 +117,9 @@ class Running(Protocol):
     def stop(self) -> None:
         """End `run` after this tick."""
 
+    def measure_by_service(self, sensors: Sequence[str] | None, again: bool) -> None:
+        """Let sensors measure between two ticks."""
+
     def pause(self) -> None:
         """Pause `run`."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from operator import methodcaller
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from morse.core import status
@@ -155,10 +156,22 @@ class Simulation(Recorded, Handles):
         """Update the schedule after the components have changed."""
         self._ticker.schedule(self.loaded)
 
+    def __repr__(self) -> str:
+        name = PurePath(self.options.script).name or "a scene"
+        robots = ", ".join(self.context.robots) or "none"
+        state = "closed" if self.finished else f"tick {self.ticks}, {self.clock.time:g} s"
+        return f"<Simulation of {name}, seed {self.context.seed}, {state}; robots: {robots}>"
+
     # -- time ------------------------------------------------------------------------------
 
-    def step(self, ticks: int = 1) -> None:
+    def step(self, ticks: int = 1, *, measure: bool | Sequence[str] = False) -> None:
         """Run ``ticks`` ticks as fast as possible, even if the simulation is paused.
+
+        Sensors measure at their own rates: after 6 ticks at 60 Hz the data of a sensor of 10 Hz may be 5 ticks old.
+
+        Args:
+            measure: whether all sensors measure at the end of the last tick, in addition; or the full names of those
+                that do.
 
         Raises:
             UnstableError: the physics has become unstable.
@@ -170,6 +183,8 @@ class Simulation(Recorded, Handles):
         self._check_open()
         if ticks < 0:
             raise ValueError(f"time does not go backwards: {ticks} ticks")
+        for contacts in self._contacts.values():
+            contacts.begin()
         tick, stepping, time = self._ticker.tick, self._stepping, self._time
         time.holds_back = ticks > 1
         with time:
@@ -180,6 +195,9 @@ class Simulation(Recorded, Handles):
                     stepping.count()
                     if self._failure is not None or time.interrupted:
                         break
+                else:
+                    if measure:
+                        self._measure(measure, again=not ticks)
             finally:
                 stepping.forced = False
                 if self._failure is not None or time.interrupted:

@@ -89,6 +89,12 @@ class World(WorldPoses, Protocol):
     def touched_by(self, obj: Body, margin: float = 0.0) -> Sequence[Body]:
         """Return the objects whose shapes are closer than ``margin`` (m) to the shapes of an object, see `Touching`."""
 
+    def watch_touches(self, name: str) -> Mapping[str, float]:
+        """Return what a body touches besides the floor, in the last tick: name of the other body to the impulse, N s.
+
+        The mapping is always the same object, which each tick changes.
+        """
+
     def contact_forces(self) -> bytes:
         """Return all contact points as bytes of (N, 6) float32, see `ContactPoints.look`."""
 

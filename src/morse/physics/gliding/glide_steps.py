@@ -129,16 +129,15 @@ class GlideSteps:
 
     def _run(self) -> None:
         state = self._state
-        model, data = state.model, state.data
         if not self._gliding.glides:
-            mujoco.mj_step(model, data, state.steps)
+            state.run(state.steps)
             return
-        data.maxuse_con = 0
+        state.data.maxuse_con = 0
         if self._can_stride() and self._stride():
             return
-        mujoco.mj_step(model, data, state.steps)
+        state.run(state.steps)
         while self._take_back():
-            mujoco.mj_step(model, data, state.steps)
+            state.run(state.steps)
 
     # -- long steps ------------------------------------------------------------------------
 

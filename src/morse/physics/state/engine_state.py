@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
 
 from morse.physics.model.layout import Motion
@@ -12,12 +13,12 @@ from morse.physics.poses.rows import Rows
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import mujoco
     from numpy.typing import NDArray
 
     from morse.physics.model.articulated import JointSlot
     from morse.physics.model.compile import Compiled, Slot
     from morse.physics.model.couplings import TendonSlot
+    from morse.physics.touches import Touches
     from morse.scene import Node
 
 
@@ -58,10 +59,20 @@ class EngineState:
         is_stirred: whether a body that does not glide was changed by an explicit call since the last tick.
         known_contacts: (N, 2) geoms in contact at the end of a tick in another engine instance, or None.
         names: name of the first node of each slot; ``named`` maps it to the slot.
+        touches: what watched bodies touch; None if no body is watched.
     """
+
+    touches: Touches | None = None
 
     def __init__(self, compiled: Compiled, period: float) -> None:
         self.take(compiled, period)
+
+    def run(self, steps: int) -> None:
+        """Run steps of the engine."""
+        if self.touches is None:
+            mujoco.mj_step(self.model, self.data, steps)
+        else:
+            self.touches.run(steps)
 
     def take(self, compiled: Compiled, period: float) -> None:
         """Use a compiled model, with all poses from the scene."""

@@ -13,10 +13,11 @@ from morse.core.streams.pending_commands import PendingCommands
 from morse.core.validation.errors import CommandError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.simulation.handles.contacts import Contacts
     from morse.simulation.handles.futures import LocalFuture
     from morse.simulation.handles.handles import Handles
 
@@ -238,7 +239,8 @@ class ComponentHandle:
 
     def __dir__(self) -> list[str]:
         there = self._context.component(self.fqn) is not None and not self._simulation.finished
-        return [*super().__dir__(), *self.parts, *(self._services() if there else ())]
+        names = {name for name in super().__dir__() if not name.startswith("_")}
+        return sorted({*names, *self.parts, *(self._services() if there else ())})
 
     def _repr_png_(self) -> bytes | None:
         """Return the present image of a camera as a PNG file, which notebooks display; None for other components."""
@@ -270,6 +272,14 @@ class RobotHandle(ComponentHandle):
         if name not in self.parts:
             raise KeyError(f"the robot {self.fqn} has no '{name}'{nearest(name, list(self.parts))}")
         return self.parts[name]
+
+    def place(self, pose: Sequence[float]) -> None:
+        """Place the robot, at rest; see `Simulation.place`."""
+        self._simulation.place(self.fqn, pose)
+
+    def contacts(self) -> Contacts:
+        """Return what the robot touches from now on; see `Simulation.contacts`."""
+        return self._simulation.contacts(self.fqn)
 
     def keys(self) -> list[str]:
         """The names of the components."""

@@ -10,10 +10,13 @@ import logging
 import math
 from typing import TYPE_CHECKING, Any
 
+from morse.simulation.handles.arranging import Arranging
 from morse.simulation.handles.component_handles import ComponentHandle, RobotHandle, component_handles
 from morse.simulation.handles.local_requests import LocalRequests
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.clock import Clock
     from morse.core.context import Context
     from morse.core.object import Object
@@ -22,7 +25,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
-class Handles:
+class Handles(Arranging):
     """The part of `morse.simulation.simulation.Simulation` with the interface of `pymorse.Morse`."""
 
     context: Context
@@ -30,6 +33,7 @@ class Handles:
     finished: bool
 
     def __init__(self) -> None:
+        super().__init__()
         self._requests = LocalRequests(self.context, self.step)
         self.context.services.add_internal(self._requests)
         self._handles: dict[str, Any] | None = None
@@ -37,7 +41,7 @@ class Handles:
         self._by_full_name: dict[str, ComponentHandle] = {}
         self._failure: tuple[BaseException, str] | None = None
 
-    def step(self, ticks: int = 1) -> None:
+    def step(self, ticks: int = 1, *, measure: bool | Sequence[str] = False) -> None:
         """Run ``ticks`` ticks."""
         raise NotImplementedError
 
@@ -124,7 +128,8 @@ class Handles:
         return handles[name]
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._all_handles()]
+        names = {name for name in super().__dir__() if not name.startswith("_")}
+        return sorted(names | set(() if self.finished else self._all_handles()))
 
     # -- services --------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ from morse.simulation.ticks.schedule import Schedule
 from morse.simulation.ticks.together import Together, arranged, phase_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
     from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
@@ -126,6 +126,33 @@ class Ticker:
                 profile.mark(name)
         return True
 
+    def measure(self, names: Collection[str] | None, *, again: bool) -> None:
+        """Let sensors measure between two ticks.
+
+        Args:
+            names: full names; None for all.
+            again: whether those measure, too, that have measured in the last tick.
+        """
+        measured = () if again else map(id, self._sensors.due(self._due))
+        before, units = set(measured), []
+        for unit in self._sensors:
+            if id(unit) in before:
+                continue
+            members = unit.members if type(unit) is Together else (unit,)
+            wanted = members if names is None else [member for member in members if member.name() in names]
+            if len(wanted) == len(members):
+                units.append(unit)
+            elif wanted:
+                unit.dissolve()
+                units += wanted
+        with self._acting:
+            sensors = [one for unit in units for one in (unit.members if type(unit) is Together else (unit,))]
+            if again:
+                self._guard.each(sensors, _look_again, self._guard.deactivate)
+            if asking := [sensor for sensor in sensors if getattr(sensor, "requests", ())]:
+                serve(asking, self._guard)
+            self._act(units)
+
     def look(self) -> None:
         """Process input and services while the simulation is paused."""
         with self._acting:
@@ -223,6 +250,11 @@ class Ticker:
         end = perf_counter()
         for profile in self.component_profiles:
             profile.component(component.name(), begin, end)
+
+
+def _look_again(sensor: Any) -> None:
+    if isinstance(sensor, Sensor):
+        sensor.look_again()
 
 
 def _act(part: Any) -> None:

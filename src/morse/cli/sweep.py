@@ -1,0 +1,183 @@
+"""``morse sweep``: do all runs of a study."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from morse.cli.messages import CommandError, complain, say
+
+if TYPE_CHECKING:
+    from morse.many import Study, Table
+
+CONTEXT_SETTINGS = {"allow_interspersed_args": True}
+
+
+def command(
+    words: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="STUDY.py | rerun FOLDER RUN | watch FOLDER",
+            help="A file with a study; or do a run again with a recording; or show how far a study is.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where the results are.")] = Path(
+        "results"
+    ),
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", min=0, help="Number of processes; 0 for this process.", show_default=False),
+    ] = None,
+    ray: Annotated[
+        str | None,
+        typer.Option(
+            "--ray", metavar="ADDRESS", help="Do the runs on a cluster of Ray: auto, local, ray://host:10001."
+        ),
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option("--study", metavar="NAME", help="Variable of the study, if the file has several.")
+    ] = None,
+) -> int:
+    """Do all runs of a study.
+
+    The file defines a `morse.many.Study`. Runs that the folder already contains are not done again: after an
+    interruption, the same command continues. Failed runs are done again with a recording.
+    """
+    if words[0] == "rerun":
+        return _rerun(*_exactly(words, "rerun FOLDER RUN"))
+    if words[0] == "watch":
+        return _watch(*_exactly(words, "watch FOLDER"))
+    if len(words) != 1:
+        raise CommandError(f"One file with a study, not {' '.join(words)}.", 2)
+    study = _study_of(words[0], name)
+    from morse.core.reports import log
+
+    log.setup(level="WARNING")
+    before = time.monotonic()
+    table = _run(study, output, workers, ray)
+    say(f"{len(table):,} runs in {output}, {len(table.failures):,} failed, {time.monotonic() - before:.1f} s.")
+    for row in table.failures[:5]:
+        again = f"; morse sweep rerun {output} {row['run']}" if row["recording"] else ""
+        say(f"  {row['run']}: {row['error']}{again}")
+    say(f"Summary: {output / 'summary.html'}")
+    return 0
+
+
+def _exactly(words: list[str], usage: str) -> list[str]:
+    if len(words) != len(usage.split()):
+        raise CommandError(f"The command is: morse sweep {usage}", 2)
+    return words[1:]
+
+
+def _study_of(file: str, name: str | None) -> Study:
+    from morse.core.reports.faults import describe
+    from morse.core.reports.hints import nearest
+    from morse.many import Study
+    from morse.many.sources import imported
+
+    path = Path(file).resolve()
+    if not path.is_file():
+        raise CommandError(f"There is no file {file}.", 2)
+    try:
+        module = imported(str(path))
+    except Exception as error:
+        raise CommandError(f"{file} has an error: {describe(error)}") from None
+    studies = {key: value for key, value in vars(module).items() if isinstance(value, Study)}
+    if name is not None and name not in studies:
+        raise CommandError(f"{file} has no study '{name}'{nearest(name, list(studies))}.", 2)
+    if name is None and len(studies) != 1:
+        which = f"several studies, choose one by --study: {', '.join(studies)}" if studies else "no morse.many.Study"
+        raise CommandError(f"{file} contains {which}.", 2)
+    return studies[name] if name is not None else next(iter(studies.values()))
+
+
+def _run(study: Study, folder: Path, workers: int | None, ray: str | None) -> Table:
+    from morse.many.rays import RayExecutor
+
+    executor: Any = None
+    try:
+        if ray is not None:
+            executor = RayExecutor(ray, workers)
+        return study.run(folder, workers=workers, executor=executor, progress=_tell)
+    except KeyboardInterrupt:
+        complain("Stopped. The same command continues.")
+        raise typer.Exit(130) from None
+    except (ImportError, ConnectionError, RuntimeError, OSError, TypeError, ValueError) as error:
+        raise CommandError(str(error)) from None
+    finally:
+        _end_line()
+        if executor is not None:
+            executor.shutdown()
+
+
+def _tell(text: str) -> None:
+    if sys.stderr.isatty():
+        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+    else:
+        print(text, file=sys.stderr, flush=True)
+
+
+def _end_line() -> None:
+    if sys.stderr.isatty():
+        print(file=sys.stderr)
+
+
+def _rerun(folder: str, run: str) -> int:
+    import json
+
+    from morse.many import Study
+    from morse.many.ledger import STUDY
+
+    try:
+        facts = json.loads((Path(folder) / STUDY).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        raise CommandError(f"{folder} contains no results of a study.", 2) from None
+    if facts["description"] is None:
+        raise CommandError("The functions of this study are in no file: call study.rerun() in its program.")
+    try:
+        study = Study.of(facts["description"])
+        study.forget_code()
+        row = study.rerun(folder, run)
+    except (LookupError, ImportError, AttributeError, OSError) as error:
+        raise CommandError(str(error)) from None
+    say(f"{row['run']}: {row['error'] or 'no error'}; {row['ticks']} ticks, {row['wall']:.2f} s")
+    if not row["same_code"]:
+        say("The code has changed since then.")
+    say("The state at the end is the same, bit for bit." if row["same"] else "The state at the end is another one.")
+    say(f"Recording: {os.path.join(folder, row['recording'])}")
+    return 0 if row["same"] else 1
+
+
+def _watch(folder: str) -> int:
+    """Show the progress until all runs are done, or Ctrl+C."""
+    import json
+
+    from morse.many import Table
+    from morse.many.ledger import STUDY
+    from morse.many.progress import Progress
+
+    progress: Progress | None = None
+    try:
+        while True:
+            try:
+                table = Table.read(folder)
+                total = json.loads((Path(folder) / STUDY).read_text(encoding="utf-8"))["runs"]
+            except FileNotFoundError as error:
+                raise CommandError(str(error), 2) from None
+            if progress is None:
+                progress = Progress(total, len(table), len(table.failures))
+            progress.done, progress.failed = len(table), len(table.failures)
+            _tell(str(progress))
+            if len(table) >= total:
+                return 0
+            time.sleep(1.0)
+    except KeyboardInterrupt:
+        return 0
+    finally:
+        _end_line()

@@ -1,0 +1,8 @@
+"""Many simulations: batches that are stepped together, and studies of thousands of runs."""
+
+from morse.many.batch import Batch, batch
+from morse.many.parameters import Distribution, choice, loguniform, normal, uniform
+from morse.many.study import Run, Study
+from morse.many.table import Table
+
+__all__ = ["Batch", "Distribution", "Run", "Study", "Table", "batch", "choice", "loguniform", "normal", "uniform"]

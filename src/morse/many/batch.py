@@ -1,0 +1,347 @@
+"""Many simulations that are stepped together, with arrays instead of messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.actuator import Actuator
+from morse.core.reports.faults import ENDINGS
+from morse.core.reports.hints import nearest
+from morse.many.commands import CommandColumn
+from morse.many.layout import Layout
+from morse.many.readings import ContactColumn, DataColumn
+from morse.many.rows import rows_of, seeds_of, values_of, vectors_of
+from morse.many.scenes import Scenes
+from morse.simulation.states.state import State
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from types import TracebackType
+
+    from numpy.typing import NDArray
+
+    from morse.many.commands import Command
+    from morse.many.readings import Contacts
+    from morse.simulation.simulation import Simulation
+
+
+def batch(
+    scene: Any, rows: int | None = None, *, seed: int | Sequence[int] = 0, arguments: Sequence[Any] = (), **options: Any
+) -> Batch:
+    """Load many simulations, the rows of a batch.
+
+    Row ``k`` has the data of ``morse.load(scene, seed=seeds[k])`` alone, bit for bit, whatever the other rows do.
+
+    Args:
+        scene: a scene as for `morse.load`; or a list of scenes with the same robots, which the rows use in turn.
+        rows: number of rows, N; by default the number of scenes, or of lists of arguments.
+        seed: a number for the seeds ``seed``, ``seed + 1``, …; or a list of one seed for each row.
+        arguments: ``sys.argv[1:]`` of a scene script; or a list of such lists, which the rows use in turn.
+        options: other arguments of `morse.load`: ``strict``, ``on_failure``.
+
+    Raises:
+        ValueError: the number of rows is missing, or the numbers of rows and seeds differ.
+        FileNotFoundError, ScriptError, LoadError: see `morse.load`; a note names the row.
+    """
+    return Batch(scene, rows, seed=seed, arguments=arguments, **options)
+
+
+class Batch:
+    """N simulations; created by `morse.batch`.
+
+    ``many[k]`` is the simulation of row ``k``.
+
+    Attributes:
+        seeds: the present seed of each row.
+    """
+
+    def __init__(
+        self,
+        scene: Any,
+        rows: int | None = None,
+        *,
+        seed: int | Sequence[int] = 0,
+        arguments: Sequence[Any] = (),
+        **options: Any,
+    ) -> None:
+        self._scenes = Scenes(scene, rows, arguments, options)
+        self.seeds = seeds_of(seed, range(self._scenes.rows))
+        self._simulations: list[Simulation] = []
+        self._commands: list[CommandColumn] = []
+        self._readings: list[DataColumn | ContactColumn] = []
+        self._layouts: dict[tuple[str, tuple[str, ...]], Layout] = {}
+        try:
+            for row, one in enumerate(self.seeds):
+                self._simulations.append(self._scenes.load(row, one))
+        except BaseException:
+            self.close()
+            raise
+
+    def __len__(self) -> int:
+        return len(self._simulations)
+
+    def __getitem__(self, row: int) -> Simulation:
+        return self._simulations[row]
+
+    def __iter__(self) -> Iterator[Simulation]:
+        return iter(self._simulations)
+
+    def __repr__(self) -> str:
+        if not self._simulations:
+            return "<Batch, closed>"
+        ticks = {simulation.ticks for simulation in self._simulations}
+        when = f"tick {ticks.pop()}" if len(ticks) == 1 else f"ticks {min(ticks)} to {max(ticks)}"
+        return f"<Batch of {len(self)} x {self._scenes}, {when}; robots: {', '.join(self._simulations[0].robots)}>"
+
+    # -- arrays ----------------------------------------------------------------------------
+
+    def command(self, component: str, *fields: str) -> Command:
+        """Return an array whose rows are published to an actuator before each `step`.
+
+        A row is published from its first assignment on, until it is restarted or restored. The values are checked
+        against the declared ranges before the step.
+
+        Args:
+            component: full name of an actuator, such as ``robot.motion``.
+            fields: names of its data fields; by default all.
+
+        Returns:
+            (N, ...) the commands: one column for each number of several fields; the shape of the data for one field.
+
+        Raises:
+            KeyError: there is no such component or field.
+            TypeError: the component is not an actuator.
+        """
+        handles = self._handles(component)
+        actuator = handles[0].component
+        if not isinstance(actuator, Actuator):
+            raise TypeError(f"{component} is a sensor: use read()")
+        chosen = fields or tuple(actuator.local_data)
+        column = CommandColumn(Layout(component, chosen, actuator.local_data), handles)
+        self._commands.append(column)
+        return column.array
+
+    def read(self, component: str, *fields: str) -> NDArray[Any]:
+        """Return an array of data that is updated, in place, at the end of each `step`; copy it to keep it.
+
+        Args:
+            component: full name of a sensor or an actuator.
+            fields: names of its data fields; by default all.
+
+        Returns:
+            (N, ...) the data, read-only: one column for each number of several fields; for one field the shape of its
+            data. Colour images are (N, H, W, 3) uint8, depths (N, H, W) float32. Data that are not numbers are objects.
+
+        Raises:
+            KeyError: there is no such component or field.
+            ValueError: the sizes of the data differ between rows.
+        """
+        handles = self._handles(component)
+        layout = self._layout(component, fields)
+        column = DataColumn(layout, handles)
+        self._readings.append(column)
+        return column.array
+
+    def contacts(self, robot: str) -> Contacts:
+        """Return an array that states whether a robot has touched anything but the floor since the last `step`.
+
+        Returns:
+            (N,) booleans, updated in place at the end of each step. Their attribute ``impulse`` (N,) is the sum of the
+            magnitudes of the impulses of these contacts, N·s.
+
+        Raises:
+            KeyError: there is no such robot.
+        """
+        column = ContactColumn(self._handles(robot))
+        self._readings.append(column)
+        return column.array
+
+    def _handles(self, name: str) -> list[Any]:
+        return [_handle(simulation, name) for simulation in self._simulations]
+
+    def _layout(self, component: str, fields: tuple[str, ...]) -> Layout:
+        """The sizes of the data are those of a measurement in a simulation of the scene that is then closed."""
+        key = component, fields
+        if key not in self._layouts:
+            data = _handle(self._simulations[0], component).component.local_data
+            for name in fields:
+                if name not in data:
+                    raise KeyError(f"{component} has no field '{name}'{nearest(name, list(data))}")
+            with self._scenes.load(0, self.seeds[0]) as probe:
+                probe.step(1, measure=True)
+                data = _handle(probe, component).component.local_data
+                self._layouts[key] = Layout(component, fields or tuple(data), data)
+        return self._layouts[key]
+
+    # -- time ------------------------------------------------------------------------------
+
+    def step(self, ticks: int = 1, *, measure: bool | Sequence[str] = False) -> None:
+        """Publish the commands, run ``ticks`` ticks in all rows, and update the arrays.
+
+        Args:
+            measure: whether all sensors measure at the end of the step, or the names of those that do; see
+                `Simulation.step`. Otherwise the data are as old as the last measurement at the rate of each sensor.
+
+        Raises:
+            CommandError: a command is not valid; no time has passed in any row.
+            BaseException: an error of a row, with a note that names the row; all rows have run the ticks, unless their
+                physics has become unstable.
+        """
+        self._check_open()
+        for column, (rows, _) in [(column, column.check()) for column in self._commands]:
+            column.publish(rows)
+        self._each(range(len(self)), lambda row: self._run(row, ticks, measure))
+        self._update(range(len(self)))
+
+    def _run(self, row: int, ticks: int, measure: bool | Sequence[str]) -> None:
+        simulation = self._simulations[row]
+        end = simulation.ticks + ticks
+        try:
+            simulation.step(ticks, measure=measure)
+        except KeyboardInterrupt:
+            # the rows stay in the same tick
+            simulation.step(end - simulation.ticks, measure=measure)
+            raise
+
+    def measure(self, rows: Any = None, sensors: Sequence[str] | None = None) -> None:
+        """Let sensors measure now, between two ticks, as after `place`; see `Simulation.measure`.
+
+        Args:
+            rows: row numbers, a slice or a mask; None for all.
+            sensors: full names; None for all.
+        """
+        chosen = rows_of(rows, len(self))
+        self._each(chosen, lambda row: self._simulations[row].measure(sensors))
+        self._update(chosen)
+
+    # -- episodes --------------------------------------------------------------------------
+
+    def restart(self, rows: Any = None, seeds: int | Sequence[int] | None = None) -> None:
+        """Restart some rows, as after loading them with these seeds; the others are not touched.
+
+        Args:
+            rows: row numbers, a slice or a mask; None for all.
+            seeds: one seed for each of these rows, or a number ``s`` for the seeds ``s + row``; None for the present
+                seeds.
+        """
+        chosen = rows_of(rows, len(self))
+        values = [self.seeds[row] for row in chosen] if seeds is None else seeds_of(seeds, chosen)
+        for row, seed in zip(chosen, values, strict=True):
+            self.seeds[row] = seed
+        self._each(chosen, lambda row: self._simulations[row].restart(self.seeds[row]))
+        self._begin(chosen)
+
+    def place(self, rows: Any, name: str, poses: Any) -> None:
+        """Place a robot or an object at rest, in some rows.
+
+        Args:
+            poses: (M, 3) x, y, yaw; (M, 6) x, y, z, roll, pitch, yaw; or (M, 7) x, y, z and a quaternion w, x, y, z; m
+                and rad, in the world. A single pose stands for all of these rows. With x, y, yaw the height is that of
+                the scene.
+
+        Raises:
+            KeyError: there is no such object.
+            ValueError: a pose has another size, or a number is not finite.
+        """
+        chosen = rows_of(rows, len(self))
+        vectors = vectors_of(poses, chosen, "poses")
+        for row, pose in zip(chosen, vectors.tolist(), strict=True):
+            self._simulations[row].place(name, pose)
+
+    def vary(self, name: str, *, rows: Any = None, mass: Any = None, friction: Any = None) -> None:
+        """Change parameters of a robot or an object, one value for each row; `restart` restores those of the scene.
+
+        Args:
+            rows: row numbers, a slice or a mask; None for all.
+            mass: kg; the inertia changes in proportion.
+            friction: coefficient of sliding friction of its shapes.
+
+        Raises:
+            KeyError: there is no such object.
+            ValueError: a value is not valid, or there is another number of values than rows.
+        """
+        chosen = rows_of(rows, len(self))
+        for what, values in (("mass", mass), ("friction", friction)):
+            if values is not None:
+                for row, value in zip(chosen, values_of(values, chosen, what), strict=True):
+                    getattr(self._simulations[row], f"set_{what}")(name, value)
+
+    def save(self, rows: Any = None) -> list[State]:
+        """Return the states of some rows; see `Simulation.save`."""
+        return [self._simulations[row].save() for row in rows_of(rows, len(self))]
+
+    def restore(self, rows: Any, states: Sequence[State] | State) -> None:
+        """Restore states in some rows, one for each, or one state in all of them; see `Simulation.restore`.
+
+        Raises:
+            ValueError: there is another number of states than rows.
+            StateError: a state is damaged, or belongs to another scene.
+        """
+        chosen = rows_of(rows, len(self))
+        every: list[State] = [states] * len(chosen) if isinstance(states, State) else list(states)
+        if len(every) != len(chosen):
+            raise ValueError(f"there are {len(chosen)} rows, but {len(every)} states")
+        waiting = dict(zip(chosen, every, strict=True))
+        self._each(chosen, lambda row: self._simulations[row].restore(waiting[row]))
+        for row in chosen:
+            self.seeds[row] = self._simulations[row].seed()
+        self._begin(chosen)
+
+    def _begin(self, rows: Sequence[int]) -> None:
+        for column in self._commands:
+            column.forget(rows)
+        for reading in self._readings:
+            reading.begin(rows)
+
+    def _update(self, rows: Sequence[int] | range) -> None:
+        for reading in self._readings:
+            reading.update(rows)
+
+    def _each(self, rows: Sequence[int] | range, act: Callable[[int], object]) -> None:
+        """Call a function for each row; the first error is raised after all rows, with a note that names its row."""
+        failure: BaseException | None = None
+        for row in rows:
+            try:
+                act(row)
+            except BaseException as error:
+                if failure is None:
+                    failure = error
+                    if not isinstance(error, ENDINGS):
+                        error.add_note(f"in row {row} of the batch, with the seed {self.seeds[row]}")
+        if failure is not None:
+            raise failure
+
+    # -- the end ---------------------------------------------------------------------------
+
+    def _check_open(self) -> None:
+        if not self._simulations:
+            raise RuntimeError("this batch is closed: load it again")
+
+    def close(self) -> None:
+        """End all simulations; closing the batch again has no effect."""
+        simulations, self._simulations = self._simulations, []
+        for simulation in simulations:
+            simulation.close()
+
+    def __enter__(self) -> Batch:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _handle(simulation: Simulation, name: str) -> Any:
+    """Return the handle of a robot or a component, given its full name or attribute names joined by dots.
+
+    Raises:
+        KeyError: there is no such component.
+    """
+    robot, *parts = name.split(".")
+    handle = simulation[robot]
+    for part in parts:
+        if part not in handle.parts:
+            raise KeyError(f"{handle.fqn} has no '{part}'{nearest(part, list(handle.parts))}")
+        handle = handle.parts[part]
+    return handle

@@ -1,0 +1,114 @@
+"""The results of a study on disk, which survive the death of any process."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import TracebackType
+
+#: the rows; each is a line of JSON
+ROWS = "rows.jsonl"
+#: what the folder contains, and how many runs there will be
+STUDY = "study.json"
+#: longest time for which rows are not forced to the disk, s
+_FLUSH = 1.0
+
+
+def read_rows(folder: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
+    """Return the rows by name; of several rows of a run the last one, which has the recording."""
+    rows: dict[str, dict[str, Any]] = {}
+    for row in _lines(Path(folder) / ROWS):
+        rows[row["run"]] = row
+    return rows
+
+
+def _lines(path: Path) -> Iterator[dict[str, Any]]:
+    with contextlib.suppress(FileNotFoundError), open(path, "rb") as file:
+        for line in file:
+            if line.endswith(b"\n"):  # else the process died while it wrote
+                with contextlib.suppress(ValueError):
+                    row = json.loads(line)
+                    if isinstance(row, dict) and isinstance(row.get("run"), str):
+                        yield row
+
+
+class Ledger:
+    """Appends rows to a folder. Only one process at a time may have it.
+
+    Raises:
+        RuntimeError: another process has it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        folder.mkdir(parents=True, exist_ok=True)
+        self._lock = open(folder / ".lock", "a+b")  # noqa: SIM115 # held until the end
+        if not _locked(self._lock):
+            self._lock.close()
+            raise RuntimeError(f"another process is running a study in {folder}: wait for it, or use another folder")
+        self.rows = read_rows(folder)
+        _repair(folder / ROWS)
+        self._file = open(folder / ROWS, "ab")  # noqa: SIM115
+        self._forced = time.monotonic()
+
+    def add(self, row: dict[str, Any]) -> None:
+        """Append a row."""
+        self.rows[row["run"]] = row
+        self._file.write(json.dumps(row).encode() + b"\n")
+        self._file.flush()
+        if time.monotonic() - self._forced > _FLUSH:
+            self._force()
+
+    def _force(self) -> None:
+        os.fsync(self._file.fileno())
+        self._forced = time.monotonic()
+
+    def describe(self, facts: dict[str, Any]) -> None:
+        """Write the facts about the study; the file appears whole or not at all."""
+        new = self.folder / f"{STUDY}.new"
+        new.write_text(json.dumps(facts, indent=1), encoding="utf-8")
+        os.replace(new, self.folder / STUDY)
+
+    def close(self) -> None:
+        """Force everything to the disk, and release the folder."""
+        self._force()
+        self._file.close()
+        self._lock.close()
+
+    def __enter__(self) -> Ledger:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _repair(path: Path) -> None:
+    """Remove the part of a line at the end, so that the next row begins a line."""
+    with contextlib.suppress(FileNotFoundError), open(path, "r+b") as file:
+        content = file.read()
+        if content and not content.endswith(b"\n"):
+            file.truncate(content.rfind(b"\n") + 1)
+
+
+def _locked(file: Any) -> bool:
+    try:
+        if os.name == "nt":
+            import msvcrt
+
+            getattr(msvcrt, "locking")(file.fileno(), getattr(msvcrt, "LK_NBLCK"), 1)  # noqa: B009
+        else:
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,85 @@
+"""Arrays of data that are updated at the end of each step of a batch."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.many.layout import Layout
+    from morse.simulation.handles.component_handles import ComponentHandle, RobotHandle
+
+
+class DataColumn:
+    """The data of a component in all rows.
+
+    Attributes:
+        array: (N, ...) the data, read-only.
+    """
+
+    def __init__(self, layout: Layout, handles: Sequence[ComponentHandle]) -> None:
+        self._layout, self._handles = layout, handles
+        self._values = layout.empty(len(handles))
+        self.array = self._values.view()
+        self.array.flags.writeable = False
+        self.begin(range(len(handles)))
+
+    def begin(self, rows: Iterable[int]) -> None:
+        """Take the data of rows that may not have measured yet: arrays are then empty, and stay 0 here."""
+        for row in rows:
+            data = self._handles[row].component.local_data
+            self._values[row] = None if self._values.dtype == object else 0
+            if all(np.size(data[name]) for name in self._layout.fields):
+                self._layout.fill(self._values, row, data)
+
+    def update(self, rows: Iterable[int]) -> None:
+        """Take the present data."""
+        fill, values = self._layout.fill, self._values
+        for row in rows:
+            fill(values, row, self._handles[row].component.local_data)
+
+
+class Contacts(np.ndarray):
+    """Whether a robot has touched anything but the floor.
+
+    Attributes:
+        impulse: (N,) sum of the magnitudes of the impulses of these contacts, N·s.
+    """
+
+    impulse: NDArray[np.float64] | None = None
+
+    def __array_finalize__(self, other: Any) -> None:
+        """Impulses belong to the array itself, not to arrays that are computed from it."""
+        self.impulse = None
+
+
+class ContactColumn:
+    """The contacts of a robot in all rows since the last step.
+
+    Attributes:
+        array: (N,) booleans, read-only, with the impulses.
+    """
+
+    def __init__(self, handles: Sequence[RobotHandle]) -> None:
+        self._watches = [handle.contacts() for handle in handles]
+        self._touched, self._impulses = np.zeros(len(handles), bool), np.zeros(len(handles))
+        self.array = self._touched.view(Contacts)
+        impulse = self._impulses.view()
+        self.array.flags.writeable = impulse.flags.writeable = False
+        self.array.impulse = impulse
+
+    def begin(self, rows: Iterable[int]) -> None:
+        """Forget the contacts before a restart."""
+        for row in rows:
+            self._touched[row], self._impulses[row] = False, 0.0
+
+    def update(self, rows: Iterable[int]) -> None:
+        """Take the contacts of the step."""
+        for row in rows:
+            watch = self._watches[row]
+            self._touched[row], self._impulses[row] = watch.touched, watch.impulse

@@ -1,0 +1,109 @@
+"""One run of a study."""
+
+from __future__ import annotations
+
+import platform
+import re
+import time
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.core.reports.faults import place, summary
+from morse.launch.load import load
+from morse.many.values import plain
+from morse.version import __version__
+
+if TYPE_CHECKING:
+    import os
+
+    from morse.many.study import Run, Study
+
+#: columns of each row, besides the parameters and results
+RESERVED = (
+    "run", "seed", "hash", "ticks", "wall", "cpu", "error", "where", "recording", "same", "machine", "processor",
+    "versions",
+)  # fmt: skip
+
+
+def run_once(study: Study, run: Run, record: str | os.PathLike[str] | None = None) -> dict[str, Any]:
+    """Do one run in this process.
+
+    Returns:
+        Its row. ``error`` is empty if the run has not failed, ``where`` is the line of the user's code that raised it.
+    """
+    row: dict[str, Any] = {
+        "run": run.name, **run.parameters, "seed": run.seed, "hash": "", "ticks": 0, "error": "", "where": "",
+        "recording": "", "same": None, **machine_facts(),
+    }  # fmt: skip
+    begin, cpu = time.perf_counter(), time.process_time()
+    try:
+        options = {"on_failure": "raise", **study.options}
+        with load(study.scene_of(run), seed=run.seed, arguments=study.arguments_of(run), **options) as simulation:
+            if record is not None:
+                path = Path(record)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.unlink(missing_ok=True)
+                simulation.record(path)
+                row["recording"] = f"{path.parent.name}/{path.name}"
+            try:
+                row |= _results(study.call(simulation, run), row)
+            except Exception as error:
+                row |= _failure(error)
+            row |= {"hash": simulation.state_hash(), "ticks": simulation.ticks}
+    except Exception as error:
+        row |= _failure(error)
+    return row | {"wall": time.perf_counter() - begin, "cpu": time.process_time() - cpu}
+
+
+def _failure(error: Exception) -> dict[str, str]:
+    return {"error": summary(error), "where": place(error).strip()}
+
+
+def _results(returned: Any, row: dict[str, Any]) -> dict[str, Any]:
+    """The results of a run.
+
+    Raises:
+        TypeError: they are not plain data.
+        ValueError: a result has the name of another column.
+    """
+    if returned is None:
+        return {}
+    if not isinstance(returned, dict):
+        returned = {"result": returned}
+    for name in returned:
+        if name in row or name in RESERVED:
+            raise ValueError(f"a result cannot be called '{name}': it is another column of the table")
+    return {str(name): plain(value, f"the result '{name}'") for name, value in returned.items()}
+
+
+def signature(row: dict[str, Any]) -> str:
+    """Return the kind of the failure of a row: its error without numbers, and its place."""
+    error, where = str(row["error"]), str(row.get("where", ""))
+    return re.sub(r"[-+]?\d[\d.e+-]*", "#", error) + "\n" + where
+
+
+def machine_facts() -> dict[str, str]:
+    """Where and with what a run is done."""
+    return {"machine": platform.node(), "processor": processor(), "versions": versions()}
+
+
+@cache
+def processor() -> str:
+    """The kind of the processor; equal bits are promised for equal kinds."""
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8", errors="replace") as file:
+            for line in file:
+                if line.startswith("model name"):
+                    return f"{platform.machine()} {line.partition(':')[2].strip()}"
+    except OSError:
+        pass
+    return f"{platform.machine()} {platform.processor()}".strip()
+
+
+@cache
+def versions() -> str:
+    """The versions of what determines the data."""
+    python, engine = platform.python_version(), version("mujoco-core")
+    return f"morse {__version__}, mujoco {engine}, numpy {version('numpy')}, python {python}"

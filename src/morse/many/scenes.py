@@ -1,0 +1,68 @@
+"""The scenes of the rows of a batch."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.launch.load import load
+from morse.scene import Scene
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.simulation.simulation import Simulation
+
+
+class Scenes:
+    """Loads the simulation of any row.
+
+    Args:
+        scene: a scene as for `morse.load`; or a list of scenes, which the rows use in turn.
+        arguments: ``sys.argv[1:]`` of the scene scripts; or a list of such lists, likewise.
+        rows: number of rows; None for the number of scenes or lists of arguments.
+        options: other arguments of `morse.load`.
+
+    Raises:
+        ValueError: no rows, or the number of rows is not known.
+        TypeError: the number of rows is not an integer.
+    """
+
+    def __init__(self, scene: Any, rows: int | None, arguments: Sequence[Any], options: dict[str, Any]) -> None:
+        self._scenes = list(scene) if isinstance(scene, (list, tuple)) else [scene]
+        several = not isinstance(arguments, str) and any(isinstance(one, (list, tuple)) for one in arguments)
+        self._arguments: list[Any] = list(arguments) if several else [arguments]
+        self._options = options
+        lengths = [len(self._scenes)] * isinstance(scene, (list, tuple)) + [len(self._arguments)] * several
+        if rows is None:
+            if not lengths:
+                raise ValueError('batch needs the number of rows: morse.batch("arena.py", 64)')
+            rows = max(lengths)
+        elif isinstance(rows, bool) or not hasattr(rows, "__index__"):
+            raise TypeError(f"the number of rows is an integer, not {rows!r:.80}")
+        self.rows = int(rows)
+        if self.rows < 1 or 0 in lengths:
+            raise ValueError(
+                f"a batch has at least one row and one scene, not {self.rows} rows of {lengths or [1]} scenes"
+            )
+
+    def load(self, row: int, seed: int | None) -> Simulation:
+        """Load the simulation of a row; errors name the row."""
+        scene, arguments = self._scenes[row % len(self._scenes)], self._arguments[row % len(self._arguments)]
+        try:
+            return load(scene, seed=seed, arguments=arguments, **self._options)
+        except Exception as error:
+            if self.rows > 1:
+                error.add_note(f"while row {row} of the batch was loaded")
+            raise
+
+    def __str__(self) -> str:
+        first = self._scenes[0]
+        if isinstance(first, Scene):
+            name = "a scene"
+        elif isinstance(first, (str, os.PathLike)):
+            name = Path(first).name
+        else:
+            name = getattr(first, "__name__", "a scene")
+        return name if len(self._scenes) == 1 else f"{name} and {len(self._scenes) - 1} more"

@@ -1,0 +1,164 @@
+"""Does the runs of a study."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import Counter, deque
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.many.executors import ExecutorPool, InlinePool, processes
+from morse.many.ledger import Ledger
+from morse.many.pool import Pool, Task, can_fork
+from morse.many.progress import Progress
+from morse.many.run import machine_facts, signature
+from morse.many.summary import write_summary
+from morse.many.table import Table
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from concurrent.futures import Executor
+
+    from morse.many.study import Run, Study
+
+#: number of failures of each kind that are recorded
+RECORDED = 20
+#: longest time without a line about the progress, s
+_REPORT = 1.0
+
+
+def sweep(
+    study: Study,
+    folder: str | os.PathLike[str],
+    *,
+    workers: int | None,
+    executor: Executor | None,
+    progress: Callable[[str], object] | None,
+    attempts: int,
+) -> Table:
+    """See `morse.many.study.Study.run`."""
+    if workers is None:
+        workers = getattr(executor, "workers", None) or getattr(executor, "_max_workers", None) or _processors()
+    if isinstance(workers, bool) or int(workers) != workers or workers < 0:
+        raise ValueError(f"workers is a number of processes, or 0 for this process, not {workers!r}")
+    with Ledger(Path(folder).resolve()) as ledger:
+        driver = Driver(study, ledger, int(workers), progress, attempts)
+        try:
+            driver.go(executor)
+        finally:
+            table = driver.table()
+            write_summary(table, len(driver.runs))
+    return table
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Driver:
+    """Gives the runs that are missing to a pool, and stores their rows."""
+
+    def __init__(
+        self, study: Study, ledger: Ledger, workers: int, report: Callable[[str], object] | None, attempts: int
+    ) -> None:
+        self._study, self._ledger, self._workers = study, ledger, workers
+        self._report, self._attempts = report, attempts
+        self.runs: dict[str, Run] = {run.name: run for run in study.runs()}
+        self._waiting: deque[Task] = deque()
+        self._tried: Counter[str] = Counter()
+        self._recorded: Counter[str] = Counter()
+        rows = ledger.rows
+        for run in self.runs.values():
+            row = rows.get(run.name)
+            if row is not None and row.get("same") is not None:
+                self._recorded[signature(row)] += 1
+        for run in self.runs.values():
+            if run.name not in rows:
+                self._waiting.append(Task(run))
+            elif rows[run.name].get("same") is None:
+                self._record_failure(run, rows[run.name])
+        done = sum(name in rows for name in self.runs)
+        failed = sum(bool(rows[name]["error"]) for name in self.runs if name in rows)
+        self.progress = Progress(len(self.runs), done, failed)
+        ledger.describe(
+            {"study": repr(study), "axes": study.axes, "runs": len(self.runs), "code": study.code,
+             "description": study.description(), **machine_facts()}
+        )  # fmt: skip
+
+    def go(self, executor: Executor | None) -> None:
+        """Do all runs."""
+        self._tell()
+        if not self._waiting:
+            return
+        last = time.monotonic()
+        with self._pool(executor) as pool:
+            while self._waiting or pool.is_busy:
+                while self._waiting and pool.has_room:
+                    pool.submit(self._waiting.popleft())
+                for task, row in pool.results(_REPORT):
+                    self._take(task, row, getattr(pool, "problem", ""))
+                if time.monotonic() - last > _REPORT:
+                    last = time.monotonic()
+                    self._tell()
+        self._tell()
+
+    def _pool(self, executor: Executor | None) -> Any:
+        if executor is not None:
+            return ExecutorPool(self._study, lambda: executor, self._workers or 1, self._left, restarts=False)
+        if self._workers == 0:
+            return InlinePool(self._study)
+        if can_fork():
+            return Pool(self._study, min(self._workers, len(self._waiting)))
+        if self._study.description() is None:
+            return InlinePool(self._study)
+        return ExecutorPool(self._study, lambda: processes(self._workers), self._workers, self._left, restarts=True)
+
+    def _left(self) -> int:
+        return len(self._waiting)
+
+    def _take(self, task: Task, row: dict[str, Any] | None, problem: str) -> None:
+        name = task.run.name
+        if row is None:
+            row = self._died(task, problem)
+            if row is None:
+                return
+        if task.record is None:
+            self._ledger.add(row)
+            self.progress.add(row)
+            self._record_failure(task.run, row)
+            return
+        first = self._ledger.rows[name]
+        same = row["hash"] == first["hash"] and row["error"] == first["error"]
+        self._ledger.add(first | {"recording": row["recording"], "same": same})
+
+    def _died(self, task: Task, problem: str) -> dict[str, Any] | None:
+        """A run whose process has died waits again, or has failed."""
+        name = task.run.name
+        self._tried[name] += 1
+        if self._tried[name] < self._attempts:
+            self._waiting.appendleft(task)
+            return None
+        reason = f": {problem}" if problem else ""
+        return {
+            "run": name, **task.run.parameters, "seed": task.run.seed, "hash": "", "ticks": 0, "wall": 0.0, "cpu": 0.0,
+            "error": f"its process died {self._attempts} times{reason}", "where": "", "recording": "",
+            "same": False, **machine_facts(),
+        }  # fmt: skip
+
+    def _record_failure(self, run: Run, row: dict[str, Any]) -> None:
+        """Let a failed run be done again with a recording, unless there are enough of its kind."""
+        if row["error"] and row.get("same") is None:
+            kind = signature(row)
+            if self._recorded[kind] < RECORDED:
+                self._recorded[kind] += 1
+                self._waiting.append(Task(run, str(self._ledger.folder / "recordings" / f"{run.name}.mcap")))
+
+    def _tell(self) -> None:
+        if self._report is not None:
+            self._report(str(self.progress))
+
+    def table(self) -> Table:
+        """The rows of the runs of the study that are done."""
+        rows = self._ledger.rows
+        return Table([rows[name] for name in self.runs if name in rows], self._ledger.folder, self._study.axes)

@@ -1,0 +1,115 @@
+"""The rows of a study."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.many.ledger import STUDY, read_rows
+from morse.many.run import RESERVED
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterable, Iterator
+
+
+class Table:
+    """Rows of runs: dictionaries with the parameters, the results, and the facts about each run.
+
+    Attributes:
+        rows: the rows, in the order of the runs.
+        folder: where they are stored.
+    """
+
+    def __init__(
+        self, rows: Iterable[dict[str, Any]], folder: str | os.PathLike[str], axes: Iterable[str] = ()
+    ) -> None:
+        self.rows, self.folder, self.axes = list(rows), Path(folder), list(axes)
+
+    @classmethod
+    def read(cls, folder: str | os.PathLike[str]) -> Table:
+        """Read all rows of a folder.
+
+        Raises:
+            FileNotFoundError: it is no folder of results.
+        """
+        path = Path(folder) / STUDY
+        if not path.is_file():
+            raise FileNotFoundError(f"{folder} contains no results of a study: there is no {STUDY}")
+        facts = json.loads(path.read_text(encoding="utf-8"))
+        return cls(read_rows(folder).values(), folder, facts.get("axes", {}))
+
+    @property
+    def failures(self) -> list[dict[str, Any]]:
+        """The rows of runs that have failed."""
+        return [row for row in self.rows if row["error"]]
+
+    @property
+    def columns(self) -> list[str]:
+        """The names of all columns: the parameters, the seed, the results, the facts."""
+        names = dict.fromkeys(name for row in self.rows for name in row)
+        results = [name for name in names if name not in RESERVED and name not in self.axes]
+        return [*self.axes, "seed", *results, *(name for name in RESERVED if name != "seed")]
+
+    def find(self, name: str) -> dict[str, Any]:
+        """Return the row of a run, given the first letters of its name.
+
+        Raises:
+            LookupError: there is none, or there are several.
+        """
+        rows = [row for row in self.rows if row["run"].startswith(name)]
+        if len(rows) != 1:
+            problem = f"{len(rows)} runs begin with" if rows else "there is no run"
+            raise LookupError(f"{problem} '{name}' in {self.folder}, which contains {len(self.rows)} runs")
+        return rows[0]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        return iter(self.rows)
+
+    def __getitem__(self, key: int | str) -> Any:
+        """A row, given its number; a column as a list, given its name."""
+        if isinstance(key, int):
+            return self.rows[key]
+        if key not in self.columns:
+            raise KeyError(f"no column '{key}': there are {', '.join(self.columns)}")
+        return [row.get(key) for row in self.rows]
+
+    def __repr__(self) -> str:
+        return f"<Table of {len(self)} runs, {len(self.failures)} failed; columns: {', '.join(self.columns)}>"
+
+    # -- other formats ---------------------------------------------------------------------
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """Return the columns as lists by name: ``polars.DataFrame(table.to_dict())``."""
+        return {name: [row.get(name) for row in self.rows] for name in self.columns}
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a file of comma-separated values."""
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            lines = csv.DictWriter(file, self.columns)
+            lines.writeheader()
+            lines.writerows(self.rows)
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Write a file in the Parquet format, with the extra ``parquet``.
+
+        Raises:
+            ImportError: pyarrow is not installed.
+        """
+        try:
+            import pyarrow
+            from pyarrow import parquet
+        except ImportError:
+            raise ImportError("Parquet needs pyarrow: pip install 'morse-simulator[parquet]'") from None
+        parquet.write_table(pyarrow.table(self.to_dict()), path)
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame`; pandas has to be installed."""
+        import pandas
+
+        return pandas.DataFrame(self.to_dict())

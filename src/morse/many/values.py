@@ -1,0 +1,33 @@
+"""Plain data, which files of results contain."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+def plain(value: Any, what: str) -> Any:
+    """Return a value as plain data: numbers, booleans, strings, None, and lists and dictionaries of them.
+
+    Raises:
+        TypeError: it is something else.
+    """
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    elif isinstance(value, np.generic):
+        value = value.item()
+    if value is None or isinstance(value, (bool, str)):
+        return value
+    if isinstance(value, int):
+        return int(value)
+    if isinstance(value, float):
+        return float(value)
+    if isinstance(value, (list, tuple)):
+        return [plain(one, what) for one in value]
+    if isinstance(value, dict):
+        return {str(key): plain(one, what) for key, one in value.items()}
+    raise TypeError(
+        f"{what} is a {type(value).__name__}, {value!r:.60}, expected a number, a string, a boolean, None, or a list "
+        "of these"
+    )

@@ -1,0 +1,68 @@
+"""A process that does runs, one after the other, for a driver at the other end of a socket."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import sys
+import threading
+from typing import TYPE_CHECKING, Any
+
+from morse.many.run import run_once
+from morse.many.study import Run
+
+if TYPE_CHECKING:
+    import socket
+
+    from morse.many.study import Study
+
+
+def serve(study: Study, connection: socket.socket, lifeline: int) -> None:
+    """Do runs until the driver closes the connection; messages are lines of JSON.
+
+    Args:
+        lifeline: descriptor of a pipe whose other end only the driver has: when it dies, this process ends.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the driver ends the workers
+    threading.Thread(target=_end_with_driver, args=(lifeline,), daemon=True).start()
+    with contextlib.suppress(ConnectionError), connection, connection.makefile("rwb") as lines:
+        for line in lines:
+            name, parameters, seed, record = json.loads(line)
+            row = run_once(study, Run(name, parameters, seed), record)
+            lines.write(json.dumps(row).encode() + b"\n")
+            lines.flush()
+
+
+def _end_with_driver(lifeline: int) -> None:
+    with contextlib.suppress(OSError):
+        os.read(lifeline, 1)
+    os._exit(1)
+
+
+def fork_worker(study: Study, connection: socket.socket, lifeline: int, close: list[Any]) -> int:
+    """Start a worker as a copy of this process; return its process id.
+
+    Args:
+        close: sockets and files of this process that the worker has to close.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    pid = os.fork()
+    if pid:
+        return pid
+    status = 1
+    try:
+        for one in close:
+            one.close()
+        serve(study, connection, lifeline)
+        status = 0
+    except BaseException as error:
+        with contextlib.suppress(Exception):
+            print(f"a worker has ended: {error!r}", file=sys.stderr)
+    finally:
+        with contextlib.suppress(Exception):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(status)

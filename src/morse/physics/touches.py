@@ -1,0 +1,113 @@
+"""What watched bodies have touched in a tick, with the impulses of the contacts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from morse.physics.model.layout import Motion
+from morse.physics.rays.solids import owner
+
+if TYPE_CHECKING:
+    from morse.physics.contact_points import ContactPoints
+    from morse.physics.objects.object_world import ObjectWorld
+
+#: a static body below whose contact normal is within 45 degrees of the vertical carries a body: it is the floor
+_UPRIGHT = 0.5**0.5
+
+
+class Touches:
+    """Adds up the contacts of watched bodies over the engine's steps of a tick.
+
+    The floor does not count: static bodies that carry the body from below.
+
+    Args:
+        points: finds the contacts of sleeping bodies.
+
+    Attributes:
+        impulses: name of a watched body to what it has touched in the last tick: name of the other body to the
+            magnitude of the impulse, N s.
+    """
+
+    def __init__(self, world: ObjectWorld, points: ContactPoints, impulses: dict[str, dict[str, float]]) -> None:
+        self._world, self._points = world, points
+        self._force = np.zeros(6)
+        self._owners = np.array([owner(world, world.slot_of[node]) for node in world.geom_node], np.intp)
+        self.impulses = impulses
+        self._slots: dict[int, str] = {}
+        self._resting: dict[int, dict[str, float]] = {}
+        for name in impulses:
+            self.watch(name)
+
+    def watch(self, name: str) -> None:
+        """Watch a body, with its wheels and links; an object that does not move touches nothing."""
+        self.impulses.setdefault(name, {})
+        slot = self._world.named.get(name)
+        if slot is not None:
+            self._slots[owner(self._world, slot)] = name
+
+    def begin(self) -> None:
+        """Begin a tick."""
+        for impulses in self.impulses.values():
+            impulses.clear()
+
+    def run(self, steps: int) -> None:
+        """Run steps of the engine. An earlier call in the same tick was undone, and does not count."""
+        self.begin()
+        state = self._world
+        for _ in range(steps):
+            mujoco.mj_step(state.model, state.data)
+            if state.data.ncon:
+                self._add(state.data, state.model.opt.timestep)
+
+    def end(self) -> None:
+        """End a tick: the engine removes the contacts of sleeping bodies, which rest where they have come to rest."""
+        data, model = self._world.data, self._world.model
+        for slot, name in self._slots.items():
+            body = self._world.slots[slot].body
+            tree = int(model.body_treeid[body]) if body > 0 else -1
+            if tree < 0 or data.tree_asleep[tree] < 0:
+                self._resting.pop(slot, None)
+                continue
+            if slot not in self._resting:
+                impulses = self.impulses[name]
+                impulses.clear()
+                with self._points.everything() as copy:
+                    if copy is not None:
+                        self._add(copy, self._world.period)
+                self._resting[slot] = dict(impulses)
+            self.impulses[name].update(self._resting[slot])
+
+    def forget(self) -> None:
+        """Forget what bodies rest on, because the state was replaced."""
+        self._resting.clear()
+        self.begin()
+
+    def _add(self, data: mujoco.MjData, duration: float) -> None:
+        pairs = data.contact.geom[: data.ncon]
+        owners = self._owners[pairs]
+        for index in np.flatnonzero(np.isin(owners, list(self._slots)).any(axis=1)).tolist():
+            if data.contact.efc_address[index] < 0:
+                continue
+            mujoco.mj_contactForce(self._world.model, data, index, self._force)
+            normal = float(self._force[0])
+            if not normal > 0.0:
+                continue
+            impulse = float(np.sqrt((self._force[:3] ** 2).sum())) * duration
+            up = float(data.contact.frame[index, 2])
+            for own, other in ((0, 1), (1, 0)):
+                name = self._slots.get(int(owners[index, own]))
+                # the normal points from the first body to the second one
+                if name is not None and owners[index, 0] != owners[index, 1]:
+                    self._note(name, int(pairs[index, other]), int(owners[index, other]), up if own else -up, impulse)
+
+    def _note(self, name: str, geom: int, slot: int, up: float, impulse: float) -> None:
+        world = self._world
+        is_fixed = world.slots[slot].frame.motion is Motion.FIXED
+        if is_fixed and up > _UPRIGHT:
+            return
+        other = (world.geom_node[geom] if is_fixed else world.slots[slot].frame.node).name
+        impulses = self.impulses[name]
+        impulses[other] = impulses.get(other, 0.0) + impulse

@@ -1,0 +1,112 @@
+"""Places objects and changes their parameters between two ticks."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.journal import SERVICE
+from morse.core.reports.hints import nearest
+from morse.mathutils import Euler
+from morse.simulation.handles.contacts import Contacts
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from morse.core.context import Context
+    from morse.core.world import Body
+    from morse.simulation.ticks.ticking import Ticker
+
+
+class Arranging:
+    """The part of `morse.simulation.simulation.Simulation` that changes the world between two ticks.
+
+    All changes are inputs: recordings contain them.
+    """
+
+    context: Context
+    rpc: Callable[..., Any]
+    _check_open: Callable[[], None]
+    _ticker: Ticker
+
+    def __init__(self) -> None:
+        self._contacts: dict[str, Contacts] = {}
+
+    def place(self, name: str, pose: Sequence[float]) -> None:
+        """Place a robot or an object, at rest. Sensors measure there at their next measurement, or by `measure`.
+
+        Args:
+            name: name of the robot or the object.
+            pose: x, y, yaw, with the height, the roll and the pitch of the scene; or x, y, z, roll, pitch, yaw; or x,
+                y, z and a quaternion w, x, y, z; in the world, m and rad.
+
+        Raises:
+            KeyError: there is no such object.
+            ValueError: there are other than 3, 6 or 7 numbers, or one is not finite.
+        """
+        obj = self._object(name)
+        numbers = [float(number) for number in pose]
+        if len(numbers) not in (3, 6, 7) or not all(map(math.isfinite, numbers)):
+            raise ValueError(
+                f"the pose of '{name}' is {list(pose)!r:.100}, expected finite numbers: x, y, yaw; or x, y, z, roll, "
+                "pitch, yaw; or x, y, z, qw, qx, qy, qz"
+            )
+        if len(numbers) == 7 and not any(numbers[3:]):
+            raise ValueError(f"the pose of '{name}' has the quaternion 0, 0, 0, 0, which is no orientation")
+        if len(numbers) == 3:
+            x, y, yaw = numbers
+            matrix = obj.node.world_matrix()
+            z, start = float(matrix.translation[2]), matrix.to_euler()
+            numbers = [x, y, z, start[0], start[1], yaw]
+        turn = numbers[3:] if len(numbers) == 7 else list(Euler(numbers[3:]).to_quaternion())
+        self.rpc("simulation", "set_object_pose", obj.name, numbers[:3], turn)
+
+    def measure(self, sensors: Sequence[str] | None = None) -> None:
+        """Let sensors measure now, between two ticks, in addition to the measurements at their rates.
+
+        Args:
+            sensors: full names, such as ``robot.laser``; None for all.
+
+        Raises:
+            KeyError: there is no such sensor.
+        """
+        self._check_open()
+        self._measure(sensors, again=True)
+
+    def _measure(self, sensors: Sequence[str] | bool | None, *, again: bool) -> None:
+        """Let sensors measure, and note it as a call of the service."""
+        names = None if sensors is None or isinstance(sensors, bool) else list(sensors)
+        self.context.journal.note(SERVICE, "simulation", ("measure", [names, again]))
+        self.measure_by_service(names, again)
+
+    def measure_by_service(self, names: Sequence[str] | None, again: bool) -> None:
+        """Let sensors measure; without ``again`` only those that have not measured in the last tick."""
+        for name in names or ():
+            if name not in self.context.components:
+                raise KeyError(f"there is no component '{name}'{nearest(name, list(self.context.components))}")
+        self._ticker.measure(names, again=again)
+
+    def contacts(self, name: str) -> Contacts:
+        """Return what a robot or an object touches from now on; see `Contacts`.
+
+        Raises:
+            KeyError: there is no such object.
+        """
+        self._check_open()
+        name = self._object(name).name
+        if name not in self._contacts:
+            self._contacts[name] = contacts = Contacts(self.context, name)
+            self._ticker.observers.append(contacts)
+        return self._contacts[name]
+
+    def _object(self, name: str) -> Body:
+        self._check_open()
+        objects = self.context.world.objects_by_name
+        if name not in objects:
+            from pymorse.names import normalize_name
+
+            robots = {normalize_name(robot): robot for robot in self.context.robots}
+            if name not in robots:
+                raise KeyError(f"there is no object '{name}'{nearest(name, list(objects))}")
+            name = robots[name]
+        return objects[name]

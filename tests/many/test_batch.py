@@ -1,0 +1,190 @@
+"""Arrays, rows and errors of a batch."""
+
+import numpy as np
+import pytest
+from many_scenes import arena, crowded_arena
+
+import morse
+from morse.core.validation.errors import CommandError
+
+
+@pytest.fixture
+def many():
+    with morse.batch(arena, 3, seed=7) as batch:
+        yield batch
+
+
+def test_shapes_and_types_come_from_the_data(many):
+    assert many.command("robot.motion", "v", "w").shape == (3, 2)
+    assert many.command("robot.motion", "v").shape == (3,)
+    assert many.read("robot.laser", "range_list").shape == (3, 181)
+    assert many.read("robot.pose", "x", "y", "yaw").shape == (3, 3)
+    assert many.seeds == [7, 8, 9]
+    assert len(many) == 3
+    assert "3 x arena" in repr(many)
+
+
+def test_images_depths_and_ids():
+    with morse.batch(crowded_arena, 2) as many:
+        image, depth = many.read("robot.camera", "image"), many.read("robot.depth", "image")
+        bumper = many.read("robot.bumper", "objects")
+        many.step(1, measure=True)
+        assert (image.shape, image.dtype) == ((2, 12, 16, 3), np.uint8)
+        assert (depth.shape, depth.dtype) == ((2, 12, 16), np.float32)
+        assert image.any()
+        assert bumper.dtype == object
+
+
+def test_the_arrays_are_the_same_objects_and_read_only(many):
+    pose = many.read("robot.pose", "x")
+    drive = many.command("robot.motion", "v", "w")
+    drive[:, 0] = [1.0, 2.0, 0.0]
+    many.step(60)
+    assert pose == pytest.approx([1.0, 1.7, 0.0], abs=0.1)  # the wall stands in the way of the second
+    with pytest.raises(ValueError, match="read-only"):
+        pose[0] = 0.0
+
+
+def test_measured_at_the_end_of_the_step(many):
+    age = many.read("robot.laser", "timestamp")
+    many.step(6)
+    assert (age < 6 / 60 - 0.05).all()
+    many.step(6, measure=True)
+    assert age.tolist() == [12 / 60] * 3
+    many.step(3, measure=["robot.pose"])
+    assert (age < 15 / 60 - 1e-9).all()
+
+
+def test_in_place_operations_are_commands(many):
+    drive, pose = many.command("robot.motion", "v", "w"), many.read("robot.pose", "x")
+    drive += 0.0
+    drive[1:] += [0.5, 0.0]
+    np.add(drive[2], [0.5, 0.0], out=np.asarray(drive)[2])
+    many.step(60)
+    assert pose == pytest.approx([0.0, 0.5, 1.0], abs=0.05)
+
+
+def test_a_restarted_row_has_no_command(many):
+    drive, pose = many.command("robot.motion", "v", "w"), many.read("robot.pose", "x")
+    drive[:] = [1.0, 0.0]
+    many.step(30)
+    many.restart([1], [42])
+    assert many.seeds == [7, 42, 9]
+    many.step(30)
+    assert pose == pytest.approx([1.0, 0.0, 1.0], abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("poses", "heading"),
+    [([0.5, -0.5, 1.0], 1.0), ([0.5, -0.5, 0.0, 0.0, 0.0, 1.0], 1.0), ([0.5, -0.5, 0.0, 0.0, 0.0, 0.0, 1.0], np.pi)],
+)
+def test_place_and_measure(many, poses, heading):
+    pose, scan = many.read("robot.pose", "x", "y", "yaw"), many.read("robot.laser", "range_list")
+    many.step(6, measure=True)
+    before = scan.copy()
+    many.place([0, 2], "robot", poses)
+    many.measure([0, 2])
+    assert abs(pose[[0, 2]] - [0.5, -0.5, heading]).max() < 1e-6
+    assert (scan[1] == before[1]).all()
+    assert (scan[0] != before[0]).any()
+    assert (scan[0] == scan[2]).all()
+
+
+def test_rows_are_numbers_slices_or_masks(many):
+    hashes = [sim.state_hash() for sim in many]
+    many.step(3)
+    for rows in (0, [0], slice(0, 1), np.array([True, False, False]), -3):
+        many.restart(rows)
+        assert many[0].state_hash() == hashes[0]
+        assert many[1].ticks == 3
+        many[0].step(1)
+
+
+@pytest.mark.parametrize(
+    ("mistake", "message"),
+    [
+        (lambda many: many.read("robot.lazer", "range_list"), "no 'lazer'.*'laser'"),
+        (lambda many: many.read("robot.laser", "ranges"), "no field 'ranges'"),
+        (lambda many: many.read("robbot.laser", "range_list"), "no robot 'robbot'.*'robot'"),
+        (lambda many: many.command("robot.laser", "range_list"), "is a sensor: use read"),
+        (lambda many: many.restart(3), "no row 3: the batch has 3 rows"),
+        (lambda many: many.restart([0, 1], [4]), "2 rows, but 1 seeds"),
+        (lambda many: many.restart([True, False]), "a mask"),
+        (lambda many: many.restart("all"), "rows are a number"),
+        (lambda many: many.place(0, "Wal0", [0, 0, 0]), "no object 'Wal0'.*'Wall"),
+        (lambda many: many.place(0, "robot", [0, 0]), "expected finite numbers: x, y, yaw"),
+        (lambda many: many.place(0, "robot", [np.nan, 0, 0]), "expected finite numbers"),
+        (lambda many: many.place([0, 1], "robot", [[0, 0, 0]] * 3), "one for each of 2 rows"),
+        (lambda many: many.step(measure=["robot.lazer"]), "no component 'robot.lazer'"),
+        (lambda many: many.step(-1), "does not go backwards"),
+    ],
+)
+def test_mistakes_are_named(many, mistake, message):
+    with pytest.raises((KeyError, IndexError, TypeError, ValueError), match=message):
+        mistake(many)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e9])
+def test_a_refused_command_stops_no_row_halfway(many, value):
+    drive = many.command("robot.motion", "v", "w")
+    drive[:] = 0.0
+    drive[2, 1] = value
+    with pytest.raises(CommandError, match=r"row 2: robot.motion: 'w' is .*expected a "):
+        many.step(6)
+    assert [sim.ticks for sim in many] == [0, 0, 0]
+
+
+def test_fields_of_varying_length_are_named():
+    def scene():
+        from morse.builder import ATRV, DepthCamera, Environment
+
+        robot = ATRV("robot")
+        camera = DepthCamera("camera")
+        camera.properties(cam_width=8, cam_height=8)
+        robot.append(camera)
+        Environment("indoors-1/indoor-1")
+
+    with morse.batch(scene, 2) as many:
+        many.read("robot.camera", "points")
+        many.place(1, "robot", [1.0, 1.0, 2.0])
+        with pytest.raises(ValueError, match=r"row 1: points of robot.camera.*keep_resolution=True"):
+            many.step(60, measure=True)
+
+
+def test_an_error_names_its_row_and_the_others_go_on(many):
+    def fail():
+        raise ZeroDivisionError("on purpose")
+
+    with morse.batch(arena, 3, on_failure="raise") as strict:
+        strict[1].before_physics.append(fail)
+        with pytest.raises(ZeroDivisionError) as caught:
+            strict.step(6)
+        assert any("in row 1 of the batch" in note for note in caught.value.__notes__)
+        assert [sim.ticks for sim in strict][::2] == [6, 6]
+
+
+def test_the_number_of_rows_is_required():
+    with pytest.raises(ValueError, match="needs the number of rows"):
+        morse.batch(arena)
+    with pytest.raises(ValueError, match="at least one row"):
+        morse.batch(arena, 0)
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.py"):
+        morse.batch("nowhere.py", 2)
+
+
+def test_a_closed_batch_says_so(many):
+    many.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        many.step()
+
+
+def test_arguments_of_a_script_for_each_row(tmp_path):
+    script = tmp_path / "scene.py"
+    script.write_text(
+        "import sys\nfrom morse.builder import *\nrobot = ATRV()\nrobot.translate(float(sys.argv[1]))\n"
+        "robot.append(Pose('pose'))\nenv = Environment('empty')\n"
+    )
+    with morse.batch(script, arguments=[["1"], ["2"], ["3"]]) as many:
+        x = many.read("robot.pose", "x")
+        many.step(1)
+        assert x == pytest.approx([1.0, 2.0, 3.0], abs=1e-3)
