@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
     from types import TracebackType
 
-    from morse.many.study import Study
+    from morse.many.run import Runs
 
 #: wall-clock time of a pack of runs, s, and the most runs of one: each pack costs a message through the cluster
 _PACK, _MOST_OF_A_PACK = 20.0, 500
@@ -23,7 +23,7 @@ _PACK, _MOST_OF_A_PACK = 20.0, 500
 _QUEUE = 3
 
 
-def do_pack(study: Study, tasks: Sequence[Task]) -> list[dict[str, Any]]:
+def do_pack(study: Runs, tasks: Sequence[Task]) -> list[dict[str, Any]]:
     """Do several runs; called in a process of the executor."""
     return [run_once(study, task.run, task.record) for task in tasks]
 
@@ -39,7 +39,7 @@ class ExecutorPool:
     """
 
     def __init__(
-        self, study: Study, start: Callable[[], Executor], workers: int, remaining: Callable[[], int], *, restarts: bool
+        self, study: Runs, start: Callable[[], Executor], workers: int, remaining: Callable[[], int], *, restarts: bool
     ) -> None:
         self._study, self._start, self._workers = study, start, workers
         self._remaining, self._restarts = remaining, restarts
@@ -141,7 +141,7 @@ def _one_thread() -> None:
 class InlinePool:
     """Does the runs in this process."""
 
-    def __init__(self, study: Study) -> None:
+    def __init__(self, study: Runs) -> None:
         self._study = study
         self._task: Task | None = None
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from types import TracebackType
 
-    from morse.many.study import Run, Study
+    from morse.many.run import Run, Runs
 
 
 class Task(NamedTuple):
@@ -43,7 +43,7 @@ class Pool:
     A study whose functions only this process has is forked from this process.
     """
 
-    def __init__(self, study: Study, workers: int) -> None:
+    def __init__(self, study: Runs, workers: int) -> None:
         self._study, self._most = study, workers
         self._busy: dict[socket.socket, tuple[Task, bytearray]] = {}
         self._idle: list[socket.socket] = []

@@ -8,7 +8,7 @@ import time
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from morse.core.reports.faults import place, summary
 from morse.launch.load import load
@@ -17,8 +17,7 @@ from morse.version import __version__
 
 if TYPE_CHECKING:
     import os
-
-    from morse.many.study import Run, Study
+    from collections.abc import Iterator, Mapping, Sequence
 
 #: columns of each row, besides the parameters and results
 RESERVED = (
@@ -27,7 +26,50 @@ RESERVED = (
 )  # fmt: skip
 
 
-def run_once(study: Study, run: Run, record: str | os.PathLike[str] | None = None) -> dict[str, Any]:
+class Run(NamedTuple):
+    """One run of a study.
+
+    Attributes:
+        name: the first twelve digits of the SHA-256 of the code, the parameters and the seed.
+        parameters: value of each parameter.
+        seed: seed of its simulation.
+    """
+
+    name: str
+    parameters: dict[str, Any]
+    seed: int
+
+
+class Runs(Protocol):
+    """What does runs: `morse.many.study.Study`."""
+
+    options: dict[str, Any]
+
+    @property
+    def axes(self) -> Mapping[str, Sequence[Any]]:
+        """The values of each parameter."""
+
+    @property
+    def code(self) -> str:
+        """SHA-256 of the code of the runs."""
+
+    def runs(self) -> Iterator[Run]:
+        """All runs."""
+
+    def scene_of(self, run: Run) -> Any:
+        """Return the argument of `morse.load` for a run."""
+
+    def arguments_of(self, run: Run) -> list[str]:
+        """Return the arguments of the scene script for a run."""
+
+    def call(self, simulation: Any, run: Run) -> Any:
+        """Call the function of the study."""
+
+    def description(self) -> dict[str, Any] | None:
+        """Return the study as plain data, for another process; None if only this process has its functions."""
+
+
+def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None) -> dict[str, Any]:
     """Do one run in this process.
 
     Returns:

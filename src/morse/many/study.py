@@ -7,12 +7,12 @@ import inspect
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from morse.core.reports.hints import nearest
 from morse.many import sources
 from morse.many.parameters import axis, combinations
-from morse.many.run import RESERVED, run_once
+from morse.many.run import RESERVED, Run, run_once
 from morse.scene import Scene
 
 if TYPE_CHECKING:
@@ -23,20 +23,6 @@ if TYPE_CHECKING:
 
 #: arguments of `Study` that cannot be parameters
 _OWN = ("seeds", "arguments", "options")
-
-
-class Run(NamedTuple):
-    """One run of a study.
-
-    Attributes:
-        name: the first twelve digits of the SHA-256 of the code, the parameters and the seed.
-        parameters: value of each parameter.
-        seed: seed of its simulation.
-    """
-
-    name: str
-    parameters: dict[str, Any]
-    seed: int
 
 
 class Study:

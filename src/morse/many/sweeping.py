@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from concurrent.futures import Executor
 
-    from morse.many.study import Run, Study
+    from morse.many.run import Run, Runs
 
 #: number of failures of each kind that are recorded
 RECORDED = 20
@@ -29,7 +29,7 @@ _REPORT = 1.0
 
 
 def sweep(
-    study: Study,
+    study: Runs,
     folder: str | os.PathLike[str],
     *,
     workers: int | None,
@@ -60,7 +60,7 @@ class Driver:
     """Gives the runs that are missing to a pool, and stores their rows."""
 
     def __init__(
-        self, study: Study, ledger: Ledger, workers: int, report: Callable[[str], object] | None, attempts: int
+        self, study: Runs, ledger: Ledger, workers: int, report: Callable[[str], object] | None, attempts: int
     ) -> None:
         self._study, self._ledger, self._workers = study, ledger, workers
         self._report, self._attempts = report, attempts

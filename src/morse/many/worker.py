@@ -10,16 +10,15 @@ import sys
 import threading
 from typing import TYPE_CHECKING, Any
 
-from morse.many.run import run_once
-from morse.many.study import Run
+from morse.many.run import Run, run_once
 
 if TYPE_CHECKING:
     import socket
 
-    from morse.many.study import Study
+    from morse.many.run import Runs
 
 
-def serve(study: Study, connection: socket.socket, lifeline: int) -> None:
+def serve(study: Runs, connection: socket.socket, lifeline: int) -> None:
     """Do runs until the driver closes the connection; messages are lines of JSON.
 
     Args:
@@ -41,7 +40,7 @@ def _end_with_driver(lifeline: int) -> None:
     os._exit(1)
 
 
-def fork_worker(study: Study, connection: socket.socket, lifeline: int, close: list[Any]) -> int:
+def fork_worker(study: Runs, connection: socket.socket, lifeline: int, close: list[Any]) -> int:
     """Start a worker as a copy of this process; return its process id.
 
     Args:

@@ -70,6 +70,7 @@ class World(ObjectWorld):
         self.scene = scene
         self.arrangement = 0
         self._rescue = Rescue()
+        self.touches: Touches | None = None
         self.repainted: set[GameObject] = set()
         self.repaints = 0
         self.repaint_sinks: list[Callable[[Any], object]] = []
@@ -101,7 +102,7 @@ class World(ObjectWorld):
         self._touching: Touching | None = None
         self._take_objects()
         if self.touches is not None:
-            self.touches = Touches(self, self._contact_points, self.touches.impulses)
+            self.watch = self.touches = Touches(self, self._contact_points, self.touches.impulses)
         self._saving = Saving(self, self.gliding, self._steps, self._names)
         self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
 
@@ -395,7 +396,7 @@ class World(ObjectWorld):
     def watch_touches(self, name: str) -> Mapping[str, float]:
         """See `morse.core.world.World.watch_touches`."""
         if self.touches is None:
-            self.touches = Touches(self, self._contact_points, {})
+            self.watch = self.touches = Touches(self, self._contact_points, {})
         self.touches.watch(name)
         return self.touches.impulses[name]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import mujoco
 import numpy as np
@@ -18,8 +18,14 @@ if TYPE_CHECKING:
     from morse.physics.model.articulated import JointSlot
     from morse.physics.model.compile import Compiled, Slot
     from morse.physics.model.couplings import TendonSlot
-    from morse.physics.touches import Touches
     from morse.scene import Node
+
+
+class Steps(Protocol):
+    """Observes the steps of the engine; see `morse.physics.touches.Touches`."""
+
+    def run(self, steps: int) -> None:
+        """Run steps of the engine."""
 
 
 class EngineState:
@@ -59,20 +65,20 @@ class EngineState:
         is_stirred: whether a body that does not glide was changed by an explicit call since the last tick.
         known_contacts: (N, 2) geoms in contact at the end of a tick in another engine instance, or None.
         names: name of the first node of each slot; ``named`` maps it to the slot.
-        touches: what watched bodies touch; None if no body is watched.
+        watch: runs the steps and observes them; None if nobody does.
     """
 
-    touches: Touches | None = None
+    watch: Steps | None = None
 
     def __init__(self, compiled: Compiled, period: float) -> None:
         self.take(compiled, period)
 
     def run(self, steps: int) -> None:
         """Run steps of the engine."""
-        if self.touches is None:
+        if self.watch is None:
             mujoco.mj_step(self.model, self.data, steps)
         else:
-            self.touches.run(steps)
+            self.watch.run(steps)
 
     def take(self, compiled: Compiled, period: float) -> None:
         """Use a compiled model, with all poses from the scene."""

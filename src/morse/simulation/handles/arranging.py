@@ -27,6 +27,7 @@ class Arranging:
     context: Context
     rpc: Callable[..., Any]
     _check_open: Callable[[], None]
+    _all_handles: Callable[[], dict[str, Any]]
     _ticker: Ticker
 
     def __init__(self) -> None:
@@ -103,10 +104,7 @@ class Arranging:
         self._check_open()
         objects = self.context.world.objects_by_name
         if name not in objects:
-            from pymorse.names import normalize_name
-
-            robots = {normalize_name(robot): robot for robot in self.context.robots}
-            if name not in robots:
-                raise KeyError(f"there is no object '{name}'{nearest(name, list(objects))}")
-            name = robots[name]
+            name = getattr(self._all_handles().get(name), "fqn", name)
+        if name not in objects:
+            raise KeyError(f"there is no object '{name}'{nearest(name, list(objects))}")
         return objects[name]
