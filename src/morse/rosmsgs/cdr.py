@@ -18,6 +18,8 @@ from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from morse.rosmsgs.definitions import MessageField
 
     Write = Callable[[bytearray, Any], None]
@@ -83,6 +85,25 @@ def _stamped(type_name: str, frame_id: str, child_frame_id: str | None) -> tuple
             raise ValueError(f"{type_name} is not a header and a fixed number of numbers")
         letters += inner * max(field.size, 1)
     return struct.Struct(form + _padding(letters, begin)).pack, texts
+
+
+def encode_rows(type_name: str, message: Mapping[str, Any], count: int) -> NDArray[np.uint8]:
+    """Encode many messages of the same size at once.
+
+    Args:
+        message: as for `encode`. A number that differs between the messages is a column (R,), a sequence of numbers
+            is rows (R, N). All other parts are those of each message.
+        count: R, the number of messages.
+
+    Returns:
+        (R, size) the bytes of `encode` for each row.
+
+    Raises:
+        ValueError, TypeError, OverflowError, struct.error: a value does not fit its field.
+    """
+    rows = _Rows(count)
+    rows.put_struct(type_name, message)
+    return rows.joined()
 
 
 def decode(type_name: str, data: bytes) -> dict[str, Any]:
@@ -312,6 +333,64 @@ def _write_string(buffer: bytearray, value: Any) -> None:
     _align(buffer, 4)
     # names of frames and joints are repeated often, texts are not
     buffer += _string_bytes(text) if len(text) < _NAME else _string_bytes.__wrapped__(text)
+
+
+# -- writing many ------------------------------------------------------------------------------
+
+
+class _Rows:
+    """The bytes that all messages share, and columns that replace some of them."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._shared = bytearray(_HEADER)
+        self._columns: list[tuple[int, NDArray[np.uint8]]] = []
+
+    def joined(self) -> NDArray[np.uint8]:
+        found = np.empty((self._count, len(self._shared)), dtype=np.uint8)
+        found[:] = np.frombuffer(self._shared, dtype=np.uint8)
+        for begin, column in self._columns:
+            found[:, begin : begin + column.shape[1]] = column
+        return found
+
+    def put_struct(self, type_name: str, value: Mapping[str, Any]) -> None:
+        fields = fields_of(type_name)
+        _check_names(type_name, frozenset(field.name for field in fields), value)
+        for field in fields:
+            self._put(field, value.get(field.name))
+
+    def _put(self, field: MessageField, value: Any) -> None:
+        if field.type in PRIMITIVES and getattr(value, "ndim", 0) == (1 if field.size == SINGLE else 2):
+            self._put_column(field, value)
+        elif field.type in PRIMITIVES or field.type == "string":
+            _writer(field)(self._shared, value)
+        elif field.size == SINGLE:
+            self.put_struct(field.type, value or {})
+        else:
+            items = value or ()
+            if field.size == SEQUENCE:
+                _write_count(self._shared, len(items))
+            for item in items:
+                self.put_struct(field.type, item)
+
+    def _put_column(self, field: MessageField, value: NDArray[Any]) -> None:
+        dtype = np.dtype("<" + PRIMITIVES[field.type])
+        with np.errstate(all="ignore"):
+            numbers = np.ascontiguousarray(value, dtype=dtype).reshape(self._count, -1)
+        items = numbers.shape[1]
+        if field.size == SINGLE:
+            # as the module struct refuses them
+            exact = np.isfinite(numbers) == np.isfinite(value)[:, None] if dtype.kind == "f" else numbers[:, 0] == value
+            if not exact.all():
+                raise OverflowError(f"field '{field.name}' has a number that does not fit {field.type}")
+        elif field.size == SEQUENCE:
+            _write_count(self._shared, items)
+        elif field.size != items:
+            raise ValueError(f"field '{field.name}' has {field.size} items, not {items}")
+        if items:
+            _align(self._shared, dtype.itemsize)
+            self._columns.append((len(self._shared), numbers.view(np.uint8)))
+            self._shared += bytes(items * dtype.itemsize)
 
 
 # -- reading -----------------------------------------------------------------------------------

@@ -21,6 +21,7 @@ std_msgs/Int64: int64 data
 std_msgs/String: string data
 std_msgs/MultiArrayDimension: string label, uint32 size, uint32 stride
 std_msgs/MultiArrayLayout: std_msgs/MultiArrayDimension[] dim, uint32 data_offset
+std_msgs/UInt8MultiArray: std_msgs/MultiArrayLayout layout, uint8[] data
 std_msgs/Float32MultiArray: std_msgs/MultiArrayLayout layout, float32[] data
 std_msgs/Float64MultiArray: std_msgs/MultiArrayLayout layout, float64[] data
 std_msgs/ColorRGBA: float32 r, float32 g, float32 b, float32 a

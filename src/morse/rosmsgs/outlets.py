@@ -33,8 +33,8 @@ class Outlet(NamedTuple):
         has_child: whether the message has a ``child_frame_id`` after the header.
         is_detached: `make` and `numbers` use nothing but the message, and the pose of a sensor in its rigid group; they
             take vectors as sequences of numbers, too. Another thread may call them later.
-        is_copy: each number of the message is a number of a slot, part of a unit quaternion from a slot, or depends
-            only on the other slots.
+        by_rows: `make` uses nothing but the message, and also takes many messages at once, whose slots have a first
+            axis of rows; words are the same in all rows.
     """
 
     type: str
@@ -48,7 +48,7 @@ class Outlet(NamedTuple):
     numbers: Callable[[Message], tuple[float, ...]] | None = None
     has_child: bool = False
     is_detached: bool = False
-    is_copy: bool = False
+    by_rows: bool = False
 
 
 class Inlet(NamedTuple):

@@ -1,4 +1,7 @@
-"""Common parts of messages."""
+"""Common parts of messages.
+
+Numbers may be those of many messages at once: columns (R,) instead of numbers, rows (R, N) instead of vectors.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from morse.core.kinds import Message
 
@@ -34,9 +39,11 @@ def header(message: Message, frame: str) -> dict[str, Any]:
 
 
 def floats(numbers: Any) -> list[float]:
-    """An array or a sequence of numbers as a list."""
-    given: list[float] = numbers.tolist() if type(numbers) is np.ndarray else [float(number) for number in numbers]
-    return given
+    """An array or a sequence of numbers as a list; of rows (R, N) of numbers, the list of N columns (R,)."""
+    if type(numbers) is not np.ndarray:
+        return [float(number) for number in numbers]
+    parts: list[float] = numbers.tolist() if numbers.ndim < 2 else list(np.moveaxis(numbers, -1, 0))  # type: ignore[arg-type]
+    return parts
 
 
 def xyz(vector: Sequence[float] | None) -> dict[str, float]:
@@ -61,10 +68,23 @@ def xyzw(wxyz: Sequence[float] | None) -> tuple[float, float, float, float]:
     if wxyz is None:
         return _NO_TURN
     w, x, y, z = floats(wxyz)
+    if isinstance(w, np.ndarray):
+        return _unit_rows(x, y, z, w)
     length = math.sqrt(w * w + x * x + y * y + z * z)
     if not 0.0 < length < math.inf:
         return _NO_TURN
     return (x, y, z, w) if length == 1.0 else (x / length, y / length, z / length, w / length)
+
+
+def _unit_rows(*parts: NDArray[np.float64]) -> tuple[Any, Any, Any, Any]:
+    """The quaternions x, y, z, w of many rows, with the bits of `xyzw`."""
+    x, y, z, w = parts
+    with np.errstate(all="ignore"):
+        length = np.sqrt(w * w + x * x + y * y + z * z)
+        is_turn = (length > 0.0) & (length < math.inf)
+        return tuple(  # type: ignore[return-value]
+            np.where(is_turn, part / length, identity) for part, identity in zip(parts, _NO_TURN, strict=True)
+        )
 
 
 def three(vector: Sequence[float] | None) -> tuple[float, ...]:
@@ -74,7 +94,10 @@ def three(vector: Sequence[float] | None) -> tuple[float, ...]:
 
 def covariance(matrix: Any) -> Any:
     """Row by row; None becomes all zeros, which means unknown."""
-    return None if matrix is None else np.asarray(matrix).reshape(-1)
+    if matrix is None:
+        return None
+    numbers = np.asarray(matrix)
+    return numbers.reshape(-1) if numbers.ndim < 3 else numbers.reshape(len(numbers), -1)
 
 
 def from_xyz(vector: Mapping[str, float]) -> list[float]:

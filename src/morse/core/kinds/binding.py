@@ -12,7 +12,7 @@ from morse.core.kinds.installed import kind_named
 from morse.core.kinds.kind import ORIENTATION
 from morse.core.kinds.message import Message
 from morse.core.kinds.replaced import uses_after_modifiers
-from morse.core.kinds.sources import Among, FromData, as_slot, source_of
+from morse.core.kinds.sources import Among, FromData, as_slot, as_slot_rows, source_of
 from morse.core.kinds.table import GENERAL, PICTURES
 from morse.core.kinds.turning import NED_AS_WORLD, TURNABLE, turned
 from morse.core.reports.hints import nearest
@@ -166,6 +166,28 @@ class BoundKind:
         }
         slots.update(self._covariances)
         return slots
+
+    def is_live(self, slot: Slot, source: Source) -> bool:
+        """Whether the value of a slot depends on more than the data of the component."""
+        return slot.name in self._turns or not source.is_of_data
+
+    def message_of_rows(self, values: Sequence[Any], stamps: Any) -> Message:
+        """Return many messages as one, whose slots have a first axis of rows.
+
+        Args:
+            values: of the slots, in the order of `sources`; words are the same in all rows.
+            stamps: (R,) whole ns.
+
+        Raises:
+            TypeError: the messages have to be made one by one.
+        """
+        slots: dict[str, Any] = {
+            slot.name: as_slot_rows(slot, value)
+            for (slot, _), value in zip(self._sources, values, strict=True)
+            if value is not None
+        }
+        slots.update(self._covariances)
+        return Message(self.kind, stamps, self.frame, slots)
 
     @property
     def needs(self) -> frozenset[str] | None:

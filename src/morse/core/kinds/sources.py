@@ -11,6 +11,7 @@ from morse.core.kinds.turning import angles_of, normalized, quaternion_of
 from morse.core.reports.hints import closest, nearest
 from morse.core.reports.quoting import shown
 from morse.core.units import UnitError, conversion
+from morse.mathutils.rotation_rows import quaternions_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -43,6 +44,14 @@ class Source:
         """The value, in the unit of the slot; None if there is no value at present."""
         raise NotImplementedError
 
+    def rows(self, columns: Mapping[str, Any]) -> Any:
+        """The values of many messages, with a first axis of rows, from columns of the fields of ``local_data``.
+
+        Raises:
+            TypeError: the values have to be read one by one.
+        """
+        raise TypeError(f"{type(self).__name__} is read one by one")
+
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
         """Convert a value of the slot into values of fields.
 
@@ -64,6 +73,10 @@ class Constant(Source):
         self._value = value
 
     def get(self, component: Any) -> Any:
+        """The constant."""
+        return self._value
+
+    def rows(self, columns: Mapping[str, Any]) -> Any:
         """The constant."""
         return self._value
 
@@ -128,6 +141,11 @@ class FromField(Source):
             else (value * self._factor + self._offset)
         )
 
+    def rows(self, columns: Mapping[str, Any]) -> Any:
+        """The column of the field, in the unit of the slot."""
+        column = columns[self._name]
+        return column if self._plain else numeric(column) * self._factor + self._offset
+
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
         """The value in the unit of the field."""
         if not self._plain:
@@ -149,6 +167,13 @@ class Stack(Source):
         """The numbers, 0 where there is no field."""
         data = component.local_data
         return [0.0 if name is None else data[name] * a + b for name, (a, b) in self._parts]
+
+    def rows(self, columns: Mapping[str, Any]) -> Any:
+        """The columns side by side."""
+        import numpy as np
+
+        parts = [0.0 if name is None else numeric(columns[name]) * a + b for name, (a, b) in self._parts]
+        return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
         """Write each number to its field; numbers without a field have no effect."""
@@ -217,6 +242,20 @@ class FromEuler(Source):
         angles = data[names[0]] if len(names) == 1 else [0.0 if name is None else data[name] for name in names]
         roll, pitch, yaw = angles
         return quaternion_of(roll * factor, pitch * factor, yaw * factor)
+
+    def rows(self, columns: Mapping[str, Any]) -> Any:
+        """The quaternions (R, 4)."""
+        import numpy as np
+
+        names, factor = self.fields, self._factor
+        if len(names) == 1:
+            angles = np.moveaxis(numeric(columns[str(names[0])]), -1, 0)
+        else:
+            present = [None if name is None else numeric(columns[name]) for name in names]
+            some = next(column for column in present if column is not None)
+            angles = [np.zeros_like(some) if column is None else column for column in present]  # type: ignore[assignment]
+        roll, pitch, yaw = angles
+        return np.stack(quaternions_of(roll * factor, pitch * factor, yaw * factor), axis=-1)
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
         """Write the angles; nothing if the quaternion is zero."""
@@ -382,10 +421,38 @@ def _converted(what: str, given: str, slot: Slot) -> tuple[float, float]:
         ) from None
 
 
+def numeric(column: Any) -> Any:
+    """A column of numbers of double precision.
+
+    Raises:
+        TypeError: it contains other values than numbers.
+    """
+    if getattr(column, "dtype", None) is None or column.dtype.kind not in "iufb":
+        raise TypeError("a column of other values than numbers is read one by one")
+    return column.astype("float64", copy=False)
+
+
 def _array(value: Any) -> Any:
     import numpy as np
 
     return np.asarray(value, dtype=np.float64)
+
+
+def as_slot_rows(slot: Slot, value: Any) -> Any:
+    """Return the values of many messages in the form of `as_slot`, with a first axis of rows; words are shared.
+
+    Raises:
+        TypeError: they are neither numbers nor words.
+    """
+    given = getattr(value, "dtype", None)
+    if given is None:
+        return as_slot(slot, value)
+    if slot.dtype in ("str", "object") or given.kind not in "iufb":
+        raise TypeError(f"slot '{slot.name}' is read one by one")
+    dtype = "bool" if slot.dtype == "bool" else "int64" if slot.dtype in _SCALAR else "float64"
+    if slot.shape:
+        dtype = str(given) if str(given) in slot.dtypes else slot.dtype
+    return value.astype(dtype, copy=False)
 
 
 def as_slot(slot: Slot, value: Any) -> Any:

@@ -6,7 +6,7 @@ Objects with a state have ``get_state()`` and ``set_state(state)``, or their att
 
 from morse.core.state.errors import StateError
 from morse.core.state.reading import Reader
-from morse.core.state.references import References
+from morse.core.state.references import NoReferences, References
 from morse.core.state.writing import Writer
 
-__all__ = ["Reader", "References", "StateError", "Writer"]
+__all__ = ["NoReferences", "Reader", "References", "StateError", "Writer"]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
+from morse.core.state.errors import StateError
+
 
 class References(Protocol):
     """Maps the parts of a simulation, and the classes and variables of its project, to names and back."""
@@ -33,3 +35,30 @@ class References(Protocol):
         Raises:
             StateError: there is no such object or function.
         """
+
+
+class NoReferences:
+    """References for data from outside, which do not refer to parts of the simulation, to classes or functions."""
+
+    def name_of(self, value: Any) -> str | None:
+        """Nothing has a name."""
+        return None
+
+    def find(self, name: str) -> Any:
+        """Refuse the name."""
+        raise StateError(f"data from outside cannot contain {name!r:.60}")
+
+    def find_class(self, path: str) -> type[Any] | None:
+        """There are no classes."""
+        return None
+
+    def met_class(self, cls: type[Any]) -> None:
+        """Do nothing, because such data do not contain objects of classes."""
+
+    def global_name(self, value: Any) -> str | None:
+        """Nothing has a name."""
+        return None
+
+    def find_global(self, name: str) -> Any:
+        """Refuse the name."""
+        raise StateError(f"data from outside cannot contain {name!r:.60}")

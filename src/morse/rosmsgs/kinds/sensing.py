@@ -30,7 +30,7 @@ class SensingKinds(TopicTable):
     @topics("imu")
     def imu(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """On ``data``, as in REP 145."""
-        return [Outlet("sensor_msgs/msg/Imu", _imu, "data", is_detached=True, is_copy=True)]
+        return [Outlet("sensor_msgs/msg/Imu", _imu, "data", is_detached=True, by_rows=True)]
 
     @topics("magnetic_field")
     def magnetic_field(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
@@ -42,16 +42,16 @@ class SensingKinds(TopicTable):
                 _magnetic_field,
                 "mag" if beside else "",
                 is_detached=True,
-                is_copy=True,
+                by_rows=True,
             )
         ]
 
     @topics("fix")
     def fix(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Of the antenna; velocity and universal time have their own topics."""
-        outlets = [Outlet("sensor_msgs/msg/NavSatFix", _fix, frame="own", is_copy=True)]
+        outlets = [Outlet("sensor_msgs/msg/NavSatFix", _fix, frame="own", by_rows=True)]
         if bound.has("velocity"):
-            outlets.append(Outlet("geometry_msgs/msg/TwistStamped", _ground_velocity, "vel", frame="enu", is_copy=True))
+            outlets.append(Outlet("geometry_msgs/msg/TwistStamped", _ground_velocity, "vel", frame="enu", by_rows=True))
         if bound.has("utc"):
             outlets.append(Outlet("sensor_msgs/msg/TimeReference", _time_reference, "time_reference", frame="own"))
         return outlets
@@ -66,10 +66,10 @@ class SensingKinds(TopicTable):
         """A ``FluidPressure`` is absolute: the differential pressure is a number."""
         outlets = []
         if bound.has("absolute"):
-            outlets.append(Outlet("sensor_msgs/msg/FluidPressure", _pressure, is_copy=True))
+            outlets.append(Outlet("sensor_msgs/msg/FluidPressure", _pressure, by_rows=True))
         if bound.has("differential"):
             outlets.append(
-                Outlet("std_msgs/msg/Float64", lambda m, f: {"data": m.differential}, "differential", is_copy=True)
+                Outlet("std_msgs/msg/Float64", lambda m, f: {"data": m.differential}, "differential", by_rows=True)
             )
         return outlets
 
@@ -80,14 +80,14 @@ class SensingKinds(TopicTable):
             Outlet(
                 "sensor_msgs/msg/Temperature",
                 lambda m, f: {"header": header(m, f), "temperature": m.temperature, "variance": m.variance},
-                is_copy=True,
+                by_rows=True,
             )
         ]
 
     @topics("battery")
     def battery(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Quantities that are not measured are NaN."""
-        return [Outlet("sensor_msgs/msg/BatteryState", _battery, is_copy=True)]
+        return [Outlet("sensor_msgs/msg/BatteryState", _battery, by_rows=True)]
 
     @topics("range")
     def range(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
@@ -95,7 +95,7 @@ class SensingKinds(TopicTable):
         bundle = getattr(bound.component, "rays", None)
         return [
             Outlet(
-                "sensor_msgs/msg/Range", _range, frame="down" if getattr(bundle, "upright", False) else "", is_copy=True
+                "sensor_msgs/msg/Range", _range, frame="down" if getattr(bundle, "upright", False) else "", by_rows=True
             )
         ]
 
@@ -136,6 +136,8 @@ def _fix(message: Message, frame: str) -> dict[str, Any]:
 def _covariance_type(matrix: Any) -> int:
     if matrix is None or not np.any(matrix):
         return _UNKNOWN
+    if matrix.ndim > 2:
+        raise TypeError("the type of a covariance is found message by message")
     return _KNOWN if np.any(matrix - np.diag(np.diagonal(matrix))) else _DIAGONAL
 
 

@@ -37,7 +37,7 @@ class SpatialKinds(TopicTable):
     def pose(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """A point if there is no orientation."""
         if not bound.has("orientation"):
-            return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True, is_copy=True)]
+            return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True, by_rows=True)]
         if bound.has("covariance"):
             return [
                 Outlet(
@@ -46,7 +46,7 @@ class SpatialKinds(TopicTable):
                         "header": header(m, f),
                         "pose": {"pose": pose_message(m), "covariance": covariance(m.covariance)},
                     },
-                    is_copy=True,
+                    by_rows=True,
                 )
             ]
         return [
@@ -55,7 +55,7 @@ class SpatialKinds(TopicTable):
                 lambda m, f: {"header": header(m, f), "pose": pose_message(m)},
                 numbers=lambda m: (*three(m.position), *xyzw(m.orientation)),
                 is_detached=True,
-                is_copy=True,
+                by_rows=True,
             )
         ]
 
@@ -70,7 +70,7 @@ class SpatialKinds(TopicTable):
                         "header": header(m, f),
                         "twist": {"twist": _twist(m), "covariance": covariance(m.covariance)},
                     },
-                    is_copy=True,
+                    by_rows=True,
                 )
             ]
         return [
@@ -79,7 +79,7 @@ class SpatialKinds(TopicTable):
                 lambda m, f: {"header": header(m, f), "twist": _twist(m)},
                 numbers=lambda m: (*three(m.linear), *three(m.angular)),
                 is_detached=True,
-                is_copy=True,
+                by_rows=True,
             )
         ]
 
@@ -90,14 +90,14 @@ class SpatialKinds(TopicTable):
             Outlet(
                 "geometry_msgs/msg/AccelWithCovarianceStamped",
                 lambda m, f: {"header": header(m, f), "accel": {"accel": _twist(m)}},
-                is_copy=True,
+                by_rows=True,
             )
         ]
 
     @topics("attitude")
     def attitude(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """An IMU message that marks the missing quantities."""
-        return [Outlet("sensor_msgs/msg/Imu", _attitude, frame="own", is_copy=True)]
+        return [Outlet("sensor_msgs/msg/Imu", _attitude, frame="own", by_rows=True)]
 
     @topics("odometry")
     def odometry(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
@@ -119,7 +119,7 @@ class SpatialKinds(TopicTable):
             Outlet(
                 "geometry_msgs/msg/WrenchStamped",
                 lambda m, f: {"header": header(m, f), "wrench": {"force": xyz(m.force), "torque": xyz(m.torque)}},
-                is_copy=True,
+                by_rows=True,
             )
         ]
 

@@ -27,9 +27,9 @@ class StateKinds(TopicTable):
     @topics("contact")
     def contact(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Whether there is a contact, the names, and the force."""
-        outlets = [Outlet(_BOOL, lambda m, f: {"data": m.touching}, is_copy=True)]
+        outlets = [Outlet(_BOOL, lambda m, f: {"data": m.touching}, by_rows=True)]
         if bound.has("names"):
-            outlets.append(Outlet(_STRING, lambda m, f: {"data": ",".join(m.names or ())}, "names", is_copy=True))
+            outlets.append(Outlet(_STRING, lambda m, f: {"data": ",".join(m.names or ())}, "names", by_rows=True))
         if bound.has("forces"):
             outlets.append(Outlet("geometry_msgs/msg/WrenchStamped", _total_force, "wrench", frame="world"))
         return outlets
@@ -37,12 +37,12 @@ class StateKinds(TopicTable):
     @topics("joints")
     def joints(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """All joints of the component."""
-        return [Outlet("sensor_msgs/msg/JointState", _joints, is_copy=True)]
+        return [Outlet("sensor_msgs/msg/JointState", _joints, by_rows=True)]
 
     @topics("actuators")
     def actuators(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """One number for each motor."""
-        return [Outlet(_FLOATS, lambda m, f: {"data": m.values}, is_copy=True)]
+        return [Outlet(_FLOATS, lambda m, f: {"data": m.values}, by_rows=True)]
 
     @topics("switch")
     def switch(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:

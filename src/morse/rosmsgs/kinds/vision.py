@@ -36,7 +36,7 @@ class VisionKinds(TopicTable):
     def scan(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """From right to left; all rays have the same time."""
         period = 1.0 / bound.component.frequency
-        return [Outlet("sensor_msgs/msg/LaserScan", lambda m, f: _scan(m, f, period))]
+        return [Outlet("sensor_msgs/msg/LaserScan", lambda m, f: _scan(m, f, period), by_rows=True)]
 
     @topics("cloud")
     def cloud(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
@@ -65,7 +65,7 @@ class VisionKinds(TopicTable):
 
 
 def _scan(message: Message, frame: str, period: float) -> dict[str, Any]:
-    first, step, count = message.angle_min, message.angle_increment, len(message.ranges)
+    first, step, count = message.angle_min, message.angle_increment, message.ranges.shape[-1]
     return {
         "header": header(message, frame),
         "angle_min": first,

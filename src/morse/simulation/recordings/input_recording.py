@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from morse.core.journal import COMMAND, RESTORE, SPAWN, Entry
-from morse.core.state import Reader, StateError, Writer
+from morse.core.state import NoReferences, Reader, StateError, Writer
 from morse.simulation.states.own_state import InputsState
 from morse.simulation.states.state import State
 from morse.system.packed_keys import check_keys
@@ -119,33 +119,6 @@ class InputRecorder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.stop()
-
-
-class NoReferences:
-    """References for data from outside, which do not refer to parts of the simulation, to classes or functions."""
-
-    def name_of(self, value: Any) -> str | None:
-        """Nothing has a name."""
-        return None
-
-    def find(self, name: str) -> Any:
-        """Refuse the name."""
-        raise StateError(f"an input cannot contain {name!r:.60}")
-
-    def find_class(self, path: str) -> type[Any] | None:
-        """There are no classes."""
-        return None
-
-    def met_class(self, cls: type[Any]) -> None:
-        """Do nothing, because inputs do not contain objects of classes."""
-
-    def global_name(self, value: Any) -> str | None:
-        """Nothing has a name."""
-        return None
-
-    def find_global(self, name: str) -> Any:
-        """Refuse the name."""
-        raise StateError(f"an input cannot contain {name!r:.60}")
 
 
 def entry_to_bytes(entry: Entry) -> bytes:
