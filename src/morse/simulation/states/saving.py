@@ -9,6 +9,7 @@ from morse.core.context import acting
 from morse.core.modifier import AbstractModifier
 from morse.core.object import Object
 from morse.core.overlay import MorseOverlay
+from morse.core.reports.faults import describe
 from morse.core.state import NoReferences, Reader, StateError, Writer
 from morse.simulation.states.own_state import ClockState, ControlsState, InputsState, check_population
 from morse.simulation.states.state import State
