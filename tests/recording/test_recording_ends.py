@@ -11,6 +11,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from mcap.exceptions import McapError
 from mcap.stream_reader import StreamReader
@@ -19,8 +20,8 @@ from recorded import SCRIPT, drive, read_by_rosbags, scene
 import morse
 from morse.recording.disk import Disk
 from morse.recording.errors import RecordingError
+from morse.recording.mcap.chunks import Messages
 from morse.recording.mcap.reader import McapFile
-from morse.recording.mcap.records import Message
 
 _LIMIT = 100.0
 
@@ -158,8 +159,20 @@ def test_a_slow_disk_makes_the_giver_wait_and_loses_nothing(tmp_path: Path) -> N
     disk = Disk(_SlowFile(path))  # type: ignore[arg-type]
     disk.other(lambda file: file.channel("/a", file.schema("std_msgs/msg/String", "string data"), {}))
     noise = random.Random(0).randbytes(1 << 20)
+    waiting: list[Messages] = []
+
+    class Source:
+        complete = 0
+
+        def take(self, until: int | None) -> list[Messages]:
+            some = waiting[:]
+            del waiting[: len(some)]
+            return some
+
+    disk.begin(Source())
     for number in range(150):
-        disk.message(Message(1, number, number, number, noise))
+        waiting.append(Messages(1, np.full((1, 3), number), [noise]))
+        disk.pass_on(len(noise), number)
     disk.close()
     assert disk.waits > 0
     with McapFile(path) as file:

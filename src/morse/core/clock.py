@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
@@ -81,6 +81,15 @@ class Clock:
             if self._stamped[0] != tick:
                 self._stamped = (tick, self.stamp_of(tick))
             return self._stamped[1]
+        return self.stamp_at(seconds, tick)
+
+    def stamp_at(self, seconds: Any, tick: int) -> int:
+        """Return a value of `time` in whole nanoseconds.
+
+        Args:
+            seconds: the value; of anything but a number, the result is the time of the tick.
+            tick: number of the tick.
+        """
         if isinstance(seconds, (int, float)) and math.isfinite(seconds):
             ticks = (seconds - self._origin) * self.frequency
             tick = round(ticks)

@@ -5,17 +5,16 @@ from __future__ import annotations
 import errno
 import threading
 import time
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol
 
-from morse.kernel.recording import records
-from morse.recording.captures import Moments
-from morse.recording.gathering import VALUES, Gathered, Memory
-from morse.recording.mcap.records import Message
+from morse.recording.mcap.chunks import chunk_of, size_of
 from morse.recording.mcap.writer import McapWriter
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from io import FileIO
+
+    from morse.recording.mcap.chunks import Messages
 
 
 #: wall-clock seconds between two chunks: limits the loss if the process is killed, with a margin for the writing itself
@@ -27,24 +26,16 @@ CHUNK = 16 << 20
 _QUICK = 4e6
 #: maximum number of bytes that wait for the disk; then the simulation waits
 _MOST_WAITING = 64 << 20
-#: approximate overhead of a message, bytes
-_OVERHEAD = 100
 
 
-class _Passed(NamedTuple):
-    """The end of a chunk.
+class Source(Protocol):
+    """What a simulation has kept."""
 
-    Attributes:
-        given: number of bytes that were queued until then.
-    """
+    #: number of the last complete tick
+    complete: int
 
-    given: int
-
-
-_Item: TypeAlias = "Message | Moments | _Passed | Callable[[McapWriter], object]"
-#: takes the place of the number of a tick
-_OTHER = -1
-_NOTHING = (None,) * (VALUES - 2)
+    def take(self, until: int | None) -> list[Messages]:
+        """Take what was kept up to a tick, or everything; called in the thread of the disk."""
 
 
 class Disk:
@@ -59,59 +50,47 @@ class Disk:
     Attributes:
         error: the error of the operating system, or None.
         waits: number of times that a writer had to wait.
-        queue: ticks, which are encoded later, and other things in the order of the simulation: a flat list with
-            `VALUES` values of each, which have to be appended by one operation. The caller has to call `pass_on`.
     """
 
     def __init__(self, file: FileIO) -> None:
         self._file = file
         self.error: OSError | None = None
         self.waits = 0
+        self._source: Source | None = None
         self._writer = McapWriter(file)
         # each operation on a list is atomic: other threads append, and only the thread of the disk removes
-        self.queue: list[Any] = []
-        self._held = self._given = self._taken = 0  # bytes; only the thread writes the last one
-        self._native = records()
-        self._moments: Moments | None = None
-        self._gathered = self._new()
-        self._memory = Memory()
+        self._operations: list[Callable[[McapWriter], object]] = []
+        #: ends of chunks: number of a tick, None for everything; number of bytes that were kept until then
+        self._ends: list[tuple[int | None, int]] = []
+        self._passed = self._taken = 0  # bytes; only the thread writes the last one
         self._written = time.monotonic()
         self._wake, self._room = threading.Event(), threading.Event()
         self._ending = False
         self._thread = threading.Thread(target=self._run, name="morse-recording", daemon=True)
+
+    def begin(self, source: Source) -> None:
+        """Begin to write what a source has kept."""
+        self._source = source
         self._thread.start()
 
-    def message(self, one: Message) -> None:
-        """Queue a message."""
-        self._put(one)
-        self._held += _OVERHEAD + len(one.data)
-        if self._held > CHUNK:
-            self.pass_on(self._held)
-            self._held = 0
-
     def other(self, write: Callable[[McapWriter], object]) -> None:
-        """Queue another operation, after all previous messages."""
-        self._put(write)
+        """Queue another operation, before all messages that are not written yet."""
+        self._operations.append(write)
 
-    def begin(self, moments: Moments) -> None:
-        """Set the times of the following ticks."""
-        self._put(moments)
-
-    def _put(self, item: _Item) -> None:
-        self.queue += (_OTHER, item, *_NOTHING)
-
-    def pass_on(self, size: int) -> None:
-        """End a chunk, and wait if too many bytes are queued.
+    def pass_on(self, size: int, tick: int | None) -> None:
+        """End a chunk, and wait if too many bytes are kept.
 
         Args:
-            size: approximate memory of the data that were queued since the last call, bytes.
+            size: approximate number of bytes that were kept since the last call.
+            tick: number of the last tick of the chunk; None for everything, which is then waited for.
         """
-        self._given += size
-        self._put(_Passed(self._given))
+        self._passed += size
+        self._ends.append((tick, self._passed))
         self._wake.set()
-        if self._given - self._taken > _MOST_WAITING:
-            self.waits += 1
-            while self._given - self._taken > _MOST_WAITING // 2 and self._thread.is_alive():
+        most = _MOST_WAITING if tick is not None else -1
+        if self._passed - self._taken > most or (tick is None and self._ends):
+            self.waits += tick is not None
+            while (self._ends if tick is None else self._passed - self._taken > most // 2) and self._thread.is_alive():
                 self._room.wait(_INTERVAL)
                 self._room.clear()
 
@@ -119,7 +98,10 @@ class Disk:
         """Write the remaining data and the index; wait until that is done."""
         self._ending = True
         self._wake.set()
-        self._thread.join()
+        if self._thread.ident is None:  # the recording could not begin
+            self._file.close()
+        else:
+            self._thread.join()
 
     # -- the thread --------------------------------------------------------------------------
 
@@ -129,69 +111,45 @@ class Disk:
             while not self._ending:
                 self._wake.wait(max(due - time.monotonic(), 0.0))
                 self._wake.clear()
-                self._drain()
-                # all that was queued before a chunk is written with it
+                self._pass()
+                # all that was kept before a chunk is written with it
                 due = max(due, self._written + _INTERVAL)
                 if time.monotonic() >= due:
                     due = time.monotonic() + _INTERVAL
-                    self._write()
-            self._drain()
-            self._write()
+                    self._write(self._source.complete if self._source else 0)
+            self._pass()
+            self._write(None)
             self._attempt(self._writer.finish)
         finally:
             self._file.close()
+            self._ends.clear()
+            self._room.set()
 
-    def _drain(self) -> None:
-        """Take all that is queued, and write the chunks that have ended."""
-        queue = self.queue
-        while some := queue[:]:
-            del queue[: len(some)]
-            numbers = some[::VALUES]
-            begin = 0
-            for _ in range(numbers.count(_OTHER)):
-                place = numbers.index(_OTHER, begin)
-                self._gathered.ticks += some[VALUES * begin : VALUES * place]
-                self._take(some[VALUES * place + 1])
-                begin = place + 1
-            self._gathered.ticks += some[VALUES * begin :] if begin else some
+    def _pass(self) -> None:
+        """Write the chunks that have ended."""
+        while self._ends:
+            tick, size = self._ends[0]
+            self._write(tick)
+            self._taken = size
+            del self._ends[0]
+            self._room.set()
 
-    def _take(self, item: _Item) -> None:
-        if type(item) is Message:
-            gathered = self._gathered
-            gathered.messages.append((len(gathered.ticks) // VALUES, item))
-        else:
-            self._write()
-            if type(item) is Moments:
-                self._moments = item
-                self._gathered = self._new()
-            elif isinstance(item, _Passed):
-                self._taken = item.given
-                self._room.set()
-            else:
-                self._attempt(lambda: item(self._writer))  # type: ignore[operator]
+    def _write(self, until: int | None) -> None:
+        while self._operations:
+            self._attempt(lambda: self._operations[0](self._writer))
+            del self._operations[0]
+        self._attempt(lambda: self._chunk(until))
 
-    def _new(self) -> Gathered:
-        return Gathered(self._moments, self._native)
-
-    def _write(self) -> None:
-        """Write the messages that were taken."""
-        gathered, self._gathered = self._gathered, self._new()
-        if gathered:
-            self._attempt(lambda: self._chunk(gathered))
-
-    def _chunk(self, gathered: Gathered) -> None:
+    def _chunk(self, until: int | None) -> None:
+        assert self._source is not None
+        messages: list[Any] = self._source.take(until)
+        while self._operations:  # the channels of these messages
+            self._operations.pop(0)(self._writer)
         now = time.monotonic()
         elapsed, self._written = now - self._written, now
-
-        def is_quick(size: int) -> bool:
-            return size > _QUICK * elapsed
-
-        encoded = gathered.encoded(self._memory, is_quick)
-        plain, index = encoded.plain, encoded.positions
-        if encoded.packed is None:
-            self._writer.encoded(plain.data, index, quickly=is_quick(len(plain)))
-        else:
-            self._writer.packed(encoded.packed.data, encoded.size, len(plain), index)
+        if messages:
+            chunk, index = chunk_of(messages)
+            self._writer.encoded(chunk.data, index, quickly=size_of(messages) > _QUICK * elapsed)
 
     def _attempt(self, write: Callable[[], object]) -> None:
         if self.error is not None:

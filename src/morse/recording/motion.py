@@ -6,9 +6,6 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from morse.helpers.transformation import Transformation3d
-from morse.kernel.recording import records
-from morse.recording.captures import NodesCapture
-from morse.recording.captures.template import Part, Template
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.names import MAP
 from morse.rosmsgs.parts import header_at, quaternion, xyz
@@ -28,9 +25,7 @@ class Motion:
     """Publishes the poses of all moving nodes in the world in every tick, their names, and changes of appearance.
 
     Attributes:
-        capture: encodes the poses of many ticks; None without the kernel.
         repainted: objects whose appearance has changed since the last `publish_looks`.
-        relocated: number of static rigid groups that were moved, and are published since.
 
     Args:
         context: of the simulation.
@@ -42,8 +37,6 @@ class Motion:
         self._poses = backend.publisher(POSES, POSES_TYPE, Qos(100))
         self._nodes = backend.publisher(NODES, TEXT_TYPE, Qos(1, latched=True))
         self._looks = backend.publisher(LOOKS, TEXT_TYPE, Qos(1000))
-        self._native = records()
-        self.capture: NodesCapture | None = None
         self.repainted: set[Any] = set()
         self._told: dict[str, Any] = {}
         self._world.repaint_sinks.append(self.repainted.add)
@@ -56,70 +49,53 @@ class Motion:
 
     def follow(self) -> None:
         """The objects may have changed."""
-        self._layout = self._displacements = self.relocated = -1
+        self._layout = self._relocated = -1
+        self._objects: list[Any] = []
         self._is_new = True
 
     # -- a tick ------------------------------------------------------------------------------
 
     def publish(self, stamp: int) -> None:
-        """Publish the poses, and what has changed.
+        """Publish the poses, and what has changed, encoded in the tick.
 
         Args:
             stamp: simulated time, ns.
         """
-        self.renew(stamp)
+        self.renew()
         self.publish_looks()
         if self._poses is not None:
-            snapshot = self._snapshots.now()
-            capture = self.capture
-            self._poses.publish(self.message(stamp) if capture is None else capture.message(stamp, snapshot))
+            self._poses.publish(self.message(stamp))
 
-    def renew(self, stamp: int) -> None:
-        """Publish the names of the nodes if they have changed, and renew `capture` after a change of the objects."""
+    @property
+    def channel(self) -> int:
+        """The id of the channel of poses in the file; -1 if they are not in a file."""
+        return getattr(self._poses, "number", -1)
+
+    def renew(self) -> list[Any]:
+        """Publish the names of the nodes if they have changed, and return their objects."""
         world = self._world
-        if world.layout != self._layout or len(world.relocated) != self.relocated or self._is_new:
+        if world.layout != self._layout or len(world.relocated) != self._relocated or self._is_new:
             if self._is_new:
                 # a restored state may place static objects elsewhere
                 world.relocated.update(world.displaced_slots())
-            self._layout, self.relocated = world.layout, len(world.relocated)
+            self._layout, self._relocated = world.layout, len(world.relocated)
             self._name_nodes()
-        if world.displacements != self._displacements:
-            self._displacements = world.displacements
-            self.capture = self._captured(stamp)
         if self._is_new:
             self._is_new = False
             # restored objects do not report their appearance
             self.repainted.update(world.objects())
-
-    def is_unmoved(self) -> bool:
-        """Whether all nodes have the places in their rigid groups that `capture` has."""
-        world = self._world
-        if world.layout != self._layout or self.capture is None:
-            return False
-        if self._snapshots.now().mountings != self.capture.mountings:
-            return False
-        self._displacements = world.displacements
-        return True
+        return self._objects
 
     def _name_nodes(self) -> None:
         world = self._world
         nodes = [node for node, _ in world.moving_nodes()]
-        self._snapshots = world.snapshots([world.object_of(node) for node in nodes])
-        self._displacements = -1
-        self._template: Template | None = None
+        self._objects = [world.object_of(node) for node in nodes]
+        self._snapshots = world.snapshots(self._objects)
         if self._nodes is not None:
             self._nodes.publish(encode(TEXT_TYPE, {"data": json.dumps([node.name for node in nodes])}))
 
-    def _captured(self, stamp: int) -> NodesCapture | None:
-        if self._native is None:
-            return None
-        if self._template is None:
-            self._template = Template([Part(getattr(self._poses, "number", 0), self.message(stamp))])
-        # earlier ticks may still have to be encoded by the previous capture
-        return NodesCapture(self._native, self._template, self._snapshots.now())
-
     def message(self, stamp: int) -> bytes:
-        """Return the message of the present poses, encoded in Python: the reference of the capture."""
+        """Return the message of the present poses, encoded in the tick."""
         snapshot, origin = self._snapshots.now(), Transformation3d()
         poses = []
         for row in range(len(snapshot.slots)):

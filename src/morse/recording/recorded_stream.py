@@ -1,138 +1,199 @@
-"""The stream of a recorded sensor."""
+"""The stream of a recorded sensor: a tick keeps its data, and the thread of the recording makes messages of them."""
 
 from __future__ import annotations
 
+import json
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from morse.core.groups.joining import may_join
-from morse.core.kinds.binding import stamp_of
-from morse.core.kinds.table import PICTURES
+import numpy as np
+
+from morse.core.kinds import GENERAL, Message, fields_of
+from morse.core.kinds.sources import as_slot
+from morse.core.streams.local_data import Later
 from morse.middleware.ros2.stream import Ros2Stream
-from morse.recording.captures.classes import is_captured
-from morse.recording.captures.lone import Lone
-from morse.rosmsgs.definitions import fields_of
+from morse.recording.fields import CLASS, COMPONENT, DECLARED, FIELDS, FIELDS_TYPE
+from morse.recording.fields.blocks import encode_block
+from morse.recording.fields.columns import Columns
+from morse.recording.fields.messages import UNFIT, Batch, Line, messages_of
+from morse.rosmsgs.cdr import encode
+from morse.rosmsgs.names import cleaned
+from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Iterator
 
-    from morse.core.kinds import BoundKind, Message
+    from numpy.typing import NDArray
+
+    from morse.core.kinds import BoundKind
     from morse.core.object import Object
-    from morse.recording.streams import RecordedStreams
-    from morse.rosmsgs.outlets import Outlet
+    from morse.middleware.ros2.stream import Sending
+    from morse.recording.fields.columns import Rows
+    from morse.recording.fields.values import Keeper
 
-
-class Single(NamedTuple):
-    """The message of a sensor with one message.
-
-    Attributes:
-        channel: id of its channel in the file.
-        data: the present message.
-    """
-
-    channel: int
-    data: bytes
-
-
-class RecordedLine(NamedTuple):
-    """A topic of a recorded sensor.
-
-    Attributes:
-        bound: the kind of its messages.
-        outlet: the topic.
-        channel: id of its channel in the file.
-        is_stamped: whether its messages begin with a header.
-        frame: name of the frame of a message.
-        encode: encodes a message, given its fields.
-    """
-
-    bound: BoundKind
-    outlet: Outlet
-    channel: int
-    is_stamped: bool
-    frame: Callable[[Message], str]
-    encode: Callable[[Any], bytes]
-
-    def encoded(self, message: Message) -> bytes | None:
-        """The bytes of a message; None if there is nothing to send."""
-        made = self.outlet.make(message, self.frame(message))
-        return None if made is None else self.encode(made)
+    #: names of fields and types of their values
+    _Key = tuple[tuple[str, ...], tuple[type, ...]]
 
 
 class RecordedStream(Ros2Stream):
-    """A stream of ROS 2 whose messages may be encoded by a capture instead.
+    """Keeps the data fields of a sensor, and the parts of its messages that do not follow from these."""
 
-    See `morse.recording.keeping.Captures`.
-    """
+    def initialize(self) -> None:
+        """Open the topics in the file."""
+        super().initialize()
+        component, tape = self.component_instance, self.manager.backend
+        self._keeps = hasattr(tape, "kept")
+        self._clock = component.clock
+        self._keeper: Keeper = self.manager.keeper
+        #: by names of the fields and types of their values
+        self._forms: dict[_Key, tuple[Columns, list[Line]]] = {}
+        self._chosen: dict[_Key, tuple[str, ...]] = {}
+        topic = f"{FIELDS}/{cleaned(self.component_name)}"
+        self._fields = 0
+        if self._keeps:
+            self._fields = tape.topic(topic, FIELDS_TYPE, Qos(100), described(component)).number
+            tape.kept.append(self)
+        self._recorded = [
+            (bound, line, number)
+            for bound, lines in self.sending
+            for line in lines
+            if (number := getattr(line.publisher, "number", None)) is not None
+        ]
 
-    manager: RecordedStreams
-    #: None: no capture can encode its messages while it acts alone
-    _lone: Lone | None = None
-    _is_known = False
+    # -- the tick ----------------------------------------------------------------------------
 
     def default(self, ci: Object | None = None) -> bool:
-        """Publish the messages of a sensor, or leave the messages to a capture."""
+        """Keep the present data."""
+        if not self._keeps:
+            return super().default(ci)
         component = self.component_instance
-        if component.group is None:
-            if not self._is_known:
-                self._look_at(component)
-            lone = self._lone
-            if lone is not None and lone.is_plain():
-                captures: Any = self.manager.captures
-                lone.stamp = captures.world.stamp
-                captures.fire(lone)
-                if component in captures.quiet:
-                    return False
-        return super().default(ci)
+        data: dict[str, Any] = component.local_data
+        values = tuple(dict.values(data))
+        key = tuple(dict.keys(data)), tuple(map(type, values))
+        if Later in key[1]:
+            values, key = self._measured(data, key)
+        form = self._forms.get(key)
+        if form is None:
+            form = self._forms[key] = self._form(*key)
+        tape = self.manager.backend
+        tape.held += form[0].keep(self._clock.tick, values)
+        for bound in self.kinds:
+            if self.moves(bound.topic):
+                self.manager.transforms.moved(self, self.motion(bound.gather()).pose)
+        return False
 
-    def _look_at(self, component: Object) -> None:
-        self._is_known = True
-        if self.manager.captures is None:
-            return
-        if is_captured(component) and may_join(component):
-            self._lone = Lone(component)
-        elif not self.moves_frames and (lines := self.lines()) and all(line.outlet.is_copy for line in lines):
-            self._lone = Lone(component, is_of_data=True)
+    def _measured(self, data: dict[str, Any], key: _Key) -> tuple[tuple[Any, ...], _Key]:
+        """The values of fields, without those that are computed on demand and follow from others."""
+        names = self._chosen.get(key)
+        if names is None:
+            names = self._chosen[key] = tuple(self._choose(data))
+        values = tuple([data[name] for name in names])
+        return values, (names, tuple(map(type, values)))
 
-    def publish_now(self) -> None:
-        """Publish the present messages."""
-        super().default(self.component_instance)
+    def _choose(self, data: dict[str, Any]) -> Iterator[str]:
+        declared = fields_of(self.component_instance)
+        general = any(bound.kind.name == GENERAL for bound, _ in self.sending)
+        for name, value in dict.items(data):
+            if general or type(value) is not Later or not (name in declared and declared[name].follows):
+                yield name
 
-    @property
-    def waiting(self) -> Collection[Any] | None:
-        """See `AbstractDatastream.waiting`."""
-        captures = self.manager.captures
-        return () if captures is not None and self.component_instance in captures.quiet else None
+    def _form(self, names: tuple[str, ...], kinds: tuple[type, ...]) -> tuple[Columns, list[Line]]:
+        live: list[Callable[[], Any]] = []
+        lines = []
+        for bound, line, number in self._recorded:
+            outlet, frame = line.outlet, self.frame_id(line.outlet.frame or bound.frame)
+            made = Line(number, line.topic, outlet, frame, bound)
+            if outlet.by_rows and bound.component is self.component_instance:
+                places: list[int | None] = []
+                for index, (slot, source) in enumerate(bound.sources):
+                    is_live = bound.is_live(slot, source)
+                    places.append(len(live) if is_live else None)
+                    live += [partial(self._slot, bound, index)] * is_live
+                made = made._replace(slots=places)
+            elif outlet.takes_long:
+                made = made._replace(message=len(live))
+                live.append(partial(self._message, bound))
+            else:
+                made = made._replace(ready=len(live))
+                live.append(partial(self._encoded, line, bound, frame))
+            lines.append(made)
+        return Columns(names, kinds, self._keeper, live), lines
 
-    def stamp(self) -> int:
-        """The time of the present measurement, ns."""
-        return stamp_of(self.component_instance)
+    def _slot(self, bound: BoundKind, index: int) -> Any:
+        value = bound.value_of(index, self.component_instance)
+        return None if value is None else _own(as_slot(bound.sources[index][0], value))
 
-    def lines(self) -> list[RecordedLine] | None:
-        """Return its topics in the file; None if a message depends on more than the slots of the component."""
-        found = []
-        for bound, lines in self.sending:
-            for line in lines:
-                number, outlet = getattr(line.publisher, "number", None), line.outlet
-                if bound.kind.name in PICTURES or (number is None and line.publisher.wanted()):
-                    return None
-                if number is not None:
-                    is_stamped = fields_of(outlet.type)[0].type == "std_msgs/msg/Header"
-                    encode = partial(self.manager.backend.encode, outlet.type)
-                    found.append(RecordedLine(bound, outlet, number, is_stamped, self._frame_of(outlet), encode))
-        return found
-
-    def _frame_of(self, outlet: Outlet) -> Callable[[Message], str]:
-        return lambda message: self.frame_id(outlet.frame or message.frame)
-
-    def single(self, type_name: str) -> Single | None:
-        """Return the present message if the sensor has one message of that type; else None."""
-        if len(self.sending) != 1 or len(self.sending[0][1]) != 1 or self.moves_frames:
-            return None
-        bound, (line,) = self.sending[0]
-        number = getattr(line.publisher, "number", None)
-        if line.outlet.type != type_name or number is None or bound.is_silent:
+    @staticmethod
+    def _message(bound: BoundKind) -> Message | None:
+        if bound.is_silent:
             return None
         message = bound.gather()
-        made = line.outlet.make(message, self.frame_id(line.outlet.frame or message.frame))
-        return None if made is None else Single(number, self.manager.backend.encode(type_name, made))
+        slots = {name: _own(value) for name, value in message.slots.items()}
+        return Message(message.kind, message.stamp, message.frame, slots, slots, message.topic)
+
+    def _encoded(self, line: Sending, bound: BoundKind, frame: str) -> bytes | None:
+        if bound.is_silent:
+            return None
+        try:
+            made = line.outlet.make(bound.gather(), frame)
+            return None if made is None else encode(line.outlet.type, made)
+        except UNFIT as error:
+            self._leave_out(line, error)
+            return None
+
+    def _leave_out(self, line: Line | Sending, error: BaseException) -> None:
+        self.complain(
+            f"encode {line.topic}",
+            f"a message for {line.topic} is not a valid {line.outlet.type} and is omitted: {error}",
+        )
+
+    # -- the thread of the recording ---------------------------------------------------------
+
+    def batches(self, until: int, times: Callable[[NDArray[np.int64]], NDArray[np.int64]]) -> Iterator[Batch]:
+        """Encode what was kept up to a tick.
+
+        Args:
+            until: number of the tick.
+            times: returns the log times of ticks, ns.
+        """
+        for columns, lines in list(self._forms.values()):
+            rows = columns.take(until)
+            if rows is None:
+                continue
+            block = encode_block(rows.ticks, times(rows.ticks), rows.columns)
+            yield Batch(self._fields, rows.ticks[:1], [encode(FIELDS_TYPE, {"data": block})])
+            stamps = self._stamps(rows)
+            for line in lines:
+                yield from messages_of(line, rows, stamps, self._leave_out)
+
+    def _stamps(self, rows: Rows) -> NDArray[np.int64]:
+        """The times of the measurements, whole ns, as by `stamp_of`."""
+        clock, stamps = self._clock, self._clock.stamps_of(rows.ticks)
+        times = rows.columns.get("timestamp")
+        if times is None:
+            return stamps
+        present: Any = clock.origin + rows.ticks / clock.frequency
+        late = np.flatnonzero(times != present) if isinstance(times, np.ndarray) else range(len(stamps))
+        for row in late:
+            stamps[row] = clock.stamp_at(times[row], int(rows.ticks[row]))
+        return stamps
+
+
+def _own(value: Any) -> Any:
+    """Arrays that nobody else changes."""
+    return value.copy() if isinstance(value, np.ndarray) else value
+
+
+def described(component: Object) -> dict[str, str]:
+    """The declarations of the fields of a component, as named strings of a channel."""
+    declared = [
+        {
+            "name": name,
+            "type": field.dtype or field.type,
+            **({"shape": field.shape} if field.shape is not None else {}),
+            **{key: value for key in ("unit", "frame") if (value := getattr(field, key))},
+        }
+        for name, field in fields_of(component).items()
+    ]
+    path = f"{type(component).__module__}.{type(component).__qualname__}"
+    return {COMPONENT: component.name(), CLASS: path, DECLARED: json.dumps(declared)}

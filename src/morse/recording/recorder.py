@@ -134,8 +134,8 @@ class Recorder(Observer):
         if tick != self._flushed:  # no tick ends while the simulation is paused
             self._flushed = tick
             self._ticks += 1
-            if not self._streams.store():
-                self._streams.flush()
+            self._streams.flush()
+            self._tape.end_tick()
         disk = self._disk
         if disk.waits and not self._warned:
             self._warned = True
@@ -164,6 +164,7 @@ class Recorder(Observer):
         if not self._open:
             return
         self._streams.write_log()
+        self._tape.finish()
         ending = {**self._ending(), "ticks": str(self._ticks)}
         self._disk.other(lambda file: file.metadata(END, ending))
         self._let_go()

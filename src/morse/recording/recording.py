@@ -7,6 +7,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from morse.recording.errors import RecordingError
+from morse.recording.fields import FIELDS
 from morse.recording.inputs import TOPIC as INPUTS
 from morse.recording.inputs import LostInput, exact_entry
 from morse.recording.mcap.reader import McapFile
@@ -87,6 +88,10 @@ class Recording(McapFile):
     def topic_numbers(self, *topics: str) -> set[int]:
         """The channels of some topics."""
         return {channel.number for channel in self.channels.values() if channel.topic in topics}
+
+    def field_channels(self) -> set[int]:
+        """The channels of the data fields of components."""
+        return {channel.number for channel in self.channels.values() if channel.topic.startswith(f"{FIELDS}/")}
 
     def inputs(self, *, lenient: bool = False) -> list[bytes | LostInput]:
         """The entries of the journal, as bytes.

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.recording.captures.poses import POSE
 from morse.recording.errors import RecordingError
 from morse.recording.history import History
 from morse.recording.motion import LOOKS, NODES, POSES, TEXT_TYPE
@@ -21,6 +20,8 @@ if TYPE_CHECKING:
 
 #: maximum length of a name in a message
 _LONGEST = 1000
+#: size of a pose, bytes
+_POSE = 56
 #: size of a message before its first pose, and of one without poses, bytes
 _HEAD, _EMPTY = 28, 24
 
@@ -91,7 +92,7 @@ class RecordedWorld:
         count = len(names)
         numbers = np.frombuffer(message.data, dtype=np.uint8)
         # with a fixed frame, all messages of as many poses have one length
-        if len(numbers) != (_HEAD + POSE * count if count else _EMPTY):
+        if len(numbers) != (_HEAD + _POSE * count if count else _EMPTY):
             raise self._damaged(message.sequence)
         poses = numbers[_HEAD:].view("<f8").reshape(count, 7) if count else np.empty((0, 7))
         if not np.isfinite(poses).all():

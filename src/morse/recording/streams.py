@@ -3,23 +3,31 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from bisect import bisect_right
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
 
 from morse.core.exceptions import MorseError
 from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
-from morse.recording.captures import Moments
-from morse.recording.keeping import Captures
-from morse.recording.mcap.records import Message
+from morse.recording.disk import CHUNK
+from morse.recording.fields.kept_poses import KeptPoses
+from morse.recording.fields.values import Keeper
+from morse.recording.mcap.chunks import Messages
 from morse.recording.motion import Motion
 from morse.rosmsgs.definitions import definition
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Iterable, Mapping
+
+    from numpy.typing import NDArray
 
     from morse.core.context import Context
     from morse.recording.disk import Disk
+    from morse.recording.fields.messages import Batch
     from morse.rosmsgs.qos import Qos
 
 logger = logging.getLogger(__name__)
@@ -32,6 +40,10 @@ _ALWAYS = {"clock": True, "tf": True, "rosout": True}
 _RATE = "tf_rate"
 #: images are recorded uncompressed; a second, lossy copy would only take time
 LEFT_OUT = ("sensor_msgs/msg/CompressedImage",)
+#: approximate overhead of a message, bytes
+_OVERHEAD = 100
+#: later than every tick
+_LAST = 1 << 62
 
 
 class _Topic(Publisher):
@@ -41,11 +53,11 @@ class _Topic(Publisher):
         number: id of the channel in the file.
     """
 
-    def __init__(self, number: int, keep: Callable[[bytes], object]) -> None:
+    def __init__(self, number: int, keep: Callable[[int, bytes], object]) -> None:
         self.number, self._keep = number, keep
 
     def publish(self, data: bytes) -> bool:
-        self._keep(data)
+        self._keep(self.number, data)
         return True
 
     def wanted(self) -> bool:
@@ -55,16 +67,24 @@ class _Topic(Publisher):
         """A topic of a file cannot be closed."""
 
 
+class Kept(Protocol):
+    """Keeps data in ticks."""
+
+    def batches(self, until: int, times: Callable[[NDArray[np.int64]], NDArray[np.int64]]) -> Iterable[Batch]:
+        """See `RecordedStream.batches`."""
+
+
 class Tape(Backend):
     """Topics that are written to a file, with the time of the simulation.
 
     Args:
         context: of the simulation.
-        disk: receives the messages.
+        disk: writes the messages.
 
     Attributes:
-        queue: receives ticks, see `Disk.queue`.
-        kept: number of the last tick in the queue.
+        held: approximate size of the data that were kept since the last chunk, bytes.
+        kept: keep data, of which messages are made later.
+        complete: number of the last complete tick.
     """
 
     name, opens = "recording", "a file"
@@ -73,47 +93,83 @@ class Tape(Backend):
         self._clock = context.clock
         self._disk = disk
         self._topics: dict[tuple[str, str], _Topic] = {}
-        self._tick = self._clock.tick
-        self._moment: tuple[int, int, int] | None = None
         self._back = 0
-        disk.begin(Moments(self._clock, 0))
-        self.queue = disk.queue
-        self.kept = self._tick
+        self._last = self.complete = self._clock.tick
+        self.held = 0
+        self.kept: list[Kept] = []
+        #: tick, id of a channel, and a message, one after the other
+        self._messages: list[Any] = []
+        disk.begin(self)
 
-    def now(self) -> tuple[int, int, int]:
-        """Number of ticks (32 bits), log time, simulated time, both in ns; log time never decreases."""
-        tick = self._clock.tick
-        if tick != self._tick or tick != self.kept or self._moment is None:
-            last = max(self._tick, self.kept)
-            if tick < last:
-                self._go_back(last, tick)
-            self._tick = self.kept = tick
-            stamp = self._clock.stamp()
-            self._moment = tick & 0xFFFFFFFF, stamp + self._back, stamp
-        return self._moment
-
-    def _go_back(self, last: int, tick: int) -> None:
+    def follow_clock(self) -> None:
         """After a restart or a restored state, time continues from the last value."""
-        self._back += self._clock.stamp_of(last) - self._clock.stamp_of(tick)
-        self._disk.begin(Moments(self._clock, self._back))
+        tick = self._clock.tick
+        if tick < self._last:
+            self.finish()
+            self._back += self._clock.stamp_of(self._last) - self._clock.stamp_of(tick)
+            self.complete = tick
+        self._last = tick
 
-    def pass_on(self, size: int) -> None:
-        """See `Disk.pass_on`."""
-        self._disk.pass_on(size)
+    def finish(self) -> None:
+        """Let all that was kept be encoded now, because what it refers to changes."""
+        held, self.held = self.held, 0
+        self._disk.pass_on(held, None)
+
+    def end_tick(self) -> None:
+        """All data of the present tick were kept."""
+        self._last = self.complete = self._clock.tick
+        if self.held > CHUNK:
+            held, self.held = self.held, 0
+            self._disk.pass_on(held, self.complete)
+
+    def _keep(self, number: int, data: bytes) -> None:
+        if self._clock.tick < self._last:
+            self.follow_clock()
+        self._messages += (self._clock.tick, number, data)
+        self.held += _OVERHEAD + len(data)
+
+    def take(self, until: int | None) -> list[Messages]:
+        """See `morse.recording.disk.Source`."""
+        if until is None:
+            until = _LAST
+        found = [Messages(one.channel, self._moments(one.ticks), one.data)
+                 for kept in list(self.kept) for one in kept.batches(until, self._times)]  # fmt: skip
+        ticks, numbers, messages = (self._messages[k::3] for k in range(3))
+        count = bisect_right(ticks[: len(messages)], until)
+        del self._messages[: 3 * count]
+        by_channel: dict[int, list[int]] = {}
+        for index, number in enumerate(numbers[:count]):
+            by_channel.setdefault(number, []).append(index)
+        for number, indices in by_channel.items():
+            moments = self._moments(np.array([ticks[index] for index in indices], dtype=np.int64))
+            found.append(Messages(number, moments, [messages[index] for index in indices]))
+        return [one for one in found if len(one.moments)]
+
+    def _times(self, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Log times, ns."""
+        return self._clock.stamps_of(ticks) + self._back
+
+    def _moments(self, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Number of each tick (32 bits), its log time and its simulated time, ns: (R, 3)."""
+        stamps = self._clock.stamps_of(ticks)
+        return np.stack((ticks & 0xFFFFFFFF, stamps + self._back, stamps), axis=1)
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`."""
         return None if type_name in LEFT_OUT else self.topic(topic, type_name, qos)
 
-    def topic(self, topic: str, type_name: str, qos: Qos) -> Publisher:
-        """A topic of the file."""
+    def topic(self, topic: str, type_name: str, qos: Qos, more: Mapping[str, str] = MappingProxyType({})) -> _Topic:
+        """A topic of the file.
+
+        Args:
+            more: named strings of its channel.
+        """
         key = (topic, type_name)
         if key not in self._topics:
-            number, message = len(self._topics) + 1, self._disk.message
-            metadata = {"offered_qos_profiles": _profile(qos)}
+            metadata = {"offered_qos_profiles": _profile(qos), **more}
             text = definition(type_name)
             self._disk.other(lambda file: file.channel(topic, file.schema(type_name, text), metadata))
-            self._topics[key] = _Topic(number, lambda data: message(Message(number, *self.now(), data)))
+            self._topics[key] = _Topic(len(self._topics) + 1, self._keep)
         return self._topics[key]
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
@@ -160,15 +216,18 @@ class RecordedStreams(Ros2DatastreamManager):
         self._tape = tape
         self._names = names
         self._refused: set[str] = set()
+        self.keeper = Keeper()
         given = context.scene.manager_options.get(_ROS2, {})
         super().__init__({**{name: given[name] for name in given if name != _RATE}, **_ALWAYS}, context)
-        #: stores data of sensors that act together, to encode them later; None: every message is encoded in the tick
         records_sensors = names is None or bool(names)
         #: the poses of all moving nodes; None for only inputs and the log
         self.motion = Motion(context, tape) if records_sensors else None
-        self.captures = Captures.made_for(self, tape) if records_sensors and isinstance(tape, Tape) else None
-        #: stores the messages of a tick; returns False if `flush` has to encode some of them
-        self.store: Callable[[], bool] = _nothing if self.captures is None else self.captures.flush
+        #: keeps poses for the file; None if messages are encoded in the tick
+        self._poses: KeptPoses | None = None
+        if isinstance(tape, Tape) and self.motion is not None:
+            clock, frames = (getattr(one, "number", -1) for one in (self._clock, self._tf))
+            self._poses = KeptPoses(context, tape, self.transforms, self.motion, clock, frames)
+            tape.kept.append(self._poses)
         self.follow()
 
     def _make_backend(self) -> Backend:
@@ -177,9 +236,10 @@ class RecordedStreams(Ros2DatastreamManager):
     def follow(self) -> None:
         """Record the present sensors, and no others."""
         if isinstance(self._tape, Tape):
-            self._tape.now()  # after a restart, the first tick is one tick later than the last one
-        if self.captures is not None:
-            self.captures.forget()
+            self._tape.follow_clock()
+            self._tape.finish()
+        if self._poses is not None:
+            self._poses.follow()
         if self.motion is not None:
             self.motion.follow()
         sensors = {
@@ -217,41 +277,23 @@ class RecordedStreams(Ros2DatastreamManager):
             logger.warning("%s is not recorded: %s", component.name(), refusal)
 
     def flush(self) -> None:
-        """The end of a tick that the captures have not stored; see `store`."""
-        captures, motion = self.captures, self.motion
-        if motion is None:
-            self.write_log()
+        """The end of a tick."""
+        if self._poses is None:
+            if self.motion is None:
+                self.write_log()
+            else:
+                super().flush()
+                self.motion.publish(self.context.clock.stamp())
             return
-        if captures is not None and captures.kept and captures.keeps_clock:
+        is_same = self._poses.keep()
+        if not self._poses.has_frames:
             self._flush_frames(self.context.clock.stamp())
-            self.flush_others()
-            return
-        super().flush()
-        if captures is None or not captures.kept:
-            motion.publish(self.context.clock.stamp())
-        else:
-            motion.publish_looks()
-
-    def flush_others(self) -> None:
-        """Publish messages of the tick other than time and frames."""
-        self.robots.publish()
-        if self._log is not None:
-            self._log.publish(self.context.clock.stamp())
-        if self.motion is not None:
-            self.motion.publish_looks()
-
-    def others(self) -> tuple[Collection[Any], ...]:
-        """Collections that are empty while `flush_others` has nothing to do."""
-        return (
-            self.robots.stating,
-            () if self._log is None else self._log.lines,
-            () if self.motion is None else self.motion.repainted,
-        )
-
-    def own_channels(self) -> tuple[int, int] | None:
-        """The channels of simulated time and of the frames; None if they are not in a file."""
-        clock, frames = getattr(self._clock, "number", None), getattr(self._tf, "number", None)
-        return None if clock is None or frames is None else (clock, frames)
+        lines = () if self._log is None else self._log.lines
+        if not is_same or self.robots.stating or lines or self._poses.motion.repainted:
+            self.robots.publish()
+            if self._log is not None:
+                self._log.publish(self.context.clock.stamp())
+            self._poses.motion.publish_looks()
 
     def write_log(self) -> None:
         """Write the lines logged since the last tick."""
@@ -261,8 +303,6 @@ class RecordedStreams(Ros2DatastreamManager):
 
     def finalize(self) -> None:
         """Release the sensors."""
-        if self.captures is not None:
-            self.captures.close()
         if self.motion is not None:
             self.motion.close()
         for streams in self.streams.values():
@@ -271,8 +311,3 @@ class RecordedStreams(Ros2DatastreamManager):
                 if stream.default in functions:
                     functions.remove(stream.default)
         super().finalize()
-
-
-def _nothing() -> bool:
-    """Store nothing."""
-    return False

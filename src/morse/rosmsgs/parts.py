@@ -23,12 +23,12 @@ _NO_TURN = (0.0, 0.0, 0.0, 1.0)
 ABSENT = np.array([-1.0] + [0.0] * 8)
 
 
-def time(stamp: int) -> dict[str, int]:
+def time(stamp: Any) -> dict[str, int]:
     """``builtin_interfaces/Time`` from whole ns."""
     return {"sec": stamp // _SECOND, "nanosec": stamp % _SECOND}
 
 
-def header_at(stamp: int, frame: str) -> dict[str, Any]:
+def header_at(stamp: Any, frame: str) -> dict[str, Any]:
     """``std_msgs/Header`` from whole ns."""
     return {"stamp": time(stamp), "frame_id": frame}
 
@@ -42,7 +42,7 @@ def floats(numbers: Any) -> list[float]:
     """An array or a sequence of numbers as a list; of rows (R, N) of numbers, the list of N columns (R,)."""
     if type(numbers) is not np.ndarray:
         return [float(number) for number in numbers]
-    parts: list[float] = numbers.tolist() if numbers.ndim < 2 else list(np.moveaxis(numbers, -1, 0))  # type: ignore[arg-type]
+    parts: list[float] = numbers.tolist() if numbers.ndim < 2 else list(np.moveaxis(numbers, -1, 0))
     return parts
 
 

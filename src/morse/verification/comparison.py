@@ -76,7 +76,7 @@ class Comparison(Backend):
         self._largest = 0.0
         self._channels = recording.channels
         self._complete = "state" in recording.end
-        free = recording.topic_numbers(*_FREE)
+        free = recording.topic_numbers(*_FREE) | recording.field_channels()
         self._expected = recording.messages({number for number in self._channels if number not in free})
         self._ticks = ticks
         #: messages of one tick that are in the file and were not published yet, by topic

@@ -147,12 +147,17 @@ class BoundKind:
         Args:
             component: the component, or an object with its ``local_data`` if `needs` is not None.
         """
-        values = [source.get(component) for _, source in self._sources]
-        if self._turns:
-            for index, (slot, _) in enumerate(self._sources):
-                if slot.name in self._turns and values[index] is not None:
-                    values[index] = turned(values[index], slot.moves, *self._turns[slot.name], component)
-        return values
+        if not self._turns:
+            return [source.get(component) for _, source in self._sources]
+        return [self.value_of(index, component) for index in range(len(self._sources))]
+
+    def value_of(self, index: int, component: Any) -> Any:
+        """Return one of the `values`."""
+        slot, source = self._sources[index]
+        value = source.get(component)
+        if slot.name in self._turns and value is not None:
+            return turned(value, slot.moves, *self._turns[slot.name], component)
+        return value
 
     def message_of(self, values: Sequence[Any], stamp: int) -> Message:
         """Return the message with the `values` of the slots at a time, whole ns."""

@@ -253,7 +253,7 @@ class FromEuler(Source):
         else:
             present = [None if name is None else numeric(columns[name]) for name in names]
             some = next(column for column in present if column is not None)
-            angles = [np.zeros_like(some) if column is None else column for column in present]  # type: ignore[assignment]
+            angles = [np.zeros_like(some) if column is None else column for column in present]
         roll, pitch, yaw = angles
         return np.stack(quaternions_of(roll * factor, pitch * factor, yaw * factor), axis=-1)
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 import numpy as np
 
-from morse.core.state import NoReferences, Reader, StateError
+from morse.core.state import StateError
 from morse.recording.errors import RecordingError
 from morse.recording.fields.values import Keeper, Written
 from morse.system.packed_keys import check_keys
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 #: types of columns
-_NUMBER, _ARRAY, _LIST, _SAME, _OTHER = "number", "array", "list", "same", "other"
+_NUMBER, _SCALAR, _ARRAY, _LIST, _SAME, _OTHER = "number", "scalar", "array", "list", "same", "other"
 #: of the thread that writes
 _keeper = Keeper()
 _encoder = msgspec.msgpack.Encoder()
@@ -36,7 +36,8 @@ class Column(msgspec.Struct, array_like=True):
     """The values of a field.
 
     Attributes:
-        type: ``number``, ``array`` or ``list`` of numbers, ``same`` value in all rows, or ``other``.
+        type: ``number`` of Python, ``scalar`` of numpy, ``array`` or ``list`` of numbers, ``same`` value in all
+            rows, or ``other``.
         dtype: of numpy, little-endian.
         shape: of the value in a row.
         data: bytes of all rows; of the types ``same`` and ``other``, one or several values as MessagePack.
@@ -93,6 +94,8 @@ def _column(values: Any) -> Column:
     if isinstance(first, np.ndarray) and all(_alike(first, value) for value in values):
         numbers = np.stack(values)
         return Column(_ARRAY, numbers.dtype.newbyteorder("<").str, list(first.shape), _little(numbers))
+    if type(first) is np.float64 and all(type(value) is np.float64 for value in values):
+        return Column(_SCALAR, "<f8", [], np.array(values, dtype="<f8").tobytes())
     if type(first) is list and first and all(_is_list(value, len(first)) for value in values):
         return Column(_LIST, "<f8", [len(first)], np.array(values, dtype="<f8").tobytes())
     if len(values) > 1 and type(first) is str and all(value is first or value == first for value in values):
@@ -185,14 +188,14 @@ class ReadBlock:
 def _reader(column: Column, count: int) -> Callable[[int], Any]:
     """Return a function that returns the value of a row."""
     data = column.data
-    if column.type in (_NUMBER, _ARRAY, _LIST):
+    if column.type in (_NUMBER, _SCALAR, _ARRAY, _LIST):
         dtype = np.dtype(column.dtype)
         if dtype.kind not in "biuf" or dtype.names or not all(0 <= size < 1 << 40 for size in column.shape):
             raise ValueError(f"the element type {column.dtype[:20]!r}")
         if isinstance(data, list) or len(data) != count * prod(column.shape) * dtype.itemsize:
             raise ValueError("a column has another length than its rows")
         numbers = np.frombuffer(data, dtype=dtype).reshape(count, *column.shape)
-        if column.type == _ARRAY:
+        if column.type in (_ARRAY, _SCALAR):
             return lambda index: numbers[index].copy()
         return lambda index: numbers[index].tolist()
     if column.type == _SAME and isinstance(data, bytes):
@@ -204,4 +207,4 @@ def _reader(column: Column, count: int) -> Callable[[int], Any]:
 
 def _unpacked(data: bytes) -> Any:
     check_keys(data)
-    return Reader(NoReferences()).value(msgspec.msgpack.decode(data))
+    return Written(msgspec.msgpack.decode(data)).value()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.core.state import NoReferences, Writer
+from morse.core.state import NoReferences, Reader, Writer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,6 +21,10 @@ class Written(NamedTuple):
 
     data: Any
 
+    def value(self) -> Any:
+        """The value."""
+        return Reader(NoReferences()).value(self.data)
+
 
 class Keeper:
     """Keeps values; for one thread."""
@@ -28,7 +32,7 @@ class Keeper:
     def __init__(self) -> None:
         self._writer = Writer(NoReferences())
         self._ways: dict[type, Callable[[Any], Any]] = {
-            **dict.fromkeys((float, int, bool, str), _itself),
+            **dict.fromkeys((float, int, bool, str, np.float64), _itself),
             np.ndarray: self._array,
             list: self._list,
         }

@@ -1,0 +1,200 @@
+"""The messages of a sensor in many ticks, from the columns of its fields."""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.recording.fields.values import Written
+from morse.rosmsgs.cdr import encode, encode_rows
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.core.kinds import BoundKind, Message
+    from morse.recording.fields.columns import Rows
+    from morse.rosmsgs.outlets import Outlet
+
+_WORDS = frozenset((str, bool, int, tuple))
+#: errors of values that do not fit their messages
+UNFIT = (struct.error, ValueError, TypeError, OverflowError, LookupError, ArithmeticError, RecursionError)
+
+
+class Line(NamedTuple):
+    """A topic of a sensor in the file.
+
+    Attributes:
+        channel: id of its channel.
+        topic: its name.
+        outlet: makes its messages.
+        frame: frame of its messages.
+        bound: the kind.
+        slots: of each slot of the kind, the place of its values in `Rows.live`; None if it follows from the fields.
+        message: place in `Rows.live` of messages of the kind, if these are kept; else None.
+        ready: place in `Rows.live` of encoded messages, if the tick encodes them; else None.
+    """
+
+    channel: int
+    topic: str
+    outlet: Outlet
+    frame: str
+    bound: BoundKind
+    slots: Sequence[int | None] = ()
+    message: int | None = None
+    ready: int | None = None
+
+
+class Batch(NamedTuple):
+    """Encoded messages of one topic.
+
+    Attributes:
+        channel: id of the channel.
+        ticks: (R,) numbers of the ticks.
+        data: (R, size) messages of one size, or a list of R messages.
+    """
+
+    channel: int
+    ticks: NDArray[np.int64]
+    data: NDArray[np.uint8] | Sequence[bytes]
+
+
+def messages_of(
+    line: Line, rows: Rows, stamps: NDArray[np.int64], complain: Callable[[Line, BaseException], object]
+) -> list[Batch]:
+    """Encode the messages of some ticks.
+
+    Args:
+        rows: the data.
+        stamps: (R,) times of the measurements, whole ns.
+        complain: called if a message is left out because a value does not fit it.
+    """
+    if line.ready is not None:
+        return _one_by_one(line, rows, rows.live[line.ready].__getitem__, complain)
+    if line.message is not None:
+        kept = rows.live[line.message]
+        return _one_by_one(line, rows, lambda row: kept[row] and _encoded(line, kept[row]), complain)
+    try:
+        return [_together(line, rows, stamps, chosen) for chosen in _alike(line, rows)]
+    except UNFIT:  # one of them shows which
+        return _one_by_one(
+            line, rows, lambda row: _encoded(line, _message(line, rows, int(stamps[row]), row)), complain
+        )
+
+
+def _alike(line: Line, rows: Rows) -> list[NDArray[np.intp]]:
+    """The rows whose messages differ only in numbers."""
+    live = [rows.live[place] for place in line.slots if place is not None]
+    names = {name for _, source in line.bound.sources for name in source.fields}
+    others = [rows.columns[str(name)] for name in sorted(map(str, names)) if type(rows.columns.get(str(name))) is tuple]
+    if not live and not others:
+        return [np.arange(len(rows.ticks))]
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for row, values in enumerate(zip(*live, *others, strict=True)):
+        groups.setdefault(tuple(map(_form, values)), []).append(row)
+    return [np.array(group) for group in groups.values()]
+
+
+def _form(value: Any) -> Any:
+    """What messages of one size have in common."""
+    kind = type(value)
+    if issubclass(kind, float):
+        return float
+    if kind is np.ndarray:
+        return value.dtype.str, value.shape
+    if kind is list:
+        return list, len(value), frozenset(map(type, value))
+    return kind, value
+
+
+def _together(line: Line, rows: Rows, stamps: NDArray[np.int64], chosen: NDArray[np.intp]) -> Batch:
+    columns = _Chosen(rows.columns, chosen)
+    values = [
+        source.rows(columns) if place is None else _stacked([rows.live[place][row] for row in chosen.tolist()])
+        for (_, source), place in zip(line.bound.sources, line.slots, strict=True)
+    ]
+    message = line.bound.message_of_rows(values, stamps[chosen])
+    made = line.outlet.make(message, line.frame)
+    ticks = rows.ticks[chosen]
+    if made is None:
+        return Batch(line.channel, ticks[:0], [])
+    return Batch(line.channel, ticks, encode_rows(line.outlet.type, made, len(chosen)))
+
+
+class _Chosen(dict[str, Any]):
+    """Columns of some rows, which are stacked when they are read."""
+
+    def __init__(self, columns: Mapping[str, Any], chosen: NDArray[np.intp]) -> None:
+        super().__init__()
+        self._columns, self._chosen = columns, chosen
+
+    def __missing__(self, name: str) -> Any:
+        column = self._columns[name]
+        if isinstance(column, np.ndarray):
+            self[name] = column[self._chosen]
+        else:
+            self[name] = _stacked([column[row] for row in self._chosen.tolist()])
+        return self[name]
+
+
+def _stacked(values: Sequence[Any]) -> Any:
+    """Numbers and arrays with a first axis of rows; words are the same in all rows.
+
+    Raises:
+        TypeError: values of that kind are read one by one.
+    """
+    first = values[0]
+    if isinstance(first, np.ndarray):
+        return np.stack(values)
+    if isinstance(first, float):
+        return float(first) if values.count(first) == len(values) else np.array(values)
+    if type(first) is list and all(set(map(type, value)) == {float} for value in values):
+        return np.array(values)
+    if first is None or type(first) in _WORDS:
+        return first
+    raise TypeError(f"values of the type {type(first).__name__} are read one by one")
+
+
+def _message(line: Line, rows: Rows, stamp: int, row: int) -> Message:
+    holder = _Holder({name: _at(column, row) for name, column in rows.columns.items()})
+    values = [
+        source.get(holder) if place is None else rows.live[place][row]
+        for (_, source), place in zip(line.bound.sources, line.slots, strict=True)
+    ]
+    return line.bound.message_of(values, stamp)
+
+
+class _Holder:
+    def __init__(self, data: dict[str, Any]) -> None:
+        self.local_data = data
+
+
+def _at(column: Any, row: int) -> Any:
+    value = column[row]
+    if isinstance(column, np.ndarray):
+        return value.item()
+    return value.value() if type(value) is Written else value
+
+
+def _encoded(line: Line, message: Message) -> bytes | None:
+    made = line.outlet.make(message, line.frame)
+    return None if made is None else encode(line.outlet.type, made)
+
+
+def _one_by_one(
+    line: Line, rows: Rows, encoded: Callable[[int], bytes | None], complain: Callable[[Line, BaseException], object]
+) -> list[Batch]:
+    chosen, messages = [], []
+    for row in range(len(rows.ticks)):
+        try:
+            data = encoded(row)
+        except Exception as error:  # data of the user may be anything
+            complain(line, error)
+            continue
+        if data is not None:
+            messages.append(data)
+            chosen.append(row)
+    return [Batch(line.channel, rows.ticks[chosen], messages)] if messages else []
