@@ -10,6 +10,7 @@ import numpy as np
 
 from morse.core.kinds import GENERAL, Message, fields_of
 from morse.core.kinds.sources import as_slot
+from morse.core.sensor import Sensor
 from morse.core.streams.local_data import Later
 from morse.middleware.ros2.stream import Ros2Stream
 from morse.recording.fields import CLASS, COMPONENT, DECLARED, FIELDS, FIELDS_TYPE
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from morse.middleware.ros2.stream import Sending
     from morse.recording.fields.columns import Rows
     from morse.recording.fields.values import Keeper
+    from morse.recording.streams import RecordedStreams
 
     #: names of fields and types of their values
     _Key = tuple[tuple[str, ...], tuple[type, ...]]
@@ -38,19 +40,22 @@ if TYPE_CHECKING:
 class RecordedStream(Ros2Stream):
     """Keeps the data fields of a sensor, and the parts of its messages that do not follow from these."""
 
+    manager: RecordedStreams
+
     def initialize(self) -> None:
         """Open the topics in the file."""
         super().initialize()
-        component, tape = self.component_instance, self.manager.backend
-        self._keeps = hasattr(tape, "kept")
+        component = self.component_instance
+        #: None: messages are encoded in the tick
+        self._tape = tape = self.manager.tape
         self._clock = component.clock
         self._keeper: Keeper = self.manager.keeper
         #: by names of the fields and types of their values
-        self._forms: dict[_Key, tuple[Columns, list[Line]]] = {}
+        self._layouts: dict[_Key, tuple[Columns, list[Line]]] = {}
         self._chosen: dict[_Key, tuple[str, ...]] = {}
         topic = f"{FIELDS}/{cleaned(self.component_name)}"
         self._fields = 0
-        if self._keeps:
+        if tape is not None:
             self._fields = tape.topic(topic, FIELDS_TYPE, Qos(100), described(component)).number
             tape.kept.append(self)
         self._recorded = [
@@ -64,18 +69,20 @@ class RecordedStream(Ros2Stream):
 
     def default(self, ci: Object | None = None) -> bool:
         """Keep the present data."""
-        if not self._keeps:
+        tape = self._tape
+        if tape is None:
             return super().default(ci)
         component = self.component_instance
+        if isinstance(component, Sensor) and component.capturing is False:
+            return False
         data: dict[str, Any] = component.local_data
         values = tuple(dict.values(data))
         key = tuple(dict.keys(data)), tuple(map(type, values))
         if Later in key[1]:
             values, key = self._measured(data, key)
-        form = self._forms.get(key)
+        form = self._layouts.get(key)
         if form is None:
-            form = self._forms[key] = self._form(*key)
-        tape = self.manager.backend
+            form = self._layouts[key] = self._form(*key)
         tape.held += form[0].keep(self._clock.tick, values)
         for bound in self.kinds:
             if self.moves(bound.topic):
@@ -156,7 +163,7 @@ class RecordedStream(Ros2Stream):
             until: number of the tick.
             times: returns the log times of ticks, ns.
         """
-        for columns, lines in list(self._forms.values()):
+        for columns, lines in list(self._layouts.values()):
             rows = columns.take(until)
             if rows is None:
                 continue

@@ -213,7 +213,9 @@ class RecordedStreams(Ros2DatastreamManager):
     title = "recording"
 
     def __init__(self, context: Context, tape: Backend, names: Collection[str] | None = None) -> None:
-        self._tape = tape
+        self._backend = tape
+        #: None: messages are encoded in the tick
+        self.tape = tape if isinstance(tape, Tape) else None
         self._names = names
         self._refused: set[str] = set()
         self.keeper = Keeper()
@@ -224,20 +226,20 @@ class RecordedStreams(Ros2DatastreamManager):
         self.motion = Motion(context, tape) if records_sensors else None
         #: keeps poses for the file; None if messages are encoded in the tick
         self._poses: KeptPoses | None = None
-        if isinstance(tape, Tape) and self.motion is not None:
+        if self.tape is not None and self.motion is not None:
             clock, frames = (getattr(one, "number", -1) for one in (self._clock, self._tf))
-            self._poses = KeptPoses(context, tape, self.transforms, self.motion, clock, frames)
-            tape.kept.append(self._poses)
+            self._poses = KeptPoses(context, self.tape, self.transforms, self.motion, clock, frames)
+            self.tape.kept.append(self._poses)
         self.follow()
 
     def _make_backend(self) -> Backend:
-        return self._tape
+        return self._backend
 
     def follow(self) -> None:
         """Record the present sensors, and no others."""
-        if isinstance(self._tape, Tape):
-            self._tape.follow_clock()
-            self._tape.finish()
+        if self.tape is not None:
+            self.tape.follow_clock()
+            self.tape.finish()
         if self._poses is not None:
             self._poses.follow()
         if self.motion is not None:

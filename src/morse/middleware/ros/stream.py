@@ -51,7 +51,7 @@ class RosStream(Ros2Stream):
         suffix = self.kwargs["topic_suffix"]
         found = super().ports(bound)
         if self._merges_joints():
-            return [port._replace(make=self._all_joints, is_copy=False) for port in found if bound is self.kinds[0]]
+            return [port._replace(make=self._all_joints, by_rows=False) for port in found if bound is self.kinds[0]]
         if suffix is None or bound.kind.name != "image":
             return found
         name = suffix.strip("/")
