@@ -29,6 +29,7 @@ _MODULES = {
     "replay": "morse.cli.replay",
     "export": "morse.cli.export",
     "render": "morse.cli.render",
+    "sweep": "morse.cli.sweep",
     "edit": "morse.cli.edit",
 }
 

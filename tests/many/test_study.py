@@ -1,0 +1,308 @@
+"""Studies: rows, resumption, failures, and processes that are killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from morse.many import Study, Table, choice, loguniform, normal, uniform
+
+SCENE = """
+import os, signal, pathlib
+from morse.many import Study, uniform
+
+def scene(start=0.0):
+    from morse.builder import Environment, MotionVW, Pose, Robot
+    robot = Robot(name="robot")
+    robot.translate(start)
+    pose = Pose("pose")
+    pose.noise(gaussian=0.01)
+    for part in (MotionVW("motion"), pose):
+        robot.append(part)
+    Environment("empty")
+"""
+STUDY = SCENE + '''
+def run(sim, gain, speed):
+    folder = pathlib.Path(os.environ["PIDS"])
+    (folder / str(os.getpid())).touch()
+    sim.robot.motion.publish({"v": gain * speed})
+    sim.step(30)
+    x = sim.robot.pose.data["x"]
+    if gain > 1.0 and sim.seed() == 1:
+        raise RuntimeError(f"crash at {x:.3f} m")
+    return {"x": x}
+
+study = Study(scene, run, start=[0.0, 1.0], gain=[0.8, 1.6], speed=uniform(0.2, 1.2, samples=2), seeds=3)
+'''  # fmt: skip
+
+
+@pytest.fixture
+def pids(tmp_path, monkeypatch):
+    folder = tmp_path / "pids"
+    folder.mkdir()
+    monkeypatch.setenv("PIDS", str(folder))
+    return folder
+
+
+def study_of(tmp_path, text=STUDY, name="study"):
+    from morse.many.sources import imported
+
+    file = tmp_path / f"{name}.py"
+    file.write_text(text)
+    return imported(str(file)).study
+
+
+def test_rows_say_all_about_a_run(tmp_path, pids):
+    study = study_of(tmp_path)
+    table = study.run(tmp_path / "r", workers=2)
+    assert len(study) == len(table) == 2 * 2 * 2 * 3
+    assert len(table.failures) == 2 * 2
+    row = next(row for row in table if not row["error"] and row["gain"] == 0.8)
+    assert row["x"] == pytest.approx(row["start"] + 0.8 * row["speed"] * 0.5, abs=0.06)
+    assert row["ticks"] == 30
+    assert len(row["hash"]) == 64
+    assert row["wall"] > 0.0
+    assert row["cpu"] > 0.0
+    assert "mujoco" in row["versions"]
+    assert row["processor"]
+    assert row["machine"]
+    for row in table.failures:
+        assert row["error"].startswith("RuntimeError: crash at")
+        assert "study.py" in row["where"]
+        assert row["same"] is True
+        assert (tmp_path / "r" / row["recording"]).stat().st_size > 0
+    assert "crash at" in (tmp_path / "r" / "summary.html").read_text()
+    assert study.rerun(tmp_path / "r", table.failures[0]["run"][:8])["same"]
+    with pytest.raises(LookupError, match=r"there is no run .xyz."):
+        study.rerun(tmp_path / "r", "xyz")
+
+
+def test_a_second_start_does_nothing_and_other_code_gets_other_names(tmp_path, pids):
+    study = study_of(tmp_path)
+    table = study.run(tmp_path / "r", workers=0)
+    lines = (tmp_path / "r" / "rows.jsonl").read_bytes()
+    assert study.run(tmp_path / "r", workers=0).rows == table.rows
+    assert (tmp_path / "r" / "rows.jsonl").read_bytes() == lines
+    other = study_of(tmp_path, STUDY + "\n# another version\n", "other")
+    assert {run.name for run in other.runs()}.isdisjoint({row["run"] for row in table})
+
+
+def test_all_executors_give_the_same_bits(tmp_path, pids):
+    study = study_of(tmp_path)
+    hashes = {row["run"]: row["hash"] for row in study.run(tmp_path / "inline", workers=0)}
+    with ThreadPoolExecutor(2) as threads:
+        assert {row["run"]: row["hash"] for row in study.run(tmp_path / "t", executor=threads)} == hashes
+    import multiprocessing
+
+    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
+        assert {row["run"]: row["hash"] for row in study.run(tmp_path / "p", executor=processes)} == hashes
+    assert {row["run"]: row["hash"] for row in study.run(tmp_path / "local", workers=2)} == hashes
+
+
+def test_functions_within_a_function_are_forked(tmp_path):
+    def scene():
+        from morse.builder import ATRV, Environment
+
+        ATRV("robot")
+        Environment("empty")
+
+    def run(sim, factor):
+        sim.step(factor)
+        return sim.ticks
+
+    table = Study(scene, run, factor=[1, 2, 3]).run(tmp_path / "r", workers=2)
+    assert table["result"] == [1, 2, 3]
+
+
+def test_a_killed_worker_loses_nothing(tmp_path, pids):
+    text = (
+        SCENE
+        + """
+def run(sim, number):
+    marker = pathlib.Path(os.environ["PIDS"]) / f"run{number}"
+    sim.step(5)
+    if number == 2 or (number == 1 and not marker.exists()):
+        marker.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {"value": number}
+
+study = Study(scene, run, number=range(4))
+"""
+    )
+    table = study_of(tmp_path, text).run(tmp_path / "r", workers=2)
+    assert table["value"] == [0, 1, None, 3]
+    assert table[2]["error"] == "its process died 3 times"
+    assert Counter(row["run"] for row in table).most_common(1)[0][1] == 1
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{pid}/stat")
+    return not state.exists() or state.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def wait_for(condition, what):
+    end = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < end, f"no {what} within a minute"
+        time.sleep(0.02)
+
+
+def test_a_killed_driver_loses_nothing_and_leaves_no_orphans(tmp_path, pids):
+    study = study_of(tmp_path)
+    command = [
+        sys.executable,
+        "-m",
+        "morse",
+        "sweep",
+        str(tmp_path / "study.py"),
+        "-o",
+        str(tmp_path / "r"),
+        "--workers",
+        "2",
+    ]
+    driver = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    rows = tmp_path / "r" / "rows.jsonl"
+    try:
+        wait_for(lambda: rows.exists() and rows.read_bytes().count(b"\n") >= 3, "third row")
+    finally:
+        driver.send_signal(signal.SIGKILL)
+        driver.wait()
+    workers = [int(file.name) for file in pids.iterdir()]
+    assert workers
+    wait_for(lambda: not any(map(alive, workers)), "end of the workers")
+    with open(rows, "ab") as file:
+        file.write(b'{"run": "half')  # as if it had died while it wrote
+    before = {row["run"]: row for row in map(json.loads, rows.read_bytes().splitlines()[:3])}
+    table = study.run(tmp_path / "r", workers=2)
+    assert len(table) == len(study)
+    assert len({row["run"] for row in table}) == len(study)
+    kept = {row["run"]: row for row in table}
+    assert all(kept[name]["wall"] == row["wall"] for name, row in before.items())
+    other = study.run(tmp_path / "other", workers=0)
+    assert {row["run"]: row["hash"] for row in table} == {row["run"]: row["hash"] for row in other}
+
+
+def test_one_process_at_a_time_has_a_folder(tmp_path, pids):
+    from morse.many.ledger import Ledger
+
+    with Ledger(tmp_path / "r"), pytest.raises(RuntimeError, match="another process is running a study"):
+        study_of(tmp_path).run(tmp_path / "r", workers=0)
+
+
+def test_twenty_failures_of_each_kind_are_recorded(tmp_path):
+    text = (
+        SCENE
+        + """
+def run(sim, number):
+    assert number % 25 == 0, f"failed with {number}"
+study = Study(scene, run, number=range(25))
+"""
+    )
+    table = study_of(tmp_path, text).run(tmp_path / "r", workers=0)
+    assert len(table.failures) == 24
+    assert sum(bool(row["recording"]) for row in table) == 20
+    assert "there is another result" not in str(table)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda run: Study("s.py", run, gian=[1]), "no one uses the parameter 'gian'; did you mean 'gain'"),
+        (lambda run: Study("s.py", run, gain=[]), "'gain' has no values"),
+        (lambda run: Study("s.py", run, gain=[object()]), "'gain' is a object"),
+        (lambda run: Study("s.py", run, ticks=[1]), "cannot be called 'ticks'"),
+        (lambda run: uniform(2.0, 1.0), "the lower one first"),
+        (lambda run: uniform(0.0, 1.0, samples=0), "at least 1"),
+        (lambda run: loguniform(0.0, 1.0), "greater than 0"),
+        (lambda run: normal(0.0, -1.0), "not negative"),
+        (lambda run: choice(), "no value"),
+        (lambda run: Table.read("nowhere"), "contains no results"),
+    ],
+)
+def test_mistakes_are_named(make, message):
+    def run(sim, gain):
+        pass
+
+    with pytest.raises((TypeError, ValueError, FileNotFoundError), match=message):
+        make(run)
+
+
+def test_distributions_draw_the_same_each_time():
+    assert uniform(0.0, 1.0, samples=5).values("a") == uniform(0.0, 1.0, samples=5).values("a")
+    assert uniform(0.0, 1.0, samples=5).values("a") != uniform(0.0, 1.0, samples=5).values("b")
+    values = loguniform(0.01, 100.0, samples=2000).values("a")
+    assert sum(value < 1.0 for value in values) == pytest.approx(1000, abs=100)
+    assert set(choice("x", "y", samples=50).values("c")) == {"x", "y"}
+
+
+def test_results_that_are_no_plain_data_fail_the_run(tmp_path):
+    text = (
+        SCENE
+        + """
+def run(sim, kind):
+    return {"object": {"bad": object()}, "name": {"hash": 1}, "good": 3}[kind]
+study = Study(scene, run, kind=["object", "name", "good"])
+"""
+    )
+    table = study_of(tmp_path, text).run(tmp_path / "r", workers=0)
+    assert "the result 'bad' is a object" in table[0]["error"]
+    assert "a result cannot be called 'hash'" in table[1]["error"]
+    assert table[2]["result"] == 3
+    assert table.to_dict()["kind"] == ["object", "name", "good"]
+
+
+def test_the_command(tmp_path, pids):
+    (tmp_path / "study.py").write_text(STUDY)
+
+    def morse(*words):
+        command = [sys.executable, "-m", "morse", "sweep", *words]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=240)
+
+    first = morse("study.py", "-o", "r", "--workers", "2")
+    assert first.returncode == 0, first.stderr
+    assert "24 runs in r, 4 failed" in first.stdout
+    again = morse("study.py", "-o", "r")
+    assert "24 of 24 runs are done, 4 failed" in again.stderr
+    failed = Table.read(tmp_path / "r").failures[0]["run"]
+    rerun = morse("rerun", "r", failed[:6])
+    assert "the same, bit for bit" in rerun.stdout, rerun.stderr
+    assert "24 of 24" in morse("watch", "r").stderr
+    for words, message in [
+        (("nothing.py",), "no file nothing.py"),
+        (("rerun", "r"), "morse sweep rerun FOLDER RUN"),
+        (("rerun", "r", "xyz"), "there is no run 'xyz'"),
+        (("watch", "nowhere"), "contains no results"),
+    ]:
+        outcome = morse(*words)
+        assert outcome.returncode != 0
+        assert message in outcome.stdout + outcome.stderr
+        assert "Traceback" not in outcome.stderr
+
+
+def test_a_script_without_a_main_guard(tmp_path):
+    text = (
+        SCENE
+        + """
+def run(sim):
+    sim.step(3)
+    return sim.ticks
+study = Study(scene, run, seeds=3)
+print(len(study.run("r", workers=2)), "rows")
+"""
+    )
+    (tmp_path / "script.py").write_text(text)
+    outcome = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=240)
+    assert outcome.stdout.split("\n")[0] == "3 rows", outcome.stderr

@@ -1,0 +1,37 @@
+"""The examples of the page about studies."""
+
+import importlib.util
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PAGE = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+STUDY, OTHERS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+
+
+def test_the_study_runs(tmp_path):
+    (tmp_path / "study.py").write_text(STUDY)
+    outcome = subprocess.run([sys.executable, "study.py"], cwd=tmp_path, capture_output=True, text=True, timeout=240)
+    assert outcome.stderr == ""
+    assert "<Table of 8 runs" in outcome.stdout
+    # the block is 1.3 m ahead: faster robots hit it
+    assert "it has hit the block" in outcome.stdout
+
+
+@pytest.mark.parametrize(("function", "package"), [("optimise", "optuna"), ("log", "mlflow")])
+def test_other_packages(tmp_path, monkeypatch, function, package):
+    if importlib.util.find_spec(package) is None:
+        return  # an optional package, which MORSE does not install
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "study.py").write_text(STUDY)
+    from morse.many.sources import imported
+
+    study, functions = imported(str(tmp_path / "study.py")).study, {}
+    exec(OTHERS, functions)
+    if function == "optimise":
+        assert 0.5 <= functions["optimise"](study, 3)["speed"] <= 2.0
+    else:
+        functions["log"](study.run("results", workers=0))
