@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import ssl
+import threading
+import time
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.mqtt.limits import LimitedConnections
 from morse.middleware.mqtt.mapping import INSTALL, PORT, TLS_PORT
 
 if TYPE_CHECKING:
@@ -20,10 +24,10 @@ logger = logging.getLogger(__name__)
 
 #: limits of the send queue: messages and bytes
 _MOST_MESSAGES, _MOST_BYTES = 2000, 32 << 20
-#: largest packet that is received, bytes, and limits of the messages with QoS 2 that a broker has not completed
-_LARGEST_PACKET, _MOST_INCOMPLETE, _MOST_INCOMPLETE_BYTES = 4 << 20, 64, 16 << 20
 #: wall-clock seconds between two attempts to connect: initial and maximum value
 _FIRST_PAUSE, _LONGEST_PAUSE = 1, 5
+#: wall-clock seconds that the end waits for the thread
+_FAREWELL = 3.0
 
 
 class Broker:
@@ -53,18 +57,20 @@ class Broker:
         self._takers: dict[str, tuple[int, Callable[[bytes], object]]] = {}
         self._pending: deque[tuple[Any, int]] = deque()
         self._pending_size = 0
-        self._is_new = self._has_answered = False
+        self._is_new = self._has_answered = self._is_closed = False
+        self._refusal = ""
         self._complaints = Complaints(logger)
         try:
-            made = _made(client.Client, enums.MQTTErrorCode.MQTT_ERR_PROTOCOL)
-            self._client = made(enums.CallbackAPIVersion.VERSION2, client_id=options["client_id"])
+            self._client = client.Client(enums.CallbackAPIVersion.VERSION2, client_id=options["client_id"])
             if options["username"] is not None:
                 self._client.username_pw_set(options["username"], options["password"])
-            if options["tls"]:
-                self._client.tls_set()
+            encryption = ssl.create_default_context() if options["tls"] else None
+            self._client.tls_set_context(LimitedConnections(encryption, self._refuse))  # type: ignore[arg-type]
             self._client.will_set(self._status, b"offline", qos=1, retain=True)
             self._client.reconnect_delay_set(_FIRST_PAUSE, _LONGEST_PAUSE)
             self._client.max_queued_messages_set(_MOST_MESSAGES)
+            # only the thread of the connection writes: a call from the tick must not wait
+            self._client.on_socket_register_write = _nothing
             self._client.on_connect = self._on_connect
             self._client.on_connect_fail = self._on_connect_fail
             self._client.on_disconnect = self._on_disconnect
@@ -72,7 +78,8 @@ class Broker:
             self._client.connect_async(self._host, self._port)
         except ValueError as error:
             raise MorseMiddlewareError(f"mqtt: {error}") from None
-        self._client.loop_start()
+        self._thread = threading.Thread(target=self._serve, name="morse-mqtt", daemon=True)
+        self._thread.start()
 
     @property
     def place(self) -> str:
@@ -123,10 +130,27 @@ class Broker:
             farewell = self._client.publish(self._status, b"offline", qos=1, retain=True)
             with contextlib.suppress(RuntimeError, ValueError):  # the broker may have disconnected in the meantime
                 farewell.wait_for_publish(1.0)
+        self._is_closed = True
         self._client.disconnect()
-        self._client.loop_stop()
+        self._thread.join(_FAREWELL)
 
     # -- in the thread of the connection -----------------------------------------------------
+
+    def _serve(self) -> None:
+        while not self._is_closed:
+            try:
+                self._client.loop_forever(retry_first_connection=True)
+                return
+            except Exception as error:  # paho-mqtt raises several errors for packets that are none
+                self._refuse(f"a packet cannot be read ({error})")
+            self._is_gone(self._refusal)
+            time.sleep(_FIRST_PAUSE)
+            with contextlib.suppress(OSError):  # it tries again in its loop
+                self._client.reconnect()
+
+    def _refuse(self, reason: str) -> None:
+        """Note why the present connection is ended."""
+        self._refusal = reason
 
     def _on_connect(self, client: Any, userdata: Any, flags: Any, reason: Any, properties: Any) -> None:
         self._has_answered = True
@@ -147,14 +171,16 @@ class Broker:
 
     def _on_disconnect(self, client: Any, userdata: Any, flags: Any, reason: Any, properties: Any) -> None:
         if self.connected:
-            self.connected = False
-            if reason.is_failure:
-                text = self._client.refusal or str(reason)
-                self._complaints.warn("gone", f"mqtt: the broker {self.place} has disconnected: {text}")
+            self._is_gone((self._refusal or str(reason)) if reason.is_failure else "")
         elif reason.is_failure and not self._has_answered:
             text = f"mqtt: what is at {self.place} does not answer as a broker; the simulation continues without it"
             self._complaints.warn("absent", text)
-        self._client.refusal, self._has_answered = "", False
+        self._refusal, self._has_answered = "", False
+
+    def _is_gone(self, because: str) -> None:
+        self.connected = False
+        if because:
+            self._complaints.warn("gone", f"mqtt: the broker {self.place} has disconnected: {because}")
 
     def _on_message(self, client: Any, userdata: Any, message: Any) -> None:
         known = self._takers.get(message.topic)
@@ -163,43 +189,5 @@ class Broker:
         self._arrivals.received()
 
 
-def _made(base: Any, refused: Any) -> Any:
-    """The client of paho-mqtt, with limits for what a broker sends.
-
-    Args:
-        base: its class.
-        refused: error code for a packet that ends the connection.
-    """
-
-    class Client(base):  # type: ignore[misc]
-        #: why the present connection is ended, for the log
-        refusal = ""
-
-        def _sock_recv(self, bufsize: int) -> bytes:
-            # a header announces up to 256 MB, for which memory would be reserved at once
-            if bufsize > _LARGEST_PACKET:
-                self.refusal = f"a packet of {bufsize} bytes, {_LARGEST_PACKET} are allowed"
-                raise ConnectionError(self.refusal)
-            return bytes(super()._sock_recv(bufsize))
-
-        def _packet_handle(self) -> Any:
-            # an exception would end the thread of the connection for good
-            try:
-                return super()._packet_handle()
-            except Exception as error:
-                self.refusal = f"a packet cannot be read ({error})"
-                return refused
-
-        def _handle_publish(self) -> Any:
-            result = super()._handle_publish()
-            waiting = self._in_messages.values()
-            if waiting and (
-                len(waiting) > _MOST_INCOMPLETE
-                or sum(len(message.payload) for message in waiting) > _MOST_INCOMPLETE_BYTES
-            ):
-                self.refusal = "it does not complete its messages with QoS 2"
-                self._in_messages.clear()
-                return refused
-            return result
-
-    return Client
+def _nothing(*_arguments: Any) -> None:
+    """The loop finds by itself what there is to write."""
