@@ -7,7 +7,15 @@ from importlib import import_module
 from typing import Any
 
 from component_library import pictures, scenes
-from component_library.declared import data_table, kind_table, level_table, own_services, property_table, service_list
+from component_library.declared import (
+    data_table,
+    kind_table,
+    level_table,
+    own_services,
+    property_table,
+    service_list,
+    state_table,
+)
 from component_library.markdown import block, code, page, prose, section, table
 from morse.builder import workspace
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
@@ -96,6 +104,7 @@ def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
         else "",
         section("Messages", kind_table(cls)),
         section("Properties", property_table(cls, changed)),
+        section("State", state_table(cls)),
         section("Levels", level_table(cls)),
         section("In scene scripts", _own_methods(builder)),
         section("Services", service_list(cls, own_services(cls)), _common_services(sensor)),

@@ -6,7 +6,7 @@ import inspect
 from typing import TYPE_CHECKING, Any
 
 from component_library.markdown import arguments, code, prose, table
-from morse.core.declarations import data_fields, kinds, levels, properties
+from morse.core.declarations import data_fields, kinds, levels, properties, state_variables
 from morse.core.object import Object
 from morse.core.services import ServiceDeclaration, declared_services, signature_of
 from morse.core.validation.arguments import argument_ranges
@@ -53,6 +53,18 @@ def property_table(cls: type, changed: Mapping[str, Any]) -> str:
                 prop.doc,
             ]
             for prop in properties(cls).values()
+        ),
+    )
+
+
+def state_table(cls: type) -> str:
+    """What a component keeps from tick to tick, besides its fields and what all components keep."""
+    return table(
+        ["attribute", "type", "unit", "what"],
+        (
+            [code(name), code(variable.type_name), variable.unit, variable.doc]
+            for name, variable in state_variables(cls).items()
+            if name not in state_variables(Object)
         ),
     )
 

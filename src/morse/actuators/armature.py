@@ -14,7 +14,7 @@ from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 from morse.core.services import async_service, interruptible, service
 from morse.core.validation.arguments import Range
-from morse.helpers.components import add_kind, add_property, each
+from morse.helpers.components import add_kind, add_property, add_state, each
 from morse.helpers.inverse_kinematics import LEVER
 from morse.helpers.joint_trajectory import Trajectory, points_of
 from morse.mathutils import Euler
@@ -69,10 +69,14 @@ class Armature(DynamicJoints):
         "_ik_linear_speed", 0.5, "IKLinearSpeed", "float", "Linear speed of targets", unit="m/s", low=0.0, high=1e4
     )
 
+    add_state("_follower", Follower, "Search for the joint values of the targets")
+    add_state("_led", list | None, "Setpoints computed from the targets; None while commands set them")
+    add_state("_move", tuple | None, "Motion of a target: name, goal, speeds")
+    add_state("_target_poses", list, "Poses of the targets at the last action")
+    add_state("_trajectory", Trajectory | None, "Trajectory that is followed")
+
     _ik_rotation_speed: float
     _ik_linear_speed: float
-
-    not_state: ClassVar[tuple[str, ...]] = ("_targets",)
 
     #: weight of an error of one radian of a target, m
     _lever: ClassVar[float] = LEVER

@@ -10,7 +10,7 @@ from morse.core.actuator import Actuator
 from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.limits import ANGLE, POSITION
 from morse.core.services import service
-from morse.helpers.components import add_data, add_kind, add_property, euler
+from morse.helpers.components import add_data, add_kind, add_property, add_state, euler
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -40,6 +40,9 @@ class Arucomarker(Actuator):
     add_property("_x_offset", 0.0, "xoffset", "float", "Along X of the world", **POSITION)
     add_property("_y_offset", 0.0, "yoffset", "float", "Along Y of the world", **POSITION)
     add_property("_z_offset", 0.0, "zoffset", "float", "Along Z of the world", **POSITION)
+
+    add_state("_rotation", tuple, "Rotation matrix of the last command, row-major")
+    add_state("_turned", tuple | None, "Angles of the last command", unit="rad")
 
     _x_offset: float
     _y_offset: float

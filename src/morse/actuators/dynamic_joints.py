@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from morse.actuators.joint_services import JointServices
 from morse.core.declarations import DataField
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.services import service
-from morse.helpers.components import add_property
+from morse.helpers.components import add_property, add_state
 from morse.scene import Control, JointKind, controls_of
 
 if TYPE_CHECKING:
@@ -53,9 +53,10 @@ class DynamicJoints(JointServices):
         choices=("", *(str(control) for control in Control)),
     )
 
-    _control: str
+    add_state("_controls", dict, "Joints that are not controlled by position")
+    add_state("_pulled", dict, "Last commands of the motors of tendons")
 
-    not_state: ClassVar[tuple[str, ...]] = ("_motors", "_tendons")
+    _control: str
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         self._motors: Any = None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core import status
 from morse.core.actuator import Actuator
 from morse.core.limits import POSITION
-from morse.helpers.components import add_data, add_property
+from morse.helpers.components import add_data, add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -42,6 +42,8 @@ class Going(Actuator):
         "bool",
         "Hold the goal position actively; otherwise the robot is not controlled within the tolerance",
     )
+
+    add_state("_moving", bool, "Whether a service moves the robot")
 
     _type: str
     _remain_at_destination: bool

@@ -9,7 +9,7 @@ from morse.actuators.fingers import Fingers
 from morse.core.actuator import Actuator
 from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.services import service
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -39,11 +39,13 @@ class Gripper(Actuator):
 
     add_property("_finger_speed", 1.0, "FingerSpeed", "float", "Speed of the fingers", unit="rad/s", low=0.0, high=1e3)
 
+    add_state("_closing", list, "How far the fingers are closed", unit="rad")
+    add_state("_goal", list, "Angles at which the fingers meet the held object", unit="rad")
+    add_state("_held_name", str, "Name of the held object; empty for none")
+
     _angle: float
     _distance: float
     _finger_speed: float
-
-    not_state = ("_fingers",)
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

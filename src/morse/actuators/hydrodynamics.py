@@ -86,15 +86,6 @@ class Hydrodynamics(Actuator):
     _width: float
     _height: float
 
-    not_state = (
-        "_centre",
-        "_measured",
-        "_water",
-        "_hull",
-        "_values",
-        "_push",
-    )  # values from the model, the world and the properties
-
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         body = self.robot_parent.bge_object

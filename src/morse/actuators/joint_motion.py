@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
-from morse.core.declarations import DataField
+from morse.core.declarations import DataField, add_state
 from morse.core.parts.link_parts import link_parts
 from morse.helpers.chain import Chain
 from morse.mathutils.rotations import product, turn_back
@@ -26,7 +26,7 @@ class JointMotion(Actuator):
     ``local_data`` contains the setpoint of each joint. Joints stay within their limits.
     """
 
-    not_state: ClassVar[tuple[str, ...]] = ("chain", "_linkage", "_usual", "_told", "_clamped")
+    add_state("_values", list, "Joint values of the last action")
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

@@ -13,7 +13,7 @@ from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 from morse.core.services import async_service, interruptible, service
 from morse.core.validation.arguments import Range, check_of
-from morse.helpers.components import add_property
+from morse.helpers.components import add_property, add_state
 from morse.scene import JointKind
 
 if TYPE_CHECKING:
@@ -53,6 +53,9 @@ class JointServices(JointMotion):
     add_property(
         "_linear_speed", 0.05, "LinearSpeed", "float", "Speed of prismatic joints", unit="m/s", low=0.0, high=1e4
     )
+
+    add_state("_awaited", list | None, "Joints that the running service waits for")
+    add_state("_speeds", dict, "Speeds from the arguments of services")
 
     _distance_tolerance: float
     _angle_tolerance: float

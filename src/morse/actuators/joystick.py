@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
-from morse.helpers.components import add_property
+from morse.helpers.components import add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -34,6 +34,8 @@ class Joystick(Actuator):
     )
     add_property("_speed", 1.0, "Speed", "float", "Speed at full deflection; turning rate in rad/s", **SPEED)
     add_property("_index", 0, "Index", "int", "Pair of axes: 0 for the first stick, 1 for the second", low=0)
+
+    add_state("_moving", bool, "Whether the stick is deflected")
 
     _type: str
     _speed: float

@@ -8,7 +8,7 @@ from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
 from morse.core.services import service
 from morse.core.wheeled_robot import PhysicsDifferentialRobot
-from morse.helpers.components import add_property
+from morse.helpers.components import add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -50,6 +50,8 @@ class Keyboard(Actuator):
     add_property(
         "_speed", 1.0, "Speed", "float", "Linear speed in m/s; the turning rate in rad/s is half of it", **SPEED
     )
+
+    add_state("_moving", bool, "Whether a key is pressed")
 
     _type: str
     _speed: float

@@ -10,7 +10,7 @@ from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.services import service
 from morse.core.validation.arguments import Range
-from morse.helpers.components import add_data, add_kind, add_property, scaled
+from morse.helpers.components import add_data, add_kind, add_property, add_state, scaled
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -43,7 +43,9 @@ class LedArray(Actuator):
     add_kind("image", pixels=scaled("colours", 255.0), encoding="rgb8")
     add_property("_blink_period", 0.0, "BlinkPeriod", "float", "Period of blinking; 0 for steady", unit="s", low=0.0)
 
-    not_state = ("_lights", "_drawn")
+    add_state("_shown", np.ndarray, "Colours of the pattern")
+    add_state("_since", float, "Start of the present blinking", unit="s")
+    add_state("_warned", bool, "Whether a wrong pattern was reported")
 
     _blink_period: float
 

@@ -35,8 +35,6 @@ class Light(Actuator):
     add_property("_size", math.pi / 2.0, "size", "float", "Angle of the cone", unit="rad", low=0.0, high=math.pi)
     add_property("_energy", 1.0, "energy", "float", "Brightness relative to a normal lamp", low=0.0)
 
-    not_state = ("_lamp", "_shown")
-
     _emit: bool
     _distance: float
     _color: str

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
 from morse.core.services import service
-from morse.helpers.components import add_property
+from morse.helpers.components import add_property, add_state
 from morse.helpers.ramp import Ramp
 
 if TYPE_CHECKING:
@@ -60,6 +60,9 @@ class LimitedMotion(Actuator):
         low=0.0,
         high=1e8,
     )
+
+    add_state("_angular", Ramp, "Angular velocity under the limit of acceleration")
+    add_state("_linear", Ramp, "Linear velocity under the limit of acceleration")
 
     linear_axes = 1
 

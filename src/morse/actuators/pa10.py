@@ -9,7 +9,7 @@ from morse.core.actuator import Actuator
 from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.limits import ANGLE, Angle
 from morse.core.services import service
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 from morse.scene import Bone, JointKind
 
 if TYPE_CHECKING:
@@ -51,7 +51,8 @@ class PA10(Actuator):
         low=0.0,
     )
 
-    not_state = ("_linkage",)
+    add_state("_angles", list, "Angles of the segments", unit="rad")
+    add_state("_turning", list, "Which segments turn")
 
     _speed: float
     _tolerance: float

@@ -49,8 +49,6 @@ class PTU(Actuator):
     )
     add_property("_manual", False, "Manual", "bool", "The joints are controlled by something else")
 
-    not_state = ("_base", "_head")
-
     _speed: float
     _tolerance: float
     _manual: bool

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.limits import FORCE, TORQUE
-from morse.helpers.components import add_property
+from morse.helpers.components import add_property, add_state
 from morse.helpers.transformation import euler_angles
 
 if TYPE_CHECKING:
@@ -33,6 +33,13 @@ class Rotorcraft(Actuator):
 
     with the moment of inertia I about that axis, the error e of its angle, and the factor s, a share of the thrust.
     """
+
+    add_state(
+        "_errors",
+        tuple | None,
+        "Errors of roll, pitch and yaw at the last action, None if inactive",
+        unit="rad",
+    )
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.actuators.rotorcraft import Rotorcraft
 from morse.core.limits import ANGLE
-from morse.helpers.components import add_data, add_kind, add_property, euler
+from morse.helpers.components import add_data, add_kind, add_property, add_state, euler
 from morse.helpers.geodesy import angle_against_north
 
 if TYPE_CHECKING:
@@ -58,6 +58,8 @@ class RotorcraftAttitude(Rotorcraft):
         "attitude", when=_by_rate, orientation=euler("roll", "pitch", None), rates=(None, None, "yaw"), thrust="thrust"
     )
     add_kind("attitude", when=_by_angle, orientation=euler("roll", "pitch", "yaw"), thrust="thrust")
+
+    add_state("_yaw_wanted", float | None, "Setpoint of the yaw", unit="rad")
 
     _rp_pgain: float
     _rp_dgain: float

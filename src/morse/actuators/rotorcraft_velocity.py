@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.actuators.rotorcraft import BankingRotorcraft
 from morse.core.limits import SPEED, TURN_RATE, AbsoluteSpeed, Speed, TurnRate
 from morse.core.services import service
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -42,6 +42,9 @@ class RotorcraftVelocity(BankingRotorcraft):
     add_property("_yaw_dgain", 8.0, "YawDgain", "float", "Derivative gain of the yaw", unit="1/s", low=0.0)
     add_property("_max_velocity", 2.0, "MaxVelocity", "float", "Exists for scripts of 1.4, without effect", unit="m/s")
     add_kind("twist", linear=("vx", "vy", "vz"), angular=(None, None, "vyaw"))
+
+    add_state("_velocity", tuple | None, "Velocity at the last action", unit="m/s")
+    add_state("_yaw_wanted", float | None, "Setpoint of the yaw", unit="rad")
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

@@ -11,7 +11,7 @@ from morse.core import status
 from morse.core.calls.progress import of_distance
 from morse.core.limits import ANGLE, LENGTH, POSITION, Angle, Length, Position
 from morse.core.services import async_service, interruptible, service
-from morse.helpers.components import add_data, add_kind, add_property, euler
+from morse.helpers.components import add_data, add_kind, add_property, add_state, euler
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -50,6 +50,9 @@ class RotorcraftWaypoint(BankingRotorcraft):
         "_target", "wp_target", "Target", "string", "Name of an object that is moved to the goal, if it exists"
     )
     add_kind("pose", position=("x", "y", "z"), orientation=euler(None, None, "yaw"), tolerance="tolerance")
+
+    add_state("_called_off", tuple | None, "Position at which a motion was cancelled", unit="m")
+    add_state("_marked", tuple | None, "Position of the target object", unit="m")
 
     _v_dgain: float
     _remain_at_destination: bool

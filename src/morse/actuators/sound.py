@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.reports.quoting import shown
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -28,6 +28,9 @@ class Sound(Actuator):
     add_data("mode", "stop", "string", "Mode: play, pause or stop")
     add_kind("switch", choice="mode")
     add_property("_file", "", "file", "string", "File of the sound")
+
+    add_state("_mode", str, "What the player does: play, pause or stop")
+    add_state("played", float, "Time that the sound has played", unit="s")
 
     _file: str
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from morse.actuators.holding import Holding
 from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
-from morse.helpers.components import add_data
+from morse.helpers.components import add_data, add_state
 from morse.mathutils.rotations import rotation_from_euler
 
 if TYPE_CHECKING:
@@ -38,6 +38,10 @@ class StabilizedQuadrotor(Holding):
     add_data("phi_c", 0.0, "float", "Roll", frame="world", **ANGLE)
     add_data("psi_c", 0.0, "float", "Acts as a yaw rate to the right", frame="world", **ANGLE)
     add_data("h_c", 0.0, "float", "Height", frame="world", **POSITION)
+
+    add_state("_angles", list, "Filtered roll, pitch and yaw", unit="rad")
+    add_state("_rates", list, "Rates of the filtered angles", unit="rad/s")
+    add_state("_velocity", list, "Velocity in the world", unit="m/s")
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

@@ -41,8 +41,6 @@ class SteerForce(Actuator):
     add_data("brake", 0.0, "float", "Force of the brakes", unit="N", low=0.0, high=1e6)
     add_kind("general")
 
-    not_state = ("_steering",)
-
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         robot = self.robot_parent

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar
 
 from morse.actuators.armature import Armature
+from morse.core.declarations import add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -29,6 +30,12 @@ class WalkingSkeleton(Armature):
 
     # a limb has too few joints for any pose: its place precedes its orientation
     _lever: ClassVar[float] = 0.3
+
+    add_state("_posture", list, "Joint values without the gait", unit="rad")
+    add_state("_shown", list, "Joint values with the gait, of the last tick", unit="rad")
+    add_state("_place", tuple | None, "Position at the last tick", unit="m")
+    add_state("_phase", float, "Phase of the gait", unit="rad")
+    add_state("_vigour", float, "How far the legs swing, from 0 to 1")
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

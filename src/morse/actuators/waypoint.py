@@ -13,7 +13,7 @@ from morse.core.limits import LENGTH, AbsoluteSpeed, Length, Position
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted
 from morse.core.services import async_service, interruptible, service
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -42,8 +42,6 @@ class Waypoint(Going):
     _name = "Waypoint"
     _short_desc = "Motion controller which drives the robot to a position"
 
-    not_state = ("radars",)
-
     add_data("tolerance", 0.5, "float", "Distance at which the robot has arrived", **LENGTH)
     add_data("speed", 1.0, "float", "Speed of the robot; initially the property Speed", **_SPEED)
     add_property("_obstacle_avoidance", True, "ObstacleAvoidance", "bool", "Steer around obstacles")
@@ -68,6 +66,13 @@ class Waypoint(Going):
         "Objects with one of these properties are not avoided: names joined by commas",
     )
     add_kind("pose", position=("x", "y", "z"), tolerance="tolerance", speed="speed")
+
+    add_state("_called_off", tuple | None, "Position at which a motion was cancelled", unit="m")
+    add_state("_marked", tuple | None, "Position of the target object", unit="m")
+    add_state("_side", float, "1 to pass an obstacle on the left, -1 on the right, 0 without obstacle")
+    add_state("_speed_before_stop", float, "Speed to which resume() returns", unit="m/s")
+    add_state("_straight", float, "Remaining distance past an obstacle", unit="m")
+    add_state("_turn_on", float, "Remaining turn after an obstacle has left the radars", unit="rad")
 
     _obstacle_avoidance: bool
     _free_z: bool

@@ -6,6 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.core import status as _status
+from morse.core.declarations import add_state
 from morse.core.services import ServiceDeclaration, declared_services
 
 if TYPE_CHECKING:
@@ -22,6 +23,9 @@ class AbstractObject:
         on_completion: called when the running asynchronous service ends, or None.
         running_service: name of the running asynchronous service, or None.
     """
+
+    add_state("local_data", object, "Values of the data fields")
+    add_state("running_service", str | None, "Name of the service that runs")
 
     def __init__(self) -> None:
         self.local_data: dict[str, Any] = {}

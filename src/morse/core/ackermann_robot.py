@@ -52,8 +52,6 @@ class PhysicsAckermannRobot(Robot):
         low=0.0,
     )
 
-    not_state = ("steering",)
-
     _max_steering_angle: float
     _vel_p_gain: float
     _vel_d_gain: float

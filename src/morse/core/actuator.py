@@ -6,7 +6,7 @@ from copy import deepcopy
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.core.declarations import fields_of_component
+from morse.core.declarations import add_state, fields_of_component
 from morse.core.guard import modify, read
 from morse.core.journal import COMMAND
 from morse.core.object import Object
@@ -31,11 +31,12 @@ class Actuator(Object):
 
     obeys_controls: ClassVar[bool] = False
     command_end: float | None = None
-    not_state: ClassVar[tuple[str, ...]] = ("_values_at_first", "_command_limit")
     #: values of the fields before the first command
     _values_at_first: Mapping[str, Any] = MappingProxyType({})
     #: the shortest time after which commands end, simulated seconds; None if they do not end
     _command_limit: float | None = None
+
+    add_state("command_end", float | None, "Time at which the last command ends", unit="s")
 
     def limit_commands(self, seconds: float) -> None:
         """Prepare for commands that end: the scene declares a stream with the option ``timeout``.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from morse.core import context as _context
 from morse.core.abstractobject import AbstractObject
 from morse.core.classes import describing
-from morse.core.declarations import data_fields, levels, properties
+from morse.core.declarations import add_state, data_fields, levels, properties
 from morse.core.groups.group import OnDemand
 from morse.core.requests import Requesting
 from morse.core.services import ServiceDeclaration, declared_services, service
@@ -50,6 +50,12 @@ class Object(Requesting, AbstractObject):
         frequency: Hz.
         context: the running simulation.
     """
+
+    add_state("_active", bool, "Whether the component acts")
+    add_state("frequency", float, "Frequency of its action", unit="Hz")
+    add_state("level", str | None, "Abstraction level")
+    add_state("position_3d", Transformation3d, "Pose at the last action")
+    add_state("initial_position_3d", Transformation3d, "Pose at the start")
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """In a scene script, ``Sonar()`` and ``Sonar("name")`` return the builder object of the component."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations import add_data, add_property
+from morse.core.declarations import add_data, add_property, add_state
 from morse.core.object import Object
 from morse.core.parts.link_parts import link_parts
 from morse.helpers.chain import Chain
@@ -28,6 +28,9 @@ class Robot(Object):
     add_data("move_status", "Stop", "string", "State of the motion of the robot")
     add_property("_no_gravity", False, "NoGravity", "bool", "The robot does not fall: an aircraft or a submarine")
     add_property("_is_ground_robot", False, "GroundRobot", "bool", "The robot stays on the ground: gravity moves it")
+
+    add_state("time_shift", float, "Time of the robot, relative to that of the simulation", unit="s")
+    add_state("is_dynamic", bool, "Whether the physics moves the robot")
 
     _no_gravity: bool
     _is_ground_robot: bool

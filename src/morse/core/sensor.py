@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.core.declarations import add_data, data_fields
+from morse.core.declarations import add_data, add_state, data_fields
 from morse.core.guard import modify, publish
 from morse.core.noise import measured
 from morse.core.object import Object
@@ -38,6 +38,8 @@ class Sensor(Object):
     robot_parent: Robot
 
     add_data("timestamp", 0.0, "float", "Simulated time of the measurement", unit="s")
+
+    add_state("realism", object, "Delay and noise: what was measured and is not published yet")
 
     realism: Realism | None = None
     #: the remedy if ``noise()`` without a field changes no field

@@ -5,6 +5,7 @@ from morse.core.declarations import (
     add_kind,
     add_level,
     add_property,
+    add_state,
     computed,
     each,
     euler,
@@ -13,4 +14,16 @@ from morse.core.declarations import (
     scaled,
 )
 
-__all__ = ["add_data", "add_kind", "add_level", "add_property", "computed", "each", "euler", "mapped", "prop", "scaled"]
+__all__ = [
+    "add_data",
+    "add_kind",
+    "add_level",
+    "add_property",
+    "add_state",
+    "computed",
+    "each",
+    "euler",
+    "mapped",
+    "prop",
+    "scaled",
+]

@@ -5,7 +5,9 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.core.declarations import Option
+import numpy as np
+
+from morse.core.declarations import Option, add_state
 from morse.core.modifier import AbstractModifier
 from morse.modifiers.deviations import deviations
 
@@ -33,6 +35,8 @@ class IMUNoiseModifier(AbstractModifier):
             "accel_std": Option((float, int, dict), 0.5, "Standard deviation of the acceleration", unit="m/s^2"),
         }
     )
+
+    add_state("_random", np.random.Generator, "Noise")
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         super().__init__(component_instance, kwargs)

@@ -6,7 +6,9 @@ import math
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.core.declarations import Option
+import numpy as np
+
+from morse.core.declarations import Option, add_state
 from morse.core.modifier import AbstractModifier
 from morse.core.services import service
 
@@ -40,6 +42,11 @@ class OdometryNoiseModifier(AbstractModifier):
             ),
         }
     )
+
+    add_state("_random", np.random.Generator, "Noise of the factor and of the drift")
+    add_state("_true", tuple, "True x, y and yaw")
+    add_state("_measured", tuple, "Measured x, y and yaw")
+    add_state("_yaw_error", float, "Error of the yaw", unit="rad")
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         super().__init__(component_instance, kwargs)

@@ -6,7 +6,9 @@ import math
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.core.declarations import Option
+import numpy as np
+
+from morse.core.declarations import Option, add_state
 from morse.core.modifier import AbstractModifier
 from morse.modifiers.deviations import deviations
 
@@ -35,6 +37,8 @@ class NoiseModifier(AbstractModifier):
         }
     )
     _noisy: ClassVar[tuple[str, ...]] = (*_POSITION, *_ANGLES)
+
+    add_state("_random", np.random.Generator, "Noise")
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         super().__init__(component_instance, kwargs)

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
-from morse.helpers.components import add_data, add_kind
+from morse.helpers.components import add_data, add_kind, add_state
 from morse.mathutils.rotations import turn_back
 from morse.sensors.motion_sensor import MotionSensor
 
@@ -30,6 +30,8 @@ class Accelerometer(MotionSensor):
     add_data("acceleration", _ZERO, "vec3<float>", "Acceleration, no gravity", unit="m/s^2", frame="own", shape=3)
     add_data("angular_acceleration", _ZERO, "vec3<float>", "Angular acceleration", unit="rad/s^2", frame="own", shape=3)
     add_kind("accel", linear="acceleration", angular="angular_acceleration")
+
+    add_state("_place", tuple, "Position at the last measurement", unit="m")
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

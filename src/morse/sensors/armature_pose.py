@@ -11,7 +11,7 @@ from morse.core.reports.quoting import shown
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.helpers.chain import Chain
-from morse.helpers.components import add_kind, each
+from morse.helpers.components import add_kind, add_state, each
 from morse.scene import JointKind
 
 if TYPE_CHECKING:
@@ -52,7 +52,8 @@ class ArmaturePose(Sensor):
         effort=lambda sensor: sensor.efforts,
     )
 
-    not_state = ("_bones", "_loose")
+    add_state("efforts", tuple | None, "Forces and torques of dynamic joints")
+    add_state("velocities", tuple | None, "Velocities of dynamic joints")
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_kind, add_property, mapped
+from morse.helpers.components import add_data, add_kind, add_property, add_state, mapped
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -28,6 +28,8 @@ class Battery(Sensor):
         charge="charge",
         status=mapped("status", charging="Charging", discharging="Discharging", full="Charged"),
     )
+
+    add_state("_time", float, "Time of the last measurement", unit="s")
 
     _discharging_rate: float
 

@@ -1,7 +1,7 @@
 """A bumper switch."""
 
 from morse.core.declarations import BuilderDefaults, Visual
-from morse.helpers.components import add_kind, add_property
+from morse.helpers.components import add_kind, add_property, add_state
 from morse.sensors.collision import ContactSensor, touched_names
 
 
@@ -21,6 +21,8 @@ class Bumper(ContactSensor):
         "_travel", 0.005, "Travel", "float", "Distance at which an object presses it", unit="m", low=0.0, high=1.0
     )
     add_kind("contact", touching="collision", names=touched_names)
+
+    add_state("margin", float, "Distance below which objects touch", unit="m")
 
     _travel: float
 

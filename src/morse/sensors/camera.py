@@ -12,7 +12,7 @@ from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, service
 from morse.core.status import SUCCESS
 from morse.core.validation.arguments import Range
-from morse.helpers.components import add_property
+from morse.helpers.components import add_property, add_state
 from morse.sensors.delayed_pictures import DelayedPictures, Exposure
 
 if TYPE_CHECKING:
@@ -134,12 +134,15 @@ class Camera(Sensor):
     is_camera = True
     add_property("capturing", True, "capturing", "bool", "Take pictures")
 
+    add_state("_left", int, "Number of remaining images; negative for no limit")
+    add_state("_made_of", tuple, "Properties of the lens of the last image")
+    add_state("_taken", int, "Tick of the last image")
+
     color = True
     normals = False
     uses: ClassVar[tuple[str, ...] | None] = None
     noted: Any = None
     _taken_from: Pose | None = None
-    not_state: ClassVar[tuple[str, ...]] = ("requests", "request", "lens", "_lens_of", "noted", "_taken_from")
 
     image_width: int
     image_height: int

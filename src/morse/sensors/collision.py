@@ -6,7 +6,7 @@ from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.guard import publish
 from morse.core.sensor import Sensor
 from morse.core.streams.kind_stream import KindStream
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 
 def touched_names(sensor: ContactSensor) -> list[str]:
@@ -58,6 +58,8 @@ class Collision(ContactSensor):
     _builder = BuilderDefaults(visual=Visual("cube", (0.02, 0.02, 0.02), (0.8, 0.2, 0.1)))
 
     add_kind("contact", touching="collision", names=touched_names)
+
+    add_state("_names", list, "Names of the objects that touch it")
 
     def action(self) -> None:
         """Do one measurement, if it touches an object."""

@@ -11,7 +11,7 @@ import numpy as np
 from morse.core.declarations import BuilderDefaults
 from morse.core.limits import ANGLE
 from morse.core.streams.local_data import Later, LocalData
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
 if TYPE_CHECKING:
@@ -55,6 +55,8 @@ class AbstractDepthCamera(Camera):
         low=0.0,
         high=1e3,
     )
+
+    add_state("_random", np.random.Generator, "Noise of the pixels")
 
     color = False
     uses = ("depth",)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -45,7 +45,6 @@ class DepthCameraAggregator(CameraUnit):
     add_kind("cloud", points="points")
 
     master_camera: str
-    not_state: ClassVar[tuple[str, ...]] = ("_measured_from",)
     _measured_from: Pose | None = None
 
     @property

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_kind, add_level
+from morse.helpers.components import add_data, add_kind, add_level, add_state
 from morse.helpers.geodesy import LocalPlane
 
 if TYPE_CHECKING:
@@ -106,13 +106,14 @@ class GPS(Sensor):
 class RawGPS(GPS):
     """Measures the position on the earth; `GPS` at the level ``raw``."""
 
+    add_state("_before", tuple | None, "Position at the last measurement")
+    add_state("_time", float, "Time of the last measurement", unit="s")
+
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._plane = LocalPlane.of(self.context.scene.properties)
         self._time = self.clock.time
         self._before = self.position_3d.get_pose()[0]
-
-    not_state = ("_plane",)
 
     def measure(self) -> None:
         """Measure the position, and the velocity from the previous position."""

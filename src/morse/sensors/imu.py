@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import BuilderDefaults, Visual
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 from morse.helpers.geodesy import has_place
 from morse.helpers.inertial_errors import ErrorTerms, InertialErrors
 from morse.mathutils.rotations import turn_back
@@ -138,6 +138,10 @@ class IMU(MotionSensor):
     add_kind("imu", angular_velocity="angular_velocity", linear_acceleration="linear_acceleration")
     add_kind("magnetic_field", topic="mag", when=_has_magnetometer, field="magnetic_field")
 
+    add_state("_accel_errors", InertialErrors, "Errors of the accelerometer")
+    add_state("_gyro_errors", InertialErrors, "Errors of the gyroscope")
+    add_state("_measured", float, "Time of the last measurement", unit="s")
+
     _gyro_density: float
     _gyro_instability: float
     _gyro_walk: float
@@ -145,7 +149,6 @@ class IMU(MotionSensor):
     _accel_instability: float
     _accel_walk: float
     _correlation_time: float
-    not_state = ("_field",)
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

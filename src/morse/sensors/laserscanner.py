@@ -197,7 +197,6 @@ class LaserScanner(Sensor):
     add_kind("cloud", level=["raw", "rssi"], when=_is_deep, points=_points, intensity=_intensity, ring=_layer)
     add_kind("cloud", level=["raw", "rssi"], when=_is_flat, topic="points", on_request=True, points=_points)
 
-    not_state = ("_arc",)  # derived from the rays, which are not part of the state either
     #: whether the fan rotates about the vertical axis, so that its rays do not lie in one plane
     turns = False
     laser_range: float

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 from morse.helpers.geodesy import LocalPlane
 from morse.helpers.magnetism import DEFAULT_YEAR, MODELS, MagneticField
 from morse.mathutils.rotations import turn_back
@@ -79,9 +79,10 @@ class Magnetometer(Sensor):
     )
     add_kind("magnetic_field", field=("x", "y", "z"))
 
+    add_state("_wanted", tuple, "Date and model of the field in use")
+
     _date: float | None
     _model: str
-    not_state = ("_field",)
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

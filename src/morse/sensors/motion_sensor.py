@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_property
+from morse.helpers.components import add_property, add_state
 from morse.mathutils.rotations import cross, rotation_vector, turn
 
 if TYPE_CHECKING:
@@ -51,6 +51,11 @@ class MotionSensor(Sensor):
         "of the sensor, Automatic for Velocity if the robot is a dynamic body",
         choices=("Automatic", "Velocity", "Position"),
     )
+
+    add_state("_time", float, "Time of the last measurement", unit="s")
+    add_state("_pose", tuple, "Position and rotation at the last measurement")
+    add_state("_linear", tuple, "Linear velocity at the last measurement", unit="m/s")
+    add_state("_angular", tuple, "Angular velocity at the last measurement", unit="rad/s")
 
     _computation_mode: str
 

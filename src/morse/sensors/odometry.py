@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_kind, add_level, computed, euler
+from morse.helpers.components import add_data, add_kind, add_level, add_state, computed, euler
 from morse.helpers.transformation import Transformation3d
 
 if TYPE_CHECKING:
@@ -88,6 +88,9 @@ class Odometry(Sensor):
         linear=("vx", "vy", "vz"),
         angular=computed(_body_rates),
     )
+
+    add_state("original_pos", Transformation3d, "Pose at the start, or where reset() was called")
+    add_state("previous_pos", Transformation3d, "Pose at the last measurement")
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.helpers.components import add_data, add_kind
+from morse.helpers.components import add_data, add_kind, add_state
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
 if TYPE_CHECKING:
@@ -48,6 +48,8 @@ class OpticalFlowCamera(Camera):
 
     add_kind("image", pixels=_vectors, encoding="32FC2", unit="px")
     add_kind("camera_info", **CAMERA_INFO)
+
+    add_state("_before", object, "Poses at the last image")
 
     color = False
     uses = ("depth", "ids", "names", "models", "eye", "axes")

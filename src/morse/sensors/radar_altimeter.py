@@ -34,7 +34,6 @@ class RadarAltimeter(Sensor):
     add_kind("range", distance="z", min=0.0, max=prop("_max_range"), fov=0.0, radiation="radar")
 
     _max_range: float
-    not_state = ("_reach",)  # derived from the rays, which are not part of the state either
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

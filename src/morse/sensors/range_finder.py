@@ -78,7 +78,6 @@ class RangeFinder(Sensor):
     _min_range: float
     _cone: float
     _resolution: float
-    not_state = ("_looks",)  # derived from the rays, which are not part of the state either
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

@@ -13,7 +13,7 @@ from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, noninterruptible, service
 from morse.core.watched_space import WatchedSpace
-from morse.helpers.components import add_data, add_property
+from morse.helpers.components import add_data, add_property, add_state
 from morse.helpers.cone import Cone
 from morse.mathutils.portable import matmul
 from morse.scene.corners import corners
@@ -58,6 +58,9 @@ class SearchAndRescue(Sensor):
     add_property("_angle", 60.0, "Angle", "float", "Full angle of the cone", unit="deg", low=0.0, high=360.0)
     add_property("_distance", 10.0, "Distance", "float", "Length of the cone", unit="m", low=0.0)
     add_property("_freq", 3.0, "Freq", "float", "Exists for scripts of 1.4; use frequency(...)", low=0.0)
+
+    add_state("_left", int, "Number of measurements until the victim is healed")
+    add_state("_patient", str | None, "Name of the victim that is healed")
 
     _heal_range: float
     _abilities: str

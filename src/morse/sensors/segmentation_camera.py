@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from morse.core.mathutils import Matrix
 from morse.core.services import service
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 from morse.mathutils.portable import matmul
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
@@ -111,13 +111,15 @@ class SegmentationCamera(Camera):
     add_kind("camera_info", **CAMERA_INFO)
     add_kind("detections", topic="detections", records=_records)
 
+    add_state("_class_ids", dict, "Ids of the classes")
+    add_state("_thing_ids", dict, "Ids of the objects, which stay the same when objects are added or removed")
+
     color = False
     uses = ("ids",)
     noise_mend = "because ids cannot have noise"
     without_noise = ("image", "classes")
     #: PNG files have no quality setting
     quality = 100
-    not_state: ClassVar[tuple[str, ...]] = ("_things", "_of_nodes", "_table")
 
     tag: str
     class_tag: str

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
 if TYPE_CHECKING:
@@ -131,6 +131,9 @@ class VideoCamera(Camera):
 
     add_kind("image", pixels=_pixels, encoding="rgba8")
     add_kind("camera_info", **CAMERA_INFO)
+
+    add_state("_adjusted", float, "Exposure of the last image")
+    add_state("_random", np.random.Generator, "Noise of the pixels")
 
     uses = ("rgb",)
     noise_mend = "because an image has 'full_well', 'read_noise', 'stuck_pixels'; field='image' adds noise to its codes"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -51,8 +51,10 @@ class WheelEncoders(Sensor):
     )
     add_kind("joints", names=lambda encoders: encoders.local_data["wheels"], position="position", velocity="velocity")
 
+    add_state("_before", list, "Angles of the wheels at the last measurement", unit="rad")
+    add_state("_time", float, "Time of the last measurement", unit="s")
+
     _steps: int
-    not_state = ("_wheels",)
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)

@@ -8,6 +8,7 @@ The functions are called in the body of a component class and write into its nam
 
         add_data("temperature", 0.0, "float", "Temperature of the air", unit="°C", low=-273.15)
         add_property("_offset", 0.0, "Offset", "float", "Added to every reading", unit="K")
+        add_state("_drift", float, "Error that grows while the thermostat runs", unit="K")
         add_level("raw", None, doc="the reading of the probe", default=True)
         add_kind("temperature", temperature="temperature")
 
@@ -19,9 +20,17 @@ component library.
 """
 
 from morse.core.classes.builder_defaults import BuilderDefaults, RobotDefaults, Visual
-from morse.core.declarations.fields import DataField, KindUse, Level, Option, Property
-from morse.core.declarations.functions import add_data, add_kind, add_level, add_property
-from morse.core.declarations.merged import data_fields, fields_of_component, kinds, levels, properties, says_nothing
+from morse.core.declarations.fields import DataField, KindUse, Level, Option, Property, StateVariable
+from morse.core.declarations.functions import add_data, add_kind, add_level, add_property, add_state
+from morse.core.declarations.merged import (
+    data_fields,
+    fields_of_component,
+    kinds,
+    levels,
+    properties,
+    says_nothing,
+    state_variables,
+)
 from morse.core.declarations.refused import FRAMES
 from morse.core.declarations.sources import (
     Computed,
@@ -53,11 +62,13 @@ __all__ = [
     "Property",
     "RobotDefaults",
     "Scaled",
+    "StateVariable",
     "Visual",
     "add_data",
     "add_kind",
     "add_level",
     "add_property",
+    "add_state",
     "computed",
     "data_fields",
     "each",
@@ -70,4 +81,5 @@ __all__ = [
     "properties",
     "says_nothing",
     "scaled",
+    "state_variables",
 ]

@@ -10,6 +10,7 @@ from morse.core.exceptions import MorseDeclarationError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+    from types import UnionType
 
 #: a shape: the length of each axis, None for any length
 Shape = tuple["int | None", ...]
@@ -80,6 +81,28 @@ class Property(NamedTuple):
     choices: tuple[Any, ...] = ()
     unit: str = ""
     allow: tuple[str, ...] = ()
+
+
+class StateVariable(NamedTuple):
+    """An attribute that a component keeps from tick to tick.
+
+    Attributes:
+        type: the class or classes of its values; ``float`` includes integers.
+        unit: see `morse.core.units`.
+    """
+
+    type: type | UnionType
+    doc: str = ""
+    unit: str = ""
+
+    @property
+    def type_name(self) -> str:
+        """The type as in a declaration, such as ``tuple | None``."""
+        return getattr(self.type, "__name__", None) or str(self.type).replace("NoneType", "None")
+
+    def accepts(self, value: object) -> bool:
+        """Whether a value has the declared type."""
+        return isinstance(value, self.type) or (isinstance(value, int) and isinstance(0.0, self.type))
 
 
 class _Option(NamedTuple):

@@ -6,13 +6,13 @@ import sys
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations.fields import DataField, KindUse, Level, Property
-from morse.core.declarations.refused import check_field, check_property
+from morse.core.declarations.fields import DataField, KindUse, Level, Property, StateVariable
+from morse.core.declarations.refused import check_field, check_property, check_state
 from morse.core.exceptions import MorseDeclarationError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import FrameType
+    from types import FrameType, UnionType
 
     from morse.core.declarations.fields import Shape
 
@@ -147,6 +147,30 @@ def add_property(
     except MorseDeclarationError as error:
         raise _refused(body, f"property {name!r}", error) from None
     body.f_locals.setdefault("_properties", {})[python_name] = prop
+
+
+def add_state(python_name: str, type: type | UnionType, doc: str, *, unit: str = "") -> None:
+    """Declare an attribute that the component keeps from tick to tick, besides fields and properties.
+
+    Saved states and their hashes contain the declared attributes. They contain no other attribute that a class of MORSE
+    assigns, because it follows from the scene. Classes of users need no declaration: all of their attributes are saved.
+
+    Args:
+        python_name: name of the attribute.
+        type: class of its values, or several as ``tuple | None``; ``float`` includes integers.
+        doc: description of the value.
+        unit: unit of the value.
+
+    Raises:
+        MorseDeclarationError: unknown unit, or a type that is no class.
+    """
+    body = _class_body("add_state")
+    variable = StateVariable(type, doc, unit)
+    try:
+        check_state(variable)
+    except MorseDeclarationError as error:
+        raise _refused(body, f"state {python_name!r}", error) from None
+    body.f_locals.setdefault("_state_variables", {})[python_name] = variable
 
 
 def add_level(name: str, classpath: str | None, doc: str = "", default: bool = False) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from morse.core.declarations.fields import DataField, KindUse, Level, Property
+    from morse.core.declarations.fields import DataField, KindUse, Level, Property, StateVariable
 
 
 def _merged(cls: type, attribute: str) -> dict[str, Any]:
@@ -28,6 +28,11 @@ def fields_of_component(component: Any) -> dict[str, DataField]:
 def properties(cls: type) -> dict[str, Property]:
     """Return the properties of a class and its bases: Python name to declaration."""
     return _merged(cls, "_properties")
+
+
+def state_variables(cls: type) -> dict[str, StateVariable]:
+    """Return the declared state of a class and its bases: name of the attribute to declaration."""
+    return _merged(cls, "_state_variables")
 
 
 def levels(cls: type) -> dict[str, Level]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.reports.hints import nearest
@@ -13,7 +13,7 @@ from morse.core.units import unit as known_unit
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from morse.core.declarations.fields import DataField, Option, Property
+    from morse.core.declarations.fields import DataField, Option, Property, StateVariable
 
 #: the frames of fields
 FRAMES: dict[str, str] = {
@@ -99,6 +99,18 @@ def check_property(prop: Property) -> None:
     if not isinstance(prop.name, str) or not prop.name:
         raise MorseDeclarationError(f"the name of a property is a string, not {shown(prop.name)}")
     _check_parameter(prop)
+
+
+def check_state(variable: StateVariable) -> None:
+    """Raise an error for an invalid declaration of state.
+
+    Raises:
+        MorseDeclarationError: the message contains the mistake.
+    """
+    types = get_args(variable.type) or (variable.type,)
+    if not all(isinstance(one, type) for one in types):
+        raise MorseDeclarationError(f"type is a class such as float, or several as float | None, not {variable.type!r}")
+    _check_unit(variable.unit)
 
 
 def check_option(option: Option) -> None:

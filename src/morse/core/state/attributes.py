@@ -3,30 +3,45 @@
 from __future__ import annotations
 
 import inspect
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from morse.core.declarations import properties, state_variables
 from morse.core.state.errors import StateError
+from morse.core.state.kinds import assigned_by, is_of_morse, word_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 
-def not_state(cls: type[Any]) -> set[str]:
-    """The names of the attributes of a class that are not part of its state."""
-    return {name for base in cls.__mro__ for name in vars(base).get("not_state", ())}
+@cache
+def left_out(cls: Any) -> frozenset[str]:
+    """The names of the attributes of a class that are not part of its state.
+
+    Classes of MORSE declare their state (`add_state`, `add_property`): everything else that they assign follows from
+    the scene. Classes of users name in ``not_state`` what does not belong to their state.
+    """
+    named = {name for base in cls.__mro__ for name in vars(base).get("not_state", ())}
+    ours = [base for base in cls.__mro__ if is_of_morse(base)]
+    if not any("_state_variables" in vars(base) for base in ours):
+        return frozenset(named)
+    assigned = set().union(*(assigned_by(base) for base in ours))
+    users = set().union(*(assigned_by(base) for base in cls.__mro__ if base not in ours))
+    return frozenset(named | (assigned - users - state_variables(cls).keys() - properties(cls).keys()))
 
 
 def state_of(owner: Any) -> dict[str, Any]:
     """The attributes of an object that are part of its state."""
-    without = not_state(type(owner))
+    cls: Any = type(owner)
+    without = left_out(cls)
     return {name: value for name, value in vars(owner).items() if name not in without}
 
 
-def check_name(cls: type[Any], name: Any) -> None:
+def check_name(cls: Any, name: Any) -> None:
     """Raise `StateError` if a state must not set an attribute of that name of objects of a class."""
     if not isinstance(name, str) or (name.startswith("__") and name.endswith("__")):
         raise StateError(f"the saved state is damaged: an attribute has the name {name!r:.40}")
-    if name in not_state(cls):
+    if name in left_out(cls):
         raise StateError(f"the attribute '{name:.40}' is not part of a saved state")
     declared = inspect.getattr_static(cls, name, None)
     if inspect.isdatadescriptor(declared) and not inspect.ismemberdescriptor(declared):
@@ -43,12 +58,15 @@ def replace(owner: Any, present: Iterable[str], state: Mapping[str, Any]) -> Non
     Raises:
         StateError: an attribute is not part of a state, or would hide a method.
     """
-    attributes = vars(owner)
+    attributes, declared = vars(owner), state_variables(type(owner))
     for name, value in state.items():
         check_name(type(owner), name)
         hides = name not in attributes and callable(getattr(type(owner), name, None))
         if hides and getattr(value, "__self__", None) is not owner:
             raise StateError(f"'{name}' is a method of the class {type(owner).__name__}")
+        variable = declared.get(name)
+        if variable is not None and not variable.accepts(value):
+            raise StateError(f"'{name}' is {word_of(value)}, and its type is {variable.type_name}")
     for name in [name for name in present if name not in state]:
         attributes.pop(name, None)
     attributes.update(state)

@@ -10,7 +10,7 @@ import dis
 import inspect
 import sys
 from collections import deque
-from functools import cache
+from functools import cache, cached_property
 from types import (
     BuiltinFunctionType,
     ClassMethodDescriptorType,
@@ -148,6 +148,20 @@ def _set_by(cls: Any) -> frozenset[str]:
     """The names of the attributes to which the functions of a class assign values."""
     steps = [step for function in _functions(cls) for step in dis.get_instructions(function.__code__)]
     return frozenset(str(step.argval) for step in steps if step.opname == "STORE_ATTR")
+
+
+@cache
+def assigned_by(cls: Any) -> frozenset[str]:
+    """The names of the attributes of ``self`` to which a class assigns values, in methods or as cached properties."""
+    names = {name for name, value in vars(cls).items() if isinstance(value, cached_property)}
+    for function in _functions(cls):
+        owner = function.__code__.co_varnames[:1]
+        last = None
+        for step in dis.get_instructions(function.__code__):
+            if step.opname == "STORE_ATTR" and last is not None and (last.argval,) == owner:
+                names.add(str(step.argval))
+            last = step
+    return frozenset(names)
 
 
 def _functions(cls: type[Any]) -> list[FunctionType]:
