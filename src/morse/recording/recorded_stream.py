@@ -12,7 +12,6 @@ from morse.core.kinds import GENERAL, Message, fields_of
 from morse.core.kinds.sources import as_slot
 from morse.core.sensor import Sensor
 from morse.core.streams.local_data import Later
-from morse.middleware.ros2.stream import Ros2Stream
 from morse.recording.fields import CLASS, COMPONENT, DECLARED, FIELDS, FIELDS_TYPE
 from morse.recording.fields.blocks import encode_block
 from morse.recording.fields.columns import Columns
@@ -20,6 +19,7 @@ from morse.recording.fields.messages import UNFIT, Batch, Line, messages_of
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.names import cleaned
 from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.topics.stream import TopicStream
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -28,16 +28,16 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind
     from morse.core.object import Object
-    from morse.middleware.ros2.stream import Sending
     from morse.recording.fields.columns import Rows
     from morse.recording.fields.values import Keeper
     from morse.recording.streams import RecordedStreams
+    from morse.rosmsgs.topics.stream import Sending
 
     #: names of fields and types of their values
     _Key = tuple[tuple[str, ...], tuple[type, ...]]
 
 
-class RecordedStream(Ros2Stream):
+class RecordedStream(TopicStream):
     """Keeps the data fields of a sensor, and the parts of its messages that do not follow from these."""
 
     manager: RecordedStreams

@@ -13,8 +13,8 @@ import numpy as np
 from morse.core.classes.classpath import load_class
 from morse.core.declarations import fields_of_component
 from morse.core.exceptions import MorseError
-from morse.middleware.ros2.mapping import MIDDLEWARE
 from morse.recording.made import form
+from morse.rosmsgs.options import ROS2_MANAGER
 from morse.scene.settings import Settings
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ class Packing:
         return known
 
     def _component(self, declared: ComponentDeclaration) -> form.ComponentForm:
-        topics = [stream.options for stream in declared.streams if stream.manager == MIDDLEWARE.stream_manager]
+        topics = [stream.options for stream in declared.streams if stream.manager == ROS2_MANAGER]
         return form.ComponentForm(
             self._places[declared.node],
             self._places[declared.robot],
@@ -195,7 +195,7 @@ def scene_to_bytes(scene: Scene) -> bytes:
             msgspec.convert(_plain(asdict(scene.settings)), Settings),
             _plain_items(scene.properties),
             [(zone.node.name, zone.type) for zone in scene.zones],
-            _plain_items(scene.manager_options.get(MIDDLEWARE.stream_manager or "", {})),
+            _plain_items(scene.manager_options.get(ROS2_MANAGER, {})),
         )
     )
 
