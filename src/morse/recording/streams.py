@@ -280,6 +280,12 @@ class RecordedStreams(TopicManager):
             self._refused.add(component.name())
             logger.warning("%s is not recorded: %s", component.name(), refusal)
 
+    def closed(self, stream: Any) -> None:
+        """See `TopicManager.closed`; what the stream has kept was written before."""
+        super().closed(stream)
+        if self.tape is not None and stream in self.tape.kept:
+            self.tape.kept.remove(stream)
+
     def flush(self) -> None:
         """The end of a tick."""
         if self._poses is None:
