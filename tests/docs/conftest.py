@@ -5,6 +5,10 @@ import sys
 import pytest
 from doc_pages import DOCS
 
+from morse.testing.fixtures import simulate
+
+__all__ = ["simulate"]
+
 
 @pytest.fixture(scope="module")
 def library():

@@ -117,7 +117,7 @@ def test_only_memory_that_is_exhausted_by_other_contacts_ends_the_run(
     def full(*_: Any) -> None:
         raise mujoco.FatalError("mj_stackAlloc: out of memory")
 
-    monkeypatch.setattr("morse.physics.gliding.glide_steps.mujoco.mj_step", full)
+    monkeypatch.setattr("morse.physics.steps.mujoco.mj_step", full)
     from morse.physics import UnstableError
 
     with pytest.raises(UnstableError, match="exhaust the memory of the engine"):

@@ -291,5 +291,4 @@ def _finish(simulation: Simulation | None, *, for_another: bool = False) -> None
         gc.unfreeze()
         return
     section("EXITING SIMULATION")
-    if sys.stdout is not None:  # a component may have put anything there
-        sys.stdout.flush()
+    sys.stdout.flush()

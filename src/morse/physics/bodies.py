@@ -15,7 +15,7 @@ from morse.physics.model.layout import Motion
 from morse.physics.model.limits import FORCE
 from morse.physics.model.moved_shapes import MovedShapes
 from morse.physics.poses import rigid
-from morse.physics.poses.kinematics import settle_fixed
+from morse.physics.poses.kinematics import note_contacts, settle_fixed
 from morse.physics.sleep import wake
 from morse.physics.weightless import count_weightless
 from morse.scene import ShapeKind
@@ -105,7 +105,7 @@ class Bodies:
         state.positions[index], state.rotations[index], state.quaternions[index] = position, rotation, turned
 
     def _settle_fixed(self, index: int) -> None:
-        self._gliding.leave_all()
+        self._gliding.floor_changed(index)
         settle_fixed(self._state)
         self._state.loose.add(index)
 
@@ -307,10 +307,10 @@ class Bodies:
         for node in nodes:
             index = state.slot_of[node]
             slot = state.slots[index]
-            if slot.frame.motion is Motion.FIXED:
-                self._gliding.leave_all()
             self._gliding.leave(index)
             self._gliding.set_collision([*slot.geoms.get(node, ()), *slot.feet], active)
+            if slot.frame.motion is Motion.FIXED:
+                self._gliding.floor_changed(index)
 
     def set_weightless(self, index: int) -> None:
         """Cancel gravity for a slot."""
@@ -324,4 +324,4 @@ class Bodies:
         model.body_gravcomp[body] = 1.0
         count_weightless(state)
         mujoco.mj_forward(model, data)
-        state.known_contacts = None
+        note_contacts(state)

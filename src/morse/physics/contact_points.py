@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from morse.physics.state.engine_state import EngineState
 
 #: arrays that gliding changes so that the contacts of the feet need not be solved
-_OF_GLIDING = ("geom_contype", "geom_conaffinity", "geom_margin", "geom_gap", "body_margin", "body_gravcomp")
+_OF_GLIDING = ("geom_contype", "geom_conaffinity", "geom_gap", "body_margin", "body_gravcomp")
 
 
 class ContactPoints:

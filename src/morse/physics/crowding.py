@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from morse.physics.poses.kinematics import IN_GAP
 from morse.physics.weightless import count_weightless
 
 if TYPE_CHECKING:
@@ -66,7 +67,8 @@ class Crowding:
 
     def _pairs(self, data: mujoco.MjData) -> NDArray[np.int32]:
         """Return (N, 2) bodies for the contacts between two bodies that move freely."""
-        geoms = data.contact.geom[: data.ncon]
+        # contacts within the gaps around gliding robots do not count
+        geoms = data.contact.geom[data.contact.exclude != IN_GAP]
         pairs: NDArray[np.int32] = self._root[geoms]
         free = self._is_free[pairs].all(axis=1) & (pairs[:, 0] != pairs[:, 1])
         return np.asarray(pairs[free])

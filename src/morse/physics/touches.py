@@ -48,22 +48,26 @@ class Touches:
         if slot is not None:
             self._slots[owner(self._world, slot)] = name
 
-    def begin(self) -> None:
-        """Begin a tick."""
+    @property
+    def has_work(self) -> bool:
+        """Whether the part acts in the next ticks."""
+        return True
+
+    def before_step(self) -> None:
+        """Forget what was touched, at the beginning of a tick and before its steps are repeated."""
         for impulses in self.impulses.values():
             impulses.clear()
 
     def run(self, steps: int) -> None:
-        """Run steps of the engine. An earlier call in the same tick was undone, and does not count."""
-        self.begin()
+        """Run steps of the engine."""
         state = self._world
         for _ in range(steps):
             mujoco.mj_step(state.model, state.data)
             if state.data.ncon:
                 self._add(state.data, state.model.opt.timestep)
 
-    def end(self) -> None:
-        """End a tick: the engine removes the contacts of sleeping bodies, which rest where they have come to rest."""
+    def after_step(self) -> None:
+        """Called at the end of a tick: the engine removes the contacts of sleeping bodies, which stay at rest."""
         data, model = self._world.data, self._world.model
         for slot, name in self._slots.items():
             body = self._world.slots[slot].body
@@ -83,7 +87,7 @@ class Touches:
     def forget(self) -> None:
         """Forget what bodies rest on, because the state was replaced."""
         self._resting.clear()
-        self.begin()
+        self.before_step()
 
     def _add(self, data: mujoco.MjData, duration: float) -> None:
         pairs = data.contact.geom[: data.ncon]

@@ -17,9 +17,7 @@ from morse.physics.driving.fleet import Fleet
 from morse.physics.driving.traction import Traction
 from morse.physics.forward import forward, without_contacts
 from morse.physics.gliding.floor_planes import FloorPlanes
-from morse.physics.gliding.glide_steps import GlideSteps
 from morse.physics.gliding.gliding import Gliding
-from morse.physics.gliding.lone_glider import LoneGlider
 from morse.physics.model import motors
 from morse.physics.model.compile import compile_scene
 from morse.physics.model.layout import Motion
@@ -41,6 +39,8 @@ from morse.physics.state.engine_values import CHANGED_WHILE_RUNNING
 from morse.physics.state.saving import Saving
 from morse.physics.state.scene_change import SceneChange
 from morse.physics.state.transfer import Transfer
+from morse.physics.steps import Steps
+from morse.physics.tick import Tick
 from morse.physics.touches import Touches
 from morse.physics.touching import Touching
 from morse.scene import Control
@@ -88,23 +88,30 @@ class World(ObjectWorld):
         without_contacts(self)
         self.gliding = Gliding(self)
         free = {slot.body: slot.frame.node.name for slot in self.slots if slot.frame.motion is Motion.FREE}
-        self._steps = GlideSteps(self, self.gliding, self._rescue, Crowding(self, free, self._rescue))
+        self._steps = Steps(self, self.gliding, self._rescue, Crowding(self, free, self._rescue))
         self.bodies = Bodies(self, self.gliding)
         self.drives = Drives(self, self.gliding, self.bodies)
         self._floor_planes = FloorPlanes(self, self.gliding.floors)
-        self.traction = Traction(self)
-        self.attachments = Attachments(self, self.bodies)
-        self.locks = Locks(self)
-        is_plain = not (self.traction.is_needed or self.locks.are_needed)
-        self._lone_glider = LoneGlider(self, self.gliding, self.drives, self.attachments, is_plain)
+        self._tick = Tick()
+        self.attachments = Attachments(self, self.bodies, self._tick)
+        self._traction, self._locks = Traction(self, self.drives), Locks(self)
         self._moving_poses = MovingPoses(self)
         self._contact_points = ContactPoints(self, self.gliding)
         self._touching: Touching | None = None
         self._take_objects()
         if self.touches is not None:
             self.watch = self.touches = Touches(self, self._contact_points, self.touches.impulses)
+        self._arrange_tick()
         self._saving = Saving(self, self.gliding, self._steps, self._names)
         self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
+
+    def _arrange_tick(self) -> None:
+        """Set the order of the parts in a tick."""
+        watch = () if self.touches is None else (self.touches,)
+        self._tick.arrange(
+            before=(*watch, self.attachments, self._floor_planes, self._traction, self.drives, self._locks),
+            after=(self.drives, self._locks, self.attachments, *watch),
+        )
 
     def _take_objects(self) -> None:
         """Create one object for each node; objects of nodes with the same names are kept."""
@@ -190,7 +197,7 @@ class World(ObjectWorld):
         transfer = Transfer(old, self, bits)
         self._saving.set_state(transfer.state(before, self._names))
         self.gliding.lift_all()
-        self._floor_planes.apply()
+        self._floor_planes.before_step()
         self.stamp = stamp + 1
         self._moving_poses.follow(poses_before)
         self.arrangement += 1
@@ -276,27 +283,12 @@ class World(ObjectWorld):
             self.data.ctrl[motor.actuator] = motor.start
 
     def step(self) -> None:
-        """Run one tick: apply the commands, run the steps of the engine, read the poses."""
-        if self.touches is not None:
-            self.touches.begin()
-        if self._lone_glider.step():
-            return
-        self.attachments.before_step()
-        self._floor_planes.apply()
-        self.traction.apply(self.drives)
-        self.drives.apply()
-        self.locks.before_step()
+        """Run one tick: the parts that have work, the steps of the engine; then read the poses."""
+        for act in self._tick.before:
+            act()
         self._steps.step()
-        self.known_contacts = None
-        self.is_stirred = False
-        self.drives.release()
-        self.locks.after_step()
-        if self.has_forces:
-            self.data.xfrc_applied[:] = 0.0
-            self.has_forces = False
-        self.attachments.after_step()
-        if self.touches is not None:
-            self.touches.end()
+        for act in self._tick.after:
+            act()
         kinematics.sync(self)
 
     @property
@@ -384,7 +376,7 @@ class World(ObjectWorld):
 
     def contacts(self) -> list[tuple[GameObject, GameObject]]:
         """Return the pairs of objects that are in contact."""
-        pairs = self.data.contact.geom[: self.data.ncon].tolist() + self.gliding.supports()
+        pairs = kinematics.contact_pairs(self).tolist() + self.gliding.supports()
         return [(self.geom_object(a), self.geom_object(b)) for a, b in pairs]
 
     def touched_by(self, obj: Posed, margin: float = 0.0) -> list[GameObject]:
@@ -397,6 +389,7 @@ class World(ObjectWorld):
         """See `morse.core.world.World.watch_touches`."""
         if self.touches is None:
             self.watch = self.touches = Touches(self, self._contact_points, {})
+            self._arrange_tick()
         self.touches.watch(name)
         return self.touches.impulses[name]
 

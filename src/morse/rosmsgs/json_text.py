@@ -6,12 +6,10 @@ from typing import Any
 
 import msgspec
 
-from morse.core.streams.extent import listed
-
 
 def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # numpy
-        return listed(value)
+        return value.tolist()
     if isinstance(value, (set, frozenset)):
         return sorted(value, key=str)  # the order of a set differs between processes
     if hasattr(value, "__iter__"):  # vectors and matrices

@@ -60,9 +60,7 @@ class PublishedData:
             if key in self._told:
                 continue
             self._told.add(key)
-            # a sensor may publish any number of them
-            line = f"{sensor.name()} ({type(sensor).__name__}): {text}"
-            self._simulation.context.complaints.warn(line, line)
+            logger.warning("%s (%s): %s", sensor.name(), type(sensor).__name__, text)
 
 
 def _is_definite(field: DataField) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.context import Context
-    from morse.rosmsgs.topics.backend import Backend
+    from morse.middleware.ros2.backends.backend import Backend
+
+logger = logging.getLogger(__name__)
 
 _joined: WeakKeyDictionary[Context, Backend] = WeakKeyDictionary()
 
@@ -44,6 +47,13 @@ def join(context: Context, options: Mapping[str, Any]) -> Backend:
     made.users = 1
     _joined[context] = made
     return made
+
+
+def announce(backend: Backend, title: str) -> None:
+    """Log once what a backend has opened."""
+    if not backend.announced:
+        backend.announced = True
+        logger.info("%s: %s, %s", title, backend.name, backend.opens)
 
 
 def _domain(options: Mapping[str, Any]) -> int:

@@ -17,7 +17,7 @@ from morse.physics.model.layout import Motion
 from morse.physics.poses import rigid
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from numpy.typing import NDArray
 
     from morse.physics.bodies import Bodies
     from morse.physics.driving.fleet import Fleet
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from morse.physics.model.compile import Slot
     from morse.physics.state.engine_state import EngineState
     from morse.physics.state.saved import SavedDrives
+    from morse.scene import Node
 
 
 class Drives:
@@ -43,6 +44,7 @@ class Drives:
         self._commands: dict[int, Command] = {}
         self._fleets: list[Fleet] = []
         self._sliding: set[int] = set()
+        self._known_surfaces: dict[int, tuple[NDArray[np.intp], NDArray[np.intp]]] = {}
         count = len(state.slots)
         # sliding slots as an array, for fleets; and the slots whose commands are not changed by friction
         self._slides = np.zeros(count, dtype=np.uint8)
@@ -118,17 +120,10 @@ class Drives:
         """Whether any slot has a command for the next tick."""
         return bool(self._commands or self._fleets)
 
-    def lone_command(self) -> tuple[int, Command] | None:
-        """Return the command if it is the only one, and its slot is the only one that slides and has no friction."""
-        commands, sliding = self._commands, self._sliding
-        if len(commands) != 1 or len(sliding) != 1 or self._fleets:
-            return None
-        (index,) = commands
-        return (index, commands[index]) if index in sliding and index not in self._drag.slots else None
-
-    def end_lone(self) -> None:
-        """Called at the end of a tick in which `lone_command` was the only command."""
-        self._commands.clear()
+    @property
+    def has_work(self) -> bool:
+        """Whether the part acts in the next ticks: gliding robots are looked at in all of them."""
+        return True
 
     def is_commanded(self, index: int) -> bool:
         """Whether a slot has a command for the next tick."""
@@ -139,7 +134,7 @@ class Drives:
         self._withdraw(index)
         self._commands.pop(index, None)
 
-    def apply(self) -> None:
+    def before_step(self) -> None:
         """Write the velocities at the beginning of a tick."""
         commands, gliding = self._commands, self._gliding
         self._state.kinematic.clear()
@@ -224,7 +219,7 @@ class Drives:
         self._bodies.place(index, moved, turned)
         state.kinematic[index] = (rigid.turn(turned, command.linear), rigid.turn(turned, command.angular))
 
-    def release(self) -> None:
+    def after_step(self) -> None:
         """Called at the end of a tick: remove the momentum of shifts, and turn velocities to the new heading."""
         for dof, c, s, shift in self._turn_after:
             glide_velocity.end(self._qvel, dof, c, s, shift)
@@ -257,17 +252,24 @@ class Drives:
             self._sliding.discard(index)
             self._gliding.leave(index)
             set_damping(model, slot, state.physics_of_1_4)
-        fixed = slot.frame.node.body.friction is not None or state.physics_of_1_4
-        for node, geoms in slot.geoms.items():
-            if not is_caster(node):
-                self._set_contact(geoms, sliding, fixed or node.body.friction is not None)
-        self._set_contact(slot.feet, sliding, fixed)
-        for link in state.links.get(index, ()):
-            for node, geoms in state.slots[link].geoms.items():
-                self._set_contact(geoms, sliding, fixed or node.body.friction is not None)
+        geoms, priorities = self._surfaces(index, slot)
+        model.geom_condim[geoms] = 1 if sliding else 3
+        model.geom_priority[geoms] = 2 if sliding else priorities
 
-    def _set_contact(self, geoms: Sequence[int], sliding: bool, fixed: bool) -> None:
-        model = self._state.model
-        for geom in geoms:
-            model.geom_condim[geom] = 1 if sliding else 3
-            model.geom_priority[geom] = 2 if sliding else int(fixed)
+    def _surfaces(self, index: int, slot: Slot) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return the shapes of a robot that lose their friction while it slides, and their priorities at rest."""
+        surfaces = self._known_surfaces.get(index)
+        if surfaces is None:
+            state = self._state
+            fixed = slot.frame.node.body.friction is not None or state.physics_of_1_4
+            shapes = [(geoms, node) for node, geoms in slot.geoms.items() if not is_caster(node)]
+            shapes += [part for link in state.links.get(index, ()) for part in _shapes(state.slots[link])]
+            rows = [(geom, fixed or node.body.friction is not None) for geoms, node in shapes for geom in geoms]
+            rows += [(foot, fixed) for foot in slot.feet]
+            table = np.array(rows, dtype=np.intp).reshape(-1, 2)
+            surfaces = self._known_surfaces[index] = table[:, 0].copy(), table[:, 1].copy()
+        return surfaces
+
+
+def _shapes(slot: Slot) -> list[tuple[list[int], Node]]:
+    return [(geoms, node) for node, geoms in slot.geoms.items()]

@@ -37,10 +37,15 @@ _CREEP = 0.02
 
 
 class Traction:
-    """Moves the robots of a world that have driven wheels."""
+    """Moves the robots of a world that have driven wheels.
 
-    def __init__(self, state: EngineState) -> None:
+    Args:
+        drives: the velocity commands, which show the slots that are driven as bodies, independent of their wheels.
+    """
+
+    def __init__(self, state: EngineState, drives: Drives) -> None:
         self._state = state
+        self._drives = drives
         robots = [(index, wheels) for index, wheels in state.wheels.items() if wheels]
         self._slots = [index for index, _ in robots]
         if not robots:
@@ -100,19 +105,13 @@ class Traction:
         )
 
     @property
-    def is_needed(self) -> bool:
+    def has_work(self) -> bool:
         """Whether a robot has driven wheels."""
         return bool(self._slots)
 
-    def apply(self, drives: Drives) -> None:
-        """Change the velocities of the robots at the beginning of a tick.
-
-        Args:
-            drives: the velocity commands, which show the slots that are driven as bodies, independent of their wheels.
-        """
-        if not self._slots:
-            return
-        state, arrays = self._state, self._arrays
+    def before_step(self) -> None:
+        """Change the velocities of the robots at the beginning of a tick."""
+        state, arrays, drives = self._state, self._arrays, self._drives
         if drives.has_commands or self._some_driven:
             arrays.driven[:] = driven = [drives.is_commanded(index) for index in self._slots]
             self._some_driven = any(driven)
@@ -122,3 +121,6 @@ class Traction:
             arrays.touching = np.zeros((2 * count, 2), dtype=np.int32)
         arrays.touching[:count] = pairs
         self._work.pull(state.rotations.array, count, -float(self._gravity[2]))
+
+    def after_step(self) -> None:
+        """Do nothing at the end of a tick."""

@@ -90,7 +90,15 @@ class FloorPlanes:
         slots = [self._state.slots[slot] for slot in (index, *self._state.wheels[index])]
         return [geom for slot in slots for geoms in slot.geoms.values() for geom in geoms]
 
-    def apply(self) -> None:
+    @property
+    def has_work(self) -> bool:
+        """Whether there are planes, and robots on wheels."""
+        return self._work is not None
+
+    def before_step(self) -> None:
         """Select for each robot, at the beginning of a tick, the planes or the boxes that its shapes touch."""
         if self._work is not None:
             self._work.select(self._state.positions.array)
+
+    def after_step(self) -> None:
+        """Do nothing at the end of a tick."""

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 #: number of ticks before a disturbed robot may glide again: initial and maximum
 FIRST_WAIT, LONGEST_WAIT = 4, 256
-#: number of ticks that robots drift after a check for contacts if there is free space around them
+#: number of ticks without contact detection if there is free space around all robots
 FORESIGHT = 8
 
 
@@ -36,3 +36,8 @@ class Glide:
     speed: float
     since: int
     margin: float = 0.0
+
+    @property
+    def gap(self) -> float:
+        """Distance, m, at which the engine detects what is near: the robot moves less in that number of ticks."""
+        return 0.5 * FORESIGHT * self.margin

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 MAX_STEP = 1.0 / 240.0
 #: default friction coefficient
 DEFAULT_FRICTION = 0.7
+#: sum of the inertias for which the tolerance of the solver holds, kg: that of one robot
+_SOLVER_INERTIA = 10.0
 _TORSIONAL, _ROLLING = 0.005, 0.0001
 #: factor on the moment of inertia of a dynamic robot, which, unlike a rigid body, is only rotated by commands
 _UNTURNABLE = 1e6
@@ -152,6 +154,7 @@ def _compile(scene: Scene) -> Compiled:
         spec.memory = needed
         model = spec.compile()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    _make_bodies_independent(model)
     if np.any(model.eq_type == int(mujoco.mjtEq.mjEQ_TENDON)):
         # the engine cannot wake what two tendons couple, and ends with an error
         model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
@@ -159,6 +162,16 @@ def _compile(scene: Scene) -> Compiled:
     data = mujoco.MjData(model)
     planes = {box.id: plane.id for box, plane in builder.planes.pairs}
     return Compiled(model, data, slots, steps, geom_node, couplings.motors, planes, settings.physics_of_1_4)
+
+
+def _make_bodies_independent(model: mujoco.MjModel) -> None:
+    """Let the engine compute the same bits for a body, however many other bodies there are that it does not touch."""
+    # products with rows of another length are summed in another order
+    model.opt.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE
+    # the engine chooses the start of the solver for all bodies together
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
+    # the tolerance of the solver is divided by the product of both
+    model.stat.meaninertia = _SOLVER_INERTIA / max(model.nv, 1)
 
 
 def _not_moved_by_engine(frame: Frame) -> bool:

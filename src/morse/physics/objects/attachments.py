@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from morse.physics.objects.posed import Posed
     from morse.physics.state.engine_state import EngineState
     from morse.physics.state.saved import SavedAttachments
+    from morse.physics.tick import Tick
 
 _Pose = tuple["Sequence[float]", "Sequence[float]"]
 _AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -26,8 +27,9 @@ class Attachments:
     millimetres; the grip of MORSE 1.4 did not lag.
     """
 
-    def __init__(self, state: EngineState, bodies: Bodies) -> None:
+    def __init__(self, state: EngineState, bodies: Bodies, tick: Tick) -> None:
         self._state = state
+        self._tick = tick
         self._bodies = bodies
         self._held: dict[int, tuple[Posed, _Pose]] = {}
         #: position, rotation and quaternion
@@ -37,6 +39,7 @@ class Attachments:
         """Release all slots, after the model was reset to its compiled values."""
         self._held.clear()
         self._suspended.clear()
+        self._tick.rearrange()
 
     def get_state(self) -> dict[str, Any]:
         """See `morse.physics.state.saved.SavedAttachments`."""
@@ -69,12 +72,14 @@ class Attachments:
             self._held[named[entry.slot]] = (objects[entry.holder], (entry.position, entry.rotation))
         for kept in state.suspended:
             self._suspended[named[kept.slot]] = _kept(kept.position, kept.rotation)
+        self._tick.rearrange()
 
     def hold(self, index: int, holder: Posed) -> None:
         """Attach a slot to an object at its present relative pose; it does not collide while it is attached."""
         state = self._state
         offset = rigid.relative(*holder.world_pose(), state.positions[index], state.rotations[index])
         self._held[index] = (holder, offset)
+        self._tick.rearrange()
         self._bodies.set_collision(state.slots[index].frame.solid, False)
 
     def holder(self, index: int) -> Posed | None:
@@ -87,23 +92,26 @@ class Attachments:
         if self._held.pop(index, None) is not None:
             solid = [node for node in self._state.slots[index].frame.solid if node.body.collides]
             self._bodies.set_collision(solid, True)
+            self._tick.rearrange()
 
     def suspend(self, index: int) -> None:
         """Keep a slot at its present pose, independent of the forces on it."""
         if index not in self._suspended:
             state = self._state
             self._suspended[index] = _kept(state.positions[index], state.rotations[index])
+            self._tick.rearrange()
 
     def resume(self, index: int) -> None:
         """Resume the dynamics of a slot."""
-        self._suspended.pop(index, None)
+        if self._suspended.pop(index, None) is not None:
+            self._tick.rearrange()
 
     def is_suspended(self, index: int) -> bool:
         """Whether the dynamics of a slot are suspended."""
         return index in self._suspended
 
     @property
-    def are_busy(self) -> bool:
+    def has_work(self) -> bool:
         """Whether a slot is attached or suspended."""
         return bool(self._held or self._suspended)
 
@@ -124,8 +132,6 @@ class Attachments:
 
     def after_step(self) -> None:
         """Called at the end of a tick, when the holders have moved; the poses of all slots are computed afterwards."""
-        if not self._held and not self._suspended:
-            return
         bodies = self._bodies
         if not self._held:
             for index, (position, rotation, turned) in self._suspended.items():

@@ -49,7 +49,7 @@ class Locks:
         self._held = np.zeros(len(positions))
 
     @property
-    def are_needed(self) -> bool:
+    def has_work(self) -> bool:
         """Whether a coordinate is locked."""
         return bool(len(self._positions) or len(self._level))
 

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from morse.physics.state.engine_state import EngineState
 
 
+#: value of `contact.exclude` of the engine for contacts within a gap
+IN_GAP = 1
+
+
 def place_as_compiled(state: EngineState) -> None:
     """Set every slot to its pose in the scene."""
     count = len(state.slots)
@@ -56,3 +60,13 @@ def contact_pairs(state: EngineState) -> NDArray[np.int32]:
     if state.known_contacts is not None:
         return state.known_contacts
     return np.asarray(state.data.contact.geom)
+
+
+def note_contacts(state: EngineState) -> None:
+    """Record the contacts of the last step of the engine, without those within the gaps around gliding robots."""
+    state.known_contacts = None
+    if state.data.ncon:
+        contact = state.data.contact
+        near = np.asarray(contact.exclude) == IN_GAP
+        if near.any():
+            state.known_contacts = np.asarray(contact.geom)[~near]

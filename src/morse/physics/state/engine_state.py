@@ -9,6 +9,7 @@ import numpy as np
 
 from morse.physics.model.layout import Motion
 from morse.physics.poses.rows import Rows
+from morse.physics.sleep import Sleep
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 class Steps(Protocol):
     """Observes the steps of the engine; see `morse.physics.touches.Touches`."""
 
+    def before_step(self) -> None:
+        """The steps of the tick begin, or are repeated."""
+
     def run(self, steps: int) -> None:
         """Run steps of the engine."""
 
@@ -36,6 +40,7 @@ class EngineState:
 
     Attributes:
         model, data: the MuJoCo model and state; only this package touches them.
+        sleep: sets which trees of bodies sleep.
         slots: indices of each rigid group in the arrays of the engine.
         slot_of: index of the slot of each node.
         wheels: slot of a robot to the slots of its wheels.
@@ -84,6 +89,7 @@ class EngineState:
         """Use a compiled model, with all poses from the scene."""
         self.model: mujoco.MjModel = compiled.model
         self.data: mujoco.MjData = compiled.data
+        self.sleep = Sleep(self.model, self.data)
         self.slots: list[Slot] = compiled.slots
         self.geom_node: list[Node] = compiled.geom_node
         self.planes: dict[int, int] = compiled.planes

@@ -10,7 +10,7 @@ import numpy as np
 from morse.physics.forward import forward
 from morse.physics.model.motors import ARRAYS
 from morse.physics.poses.kinematics import contact_pairs
-from morse.physics.sleep import check_asleep, set_asleep
+from morse.physics.sleep import check_asleep
 from morse.physics.weightless import count_weightless
 
 if TYPE_CHECKING:
@@ -32,9 +32,6 @@ CHANGED_WHILE_RUNNING = (
     "geom_priority",
     "geom_contype",
     "geom_conaffinity",
-    "geom_margin",
-    "geom_gap",
-    "body_margin",
 )
 #: the components of MuJoCo's state that a continuation needs
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -56,7 +53,7 @@ def rewind(state: EngineState, numbers: NDArray[np.float64], asleep: NDArray[np.
     forward(state, lambda: mujoco.mj_setState(model, data, numbers, STATE))
     model.opt.enableflags = flags
     mujoco.mj_setState(model, data, numbers, STATE)
-    set_asleep(state, asleep)
+    state.sleep.set(asleep)
 
 
 def get_state(state: EngineState) -> dict[str, Any]:

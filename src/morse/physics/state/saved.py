@@ -8,10 +8,8 @@ import msgspec
 import numpy as np
 from msgspec import Meta, Struct
 
-from morse.physics.gliding.glide import FORESIGHT
-
 #: version of the format; states of other versions are refused
-VERSION = 2
+VERSION = 3
 
 Vector3 = tuple[float, float, float]
 Quaternion4 = tuple[float, float, float, float]
@@ -114,22 +112,12 @@ class SavedStand(_Part):
 
 
 class SavedGliding(_Part):
-    """The gliding robots and the ticks of their next checks.
-
-    ``stride_at`` and ``stride_wait`` belong to long steps, ``far_at`` and ``far_wait`` to looks far ahead.
-    """
+    """The gliding robots and the ticks of their next checks."""
 
     glides: list[SavedGlide]
     stands: list[SavedStand]
     tick: _Ticks
     look: _Ticks
-    newest: _Ticks
-    foresight: Annotated[int, Meta(ge=0, le=FORESIGHT)]
-    clear_until: _Ticks
-    stride_at: _Ticks
-    stride_wait: _Ticks
-    far_at: _Ticks
-    far_wait: _Ticks
 
 
 class SavedObject(_Part, omit_defaults=True):

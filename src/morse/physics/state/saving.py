@@ -12,18 +12,16 @@ from morse.physics.state import engine_values, saved
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from morse.physics.gliding.glide_steps import GlideSteps
     from morse.physics.gliding.gliding import Gliding
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.object_world import ObjectWorld
+    from morse.physics.steps import Steps
 
 
 class Saving:
     """Collects the states of all parts of a world, and restores them."""
 
-    def __init__(
-        self, world: ObjectWorld, gliding: Gliding, steps: GlideSteps, objects: Mapping[str, GameObject]
-    ) -> None:
+    def __init__(self, world: ObjectWorld, gliding: Gliding, steps: Steps, objects: Mapping[str, GameObject]) -> None:
         self._world = world
         self._gliding = gliding
         self._steps = steps
@@ -65,7 +63,7 @@ class Saving:
             "objects": {name: state for name, obj in self._objects.items() if (state := obj.get_state())},
             "drives": world.drives.get_state(),
             "attachments": world.attachments.get_state(),
-            "gliding": self._gliding.get_state() | self._steps.get_state(),
+            "gliding": self._gliding.get_state(),
         }
 
     def checked(self, state: object) -> saved.SavedWorld:
@@ -126,7 +124,7 @@ class Saving:
         world.kinematic.update({named[e.slot]: (e.linear, e.angular) for e in state.kinematic})
         world.attachments.set_state(state.attachments, self._objects)
         self._gliding.set_state(state.gliding)
-        self._steps.set_state(state.gliding)
+        self._steps.reset()
         world.rearranged.update(world.slot_of)
 
 

@@ -14,7 +14,7 @@ from morse.physics.sleep import WIDE_AWAKE
 from morse.physics.state import engine_values, saved
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
     from numpy.typing import NDArray
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 _OF_BODIES = ("body_pos", "body_quat")
 _OF_SURFACES = ("geom_pos", "geom_quat", "geom_condim", "geom_priority")
-#: the margins belong to gliding robots
-_OF_SHAPES = (*_OF_SURFACES, "geom_margin", "geom_gap")
 
 
 class Transfer:
@@ -55,12 +53,10 @@ class Transfer:
         """
         kept, same, staying = self._kept_names, self._same_names, set(objects)
         gliding = self._gliding(before.gliding)
-        goes_on = {glide.slot for glide in gliding.glides}
-        landing = {glide.slot for glide in before.gliding.glides} - goes_on
         return saved.SavedWorld(
             version=saved.VERSION,
             slots=self._new.names,
-            engine=self._engine(before, goes_on | landing, landing),
+            engine=self._engine(before),
             placed=[entry for entry in before.placed if entry.slot in kept],
             stale=[entry for entry in before.stale if entry.slot in kept],
             loose=[name for name in before.loose if name in kept],
@@ -91,8 +87,9 @@ class Transfer:
 
     # -- the engine ------------------------------------------------------------------------
 
-    def _engine(self, before: saved.SavedWorld, gliding: set[str], landing: set[str]) -> saved.SavedEngine:
+    def _engine(self, before: saved.SavedWorld) -> saved.SavedEngine:
         old, new = self._old, self._new
+        gliding = {glide.slot for glide in before.gliding.glides}
         model = {name: getattr(new.model, name).copy() for name in engine_values.CHANGED_WHILE_RUNNING}
         held = {entry.slot for entry in before.attachments.held}
         loose = set(before.loose)
@@ -115,7 +112,7 @@ class Transfer:
             new.data.ctrl[slot.actuator] = commands.get(slot.key, slot.start)
         new.data.time = old.data.time
         for a, b in self._same:
-            self._carry_shapes(a, b, model, _OF_SURFACES if b.frame.node.name in landing else _OF_SHAPES)
+            self._carry_shapes(a, b, model)
         numbers = engine_values.get_state(new)["integration"]
         return saved.SavedEngine(numbers, self._asleep(), model, self._contacts(before), before.engine.forces, True)
 
@@ -147,18 +144,16 @@ class Transfer:
             control = motors.control_of(self._old.model.actuator_biasprm[before[joint.name].actuator])
             motors.write(model, joint.actuator, joint.dof, joint.motor.setting(control))
 
-    def _carry_shapes(self, a: Slot, b: Slot, model: dict[str, NDArray[Any]], names: Sequence[str]) -> None:
-        """Transfer changes of the shapes of a slot by drives, gliding and explicit calls."""
+    def _carry_shapes(self, a: Slot, b: Slot, model: dict[str, NDArray[Any]]) -> None:
+        """Transfer changes of the shapes of a slot by drives and explicit calls."""
         old = self._old.model
         for one, other in zip(_geoms(a), _geoms(b), strict=True):
-            for name in names:
+            for name in _OF_SURFACES:
                 model[name][other] = getattr(old, name)[one]
             if not old.geom_contype[one]:
                 model["geom_contype"][other] = model["geom_conaffinity"][other] = 0
             elif not model["geom_contype"][other]:
                 model["geom_contype"][other] = model["geom_conaffinity"][other] = old.geom_contype[one]
-        if b.body >= 0 and "geom_margin" in names:
-            model["body_margin"][b.body] = old.body_margin[a.body]
         if b.dof >= 0 and a.numbers == b.numbers:
             dofs = b.numbers[1]
             model["dof_damping"][b.dof : b.dof + dofs] = old.dof_damping[a.dof : a.dof + dofs]

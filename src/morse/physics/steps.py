@@ -1,0 +1,165 @@
+"""The steps of the engine in a tick.
+
+Robots that glide are moved by `morse.physics.gliding.passage`. If nothing else is awake or was changed by an explicit
+call, no step of the engine is needed. A robot that is touched within a tick ends gliding: the tick is repeated with its
+feet on the floor.
+
+If all bodies sleep, no step is needed either.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from morse.physics.gliding.passage import Passage
+from morse.physics.poses.kinematics import note_contacts, settle_fixed
+from morse.physics.stability import UnstableError
+from morse.physics.state import engine_values
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.physics.crowding import Crowding
+    from morse.physics.gliding.gliding import Gliding
+    from morse.physics.rescue import Rescue
+    from morse.physics.state.engine_state import EngineState
+
+_STATE = engine_values.STATE
+_FULL = int(mujoco.mjtWarning.mjWARN_CNSTRFULL)
+_NO_CONTACTS = np.empty((0, 2), dtype=np.int32)
+
+
+class Steps:
+    """Runs the steps of the engine for a tick."""
+
+    def __init__(self, state: EngineState, gliding: Gliding, rescue: Rescue, crowding: Crowding) -> None:
+        self._state = state
+        self._gliding = gliding
+        self._passage = Passage(state, gliding)
+        self._rescue = rescue
+        self._crowding = crowding
+        rescue.attach(state, gliding)
+        self._tree_asleep = state.data.tree_asleep
+        self._asleep = self._tree_asleep.copy()
+        self._saved = np.empty(mujoco.mj_stateSize(state.model, _STATE))
+        self._step = state.model.opt.timestep
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget that all bodies slept in the last tick."""
+        self._slept = False
+
+    def step(self) -> None:
+        """Run the steps of a tick. Bodies that diverge are reset, and the tick is repeated.
+
+        Raises:
+            UnstableError: the simulation diverges even after every body has been reset.
+        """
+        state = self._state
+        if self._gliding.glides and self._glide_alone():
+            state.known_contacts = _NO_CONTACTS
+        elif not self._all_sleep():
+            self._run_safely()
+            note_contacts(state)
+            if state.has_forces:
+                state.data.xfrc_applied[:] = 0.0
+                state.has_forces = False
+        state.is_stirred = False
+
+    def _glide_alone(self) -> bool:
+        """Run the tick without the engine if only gliding robots move; return False if that is not possible."""
+        state, gliding = self._state, self._gliding
+        if state.is_stirred or state.has_forces or state.data.nv_awake != 6 * len(gliding.glides):
+            return False
+        if not self._rescue.all_is_well():
+            return False
+        touched = self._passage.alone()
+        if touched:
+            self._disturb(touched)
+            return False
+        state.data.time += self._step * state.steps
+        return True
+
+    def _all_sleep(self) -> bool:
+        """Advance time without a step, if all bodies sleep and nothing was changed.
+
+        The engine runs the first tick of that kind, and removes the contacts of sleeping bodies.
+        """
+        state = self._state
+        data = state.data
+        sleep = not (data.nv_awake or state.is_stirred or state.has_forces) and self._rescue.all_is_well()
+        slept, self._slept = self._slept, sleep
+        if not (slept and sleep):
+            return False
+        for _ in range(state.steps):  # the sum is bit-identical to that of the engine
+            data.time += self._step
+        return True
+
+    def _run_safely(self) -> None:
+        """Run the steps; if they fail, again without the bodies that overlap most, or that diverge."""
+        self._crowding.relieve()
+        mujoco.mj_getState(self._state.model, self._state.data, self._saved, _STATE)
+        np.copyto(self._asleep, self._tree_asleep)
+        data = self._state.data
+        data.maxuse_con = 0
+        try:
+            self._run()
+        except mujoco.FatalError as error:
+            self._run_relieved(str(error))
+        else:
+            # the engine may also continue with a part of the contacts
+            if data.maxuse_con > self._crowding.most and data.warning[_FULL].number:
+                self._run_relieved("there are too many")
+        if not self._rescue.all_is_well():
+            self._rescue.repeat(self._saved, self._asleep, self._run)
+
+    def _run_relieved(self, problem: str) -> None:
+        """Run the steps again after the engine has run out of memory, without the bodies that overlap most.
+
+        Raises:
+            UnstableError: the memory is exhausted by other bodies.
+        """
+        state = self._state
+        engine_values.rewind(state, self._saved, self._asleep)
+        state.data.warning[_FULL].number = 0
+        if not self._crowding.relieve_at_once():
+            raise _exhausted(problem)
+        mujoco.mj_getState(state.model, state.data, self._saved, _STATE)
+        try:
+            self._run()
+        except mujoco.FatalError as error:
+            raise _exhausted(str(error)) from None
+
+    def _run(self) -> None:
+        """Run the steps, and move the robots that glide; the state before the tick is saved."""
+        model, data = self._state.model, self._state.data
+        closely, watch = False, self._state.watch
+        if watch is not None:
+            watch.before_step()
+        while self._gliding.glides:
+            touched = self._passage.beside(closely)
+            if touched is not None and not touched:
+                return
+            mujoco.mj_setState(model, data, self._saved, _STATE)
+            # the engine wakes sleeping bodies that are not at their positions
+            settle_fixed(self._state)
+            self._state.sleep.set(self._asleep)
+            if watch is not None:
+                watch.before_step()
+            closely = True
+            self._disturb(touched or ())
+        self._state.run(self._state.steps)
+
+    def _disturb(self, touched: Iterable[int]) -> None:
+        """End the gliding of robots that are touched; they wait before they glide again."""
+        gliding = self._gliding
+        for index in touched:
+            gliding.stances.disturb(index, gliding.tick, gliding.glides[index].since)
+            gliding.leave(index)
+
+
+def _exhausted(problem: str) -> UnstableError:
+    return UnstableError("the scene", f"its contacts exhaust the memory of the engine: {problem[:200]}")

@@ -1,0 +1,157 @@
+"""The bits of a robot depend only on what it touches."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from worlds import box, node, rigid, robot, sphere, world
+
+from effort import examples
+
+TICKS = 150
+#: columns of places, 4 m apart; the robot that is observed is at the first place and stays within 1.5 m
+_COLUMNS, _APART = 8, 4.0
+
+
+def place(number):
+    return _APART * (number % _COLUMNS) - 14.0, _APART * (number // _COLUMNS) - 14.0
+
+
+def floor():
+    return node("Floor", box(80, 80, 1), at=(0, 0, -0.5))
+
+
+class Other:
+    """Another robot with a wall and a crate, far from the observed robot. What it does is drawn at random."""
+
+    def __init__(self, number, seed):
+        self.chance = random.Random(f"{seed}:{number}")
+        self.name, self.x, self.y = f"other{number}", *place(number)
+        self.mass = self.chance.uniform(1.0, 80.0)
+        self.deed = self.chance.choice(("hits a wall", "pushes", "is teleported", "stops", "is thrown", "circles"))
+
+    def nodes(self):
+        body = robot(self.name, at=(self.x, self.y, 0.25), mass=self.mass)
+        if self.deed == "hits a wall":
+            return [body, node(f"{self.name}.wall", box(0.2, 1, 1), at=(self.x + 0.8, self.y, 0.5))]
+        if self.deed == "pushes":
+            return [body, rigid(f"{self.name}.crate", box(0.3, 0.3, 0.3), at=(self.x + 0.6, self.y, 0.15))]
+        if self.deed == "is thrown":
+            return [body, rigid(f"{self.name}.ball", sphere(0.1), at=(self.x + 0.1, self.y, 1.5))]
+        return [body]
+
+    def act(self, w, tick):
+        obj = w.game_object(self.name)
+        if self.deed == "is teleported" and tick % 20 == 10:
+            obj.worldPosition = (self.x + self.chance.uniform(-1, 1), self.y, 0.3)
+        elif self.deed == "stops" and tick % 40 > 25:
+            return
+        speed = 0.3 if self.deed != "circles" else 1.0
+        obj.drive((speed, 0, 0), (0, 0, 1.5 if self.deed == "circles" else 0.0), ground=True)
+
+
+def path(others, plan, living=False, lever=0.0):
+    """Positions, rotations and velocities (T, 18) of the observed robot among others."""
+    shape = box(0.5, 0.4, 0.5)
+    shape.position = (lever, 0.0, 0.0)
+    body = robot("observed", shape, at=(*place(0), 0.25))
+    nodes = [one for other in others for one in other.nodes()]
+    w = world(floor(), body, *nodes, robots=[body, *(n for n in nodes if n.properties.get("GroundRobot"))])
+    rows = []
+    for tick in range(TICKS):
+        if living and tick == 40:
+            w.add([rigid("comer", box(0.2, 0.2, 0.2), at=(20, 20, 1.0), mass=300.0)])
+        if living and tick == 80:
+            w.remove([w.game_object("comer")])
+        speed, rate = plan[tick // 30]
+        if speed or rate:
+            w.game_object("observed").drive((speed, 0, 0), (0, 0, rate), ground=True)
+        for other in others:
+            other.act(w, tick)
+        w.step()
+        slot, dof = w.game_object("observed").slot, w.slots[w.game_object("observed").slot].dof
+        rows.append(np.concatenate([w.positions.array[slot], w.rotations.array[slot], w.data.qvel[dof : dof + 6]]))
+    return np.array(rows)
+
+
+def numbers(low, high):
+    return st.floats(low, high).map(lambda value: round(value, 3))
+
+
+plans = st.lists(st.tuples(numbers(-0.5, 0.5), numbers(-2.0, 2.0)), min_size=5, max_size=5)
+
+
+@settings(max_examples=examples(20), deadline=None)
+@given(plans, st.integers(1, 6), st.integers(0, 10_000), st.booleans(), st.sampled_from([0.0, 0.05]))
+def test_a_robot_that_touches_only_its_floor_has_the_bits_of_the_robot_alone(plan, count, seed, living, lever):
+    alone = path([], plan, lever=lever)
+    among = path([Other(number, seed) for number in range(1, count + 1)], plan, living, lever)
+    assert np.array_equal(alone, among), int(np.flatnonzero((alone != among).any(axis=1))[0])
+
+
+@pytest.mark.parametrize("count", [7, pytest.param(63, marks=pytest.mark.slow)])
+def test_among_many(count):
+    plan = [(0.4, 0.5), (0.3, -1.0), (0.0, 0.0), (0.2, 0.0), (0.5, 2.0)]
+    assert np.array_equal(path([], plan), path([Other(n, 3) for n in range(1, count + 1)], plan))
+
+
+@pytest.mark.parametrize("gap", [0.02, 0.3])
+def test_who_passes_without_touching_leaves_the_bits(gap):
+    def travel(passes):
+        body, other = robot("observed", at=(0, 0, 0.25)), robot("other", at=(3.0, 0.4 + gap, 0.25))
+        post = node("post", box(0.1, 0.1, 1), at=(-0.5, 0.4 + gap, 0.5))
+        w = world(floor(), body, other, post, robots=[body, other])
+        rows = []
+        for _ in range(240):
+            w.game_object("observed").drive((0.3, 0, 0), (0, 0, 0), ground=True)
+            if passes:
+                # it glides, and is then pushed by the post
+                w.game_object("other").drive((-1.0, 0, 0), (0, 0, 0), ground=True)
+            w.step()
+            rows.append(w.positions.array[w.game_object("observed").slot].copy())
+        assert not passes or w.game_object("other").worldPosition.x < 0.1
+        return np.array(rows)
+
+    assert np.array_equal(travel(False), travel(True))
+
+
+def test_a_crate_that_nobody_touches_sleeps_beside_those_who_pass():
+    body, crate = robot("robot", at=(-1.0, 0, 0.25)), rigid("crate", box(0.3, 0.3, 0.3), at=(0, 0.38, 0.15))
+    other = robot("other", at=(3, 3, 0.25))
+    w = world(floor(), body, crate, other, node("wall", box(0.2, 2, 1), at=(3.6, 3, 0.5)), robots=[body, other])
+    tree = w.model.body_treeid[w.slots[w.game_object("crate").slot].body]
+    for _ in range(120):
+        w.step()
+    before = w.positions.array[w.game_object("crate").slot].copy()
+    for _ in range(240):
+        w.game_object("robot").drive((0.5, 0, 0), (0, 0, 0), ground=True)
+        w.game_object("other").drive((0.5, 0, 0), (0, 0, 0), ground=True)
+        w.step()
+        assert w.data.tree_asleep[tree] >= 0
+    assert np.array_equal(before, w.positions.array[w.game_object("crate").slot])
+
+
+def test_a_static_thing_that_is_moved_elsewhere_ends_no_gliding():
+    body = robot("robot", at=(0, 0, 0.25))
+    w = world(floor(), body, node("shelf", box(1, 1, 0.4), at=(5, 5, 0.2)), robots=[body])
+    for tick in range(90):
+        if tick > 40:
+            w.game_object("shelf").worldPosition = (5 + 0.01 * tick, 5, 0.2)
+        w.game_object("robot").drive((0.3, 0, 0), (0, 0, 0), ground=True)
+        w.step()
+        assert tick < 40 or w.gliding.glides
+
+
+def test_a_shelf_that_is_moved_into_the_way_is_met():
+    body = robot("robot", at=(0, 0, 0.25))
+    w = world(floor(), body, node("shelf", box(0.4, 1, 0.4), at=(5, 5, 0.2)), robots=[body])
+    for tick in range(180):
+        if tick == 60:
+            w.game_object("shelf").worldPosition = (w.game_object("robot").worldPosition.x + 0.5, 0, 0.2)
+        w.game_object("robot").drive((0.4, 0, 0), (0, 0, 0), ground=True)
+        w.step()
+    assert w.game_object("robot").worldPosition.x < w.game_object("shelf").worldPosition.x - 0.4
