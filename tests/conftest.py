@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from playwright.sync_api import Browser
 
+pytest_plugins = ["morse.testing.fixtures"]
+
 CHROMIUM = os.environ.get("MORSE_CHROMIUM", "/usr/bin/chromium")
 FLAGS = [
     "--no-sandbox",

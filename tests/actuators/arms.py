@@ -52,8 +52,8 @@ def tip_of(angles) -> np.ndarray:
     return result @ lifted(TIP - below)
 
 
-def load(run, more="", before=""):
-    sim = run(SCENE.format(more=more, before=before))
+def load(simulate, more="", before=""):
+    sim = simulate(SCENE.format(more=more, before=before), sockets=False)
     sim.step(2)
     return sim
 

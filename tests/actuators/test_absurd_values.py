@@ -12,8 +12,8 @@ SCENE = "robot = Quadrotor()\nrobot.translate(z=50.0)\nrotors = QuadrotorDynamic
 
 
 @pytest.mark.parametrize("configuration", ["+", "x"])
-def test_the_largest_thrust_deactivates_nothing(run, configuration):
-    sim = run(SCENE)
+def test_the_largest_thrust_deactivates_nothing(simulate, configuration):
+    sim = simulate(SCENE, sockets=False)
     for name, most in (("ThrustFactor", 1.0), ("DragFactor", 1.0), ("Lever", 1e7)):
         with pytest.raises(MorseServiceFailed, match=name):
             sim.robot.rotors.set_property(name, 1e30).result()
@@ -28,18 +28,19 @@ def test_the_largest_thrust_deactivates_nothing(run, configuration):
     assert abs(sim.context.robots["robot"].bge_object.worldLinearVelocity[2]) < 2 * 1e6 / mass / 60.0 + 1.0
 
 
-def test_a_long_colour_is_shortened_in_the_answer(run):
-    sim = run("robot = ATRV()\nlight = Light()\nrobot.append(light)")
+def test_a_long_colour_is_shortened_in_the_answer(simulate):
+    sim = simulate("robot = ATRV()\nlight = Light()\nrobot.append(light)", sockets=False)
     with pytest.raises(MorseServiceFailed, match="three numbers") as failed:
         sim.robot.light.set_property("color", "x" * 1_000_000).result()
     assert len(str(failed.value)) < 500
 
 
-def test_mistakes_in_every_tick_and_resets_are_logged_once(run, caplog):
-    sim = run(
+def test_mistakes_in_every_tick_and_resets_are_logged_once(simulate, caplog):
+    sim = simulate(
         "robot = ATRV()\nsound = Sound()\nrobot.append(sound)\nleds = LedArray()\nrobot.append(leds)\n"
-        "eye = VideoCamera()\neye.properties(cam_width=32, cam_height=24)\nrobot.append(eye)",
+        "eye = VideoCamera()\neye.properties(cam_width=32, cam_height=24)\nrobot.append(eye)\n"
         "env = Environment('empty', fastmode=True)",
+        sockets=False,
     )
     now = time.monotonic()
     sim.context.complaints._now = lambda: now  # a slow machine needs longer than the ten seconds between two lines

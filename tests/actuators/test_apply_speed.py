@@ -15,8 +15,8 @@ robot.append(pose)
 
 
 @pytest.mark.parametrize("kind", ["Position", "Velocity"])
-def test_an_actuator_drives_its_robot_along_the_axes_of_the_robot(run, kind):
-    sim = run(SCENE)
+def test_an_actuator_drives_its_robot_along_the_axes_of_the_robot(simulate, kind):
+    sim = simulate(SCENE, sockets=False)
     actuator = sim.context.component("robot.own")
     for _ in range(60):
         actuator.apply_speed(kind, [0.5, 0.0, 0.0], [0.0, 0.0, 0.2])

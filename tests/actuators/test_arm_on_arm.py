@@ -16,8 +16,8 @@ upper.append(tip)
 
 
 @pytest.mark.parametrize("first", ["lower", "upper"])
-def test_the_tip_is_where_both_arms_put_it(run, first):
-    sim = run(SCENE)
+def test_the_tip_is_where_both_arms_put_it(simulate, first):
+    sim = simulate(SCENE, sockets=False)
     arms = {"lower": sim.context.component("robot.lower"), "upper": sim.context.component("robot.lower.upper")}
     angles = {"lower": [0.3, -0.7, 0.2, 0.9, -0.4, 0.5, 0.1], "upper": [-0.5, 0.4, 0.8, -0.6, 0.3, 0.2, -0.9]}
     for name in sorted(arms, key=lambda name: name != first):

@@ -21,8 +21,8 @@ NAMES = [f"kuka_{i}" for i in range(1, 8)]
         [-2.9, 2.0, 2.5, -1.7, 1.3, -2.0, -1.0],
     ],
 )
-def test_the_tip_is_where_the_links_put_it(run, angles):
-    sim = load(run)
+def test_the_tip_is_where_the_links_put_it(simulate, angles):
+    sim = load(simulate)
     assert sim.robot.arm.set_rotations(angles).result() is None
     sim.step(2)
     assert values(sim) == pytest.approx(angles)
@@ -33,16 +33,16 @@ def test_the_tip_is_where_the_links_put_it(run, angles):
     assert np.allclose([list(row) for row in tip.worldOrientation], wanted[:3, :3], atol=1e-4)
 
 
-def test_a_joint_lays_the_arm_down(run):
+def test_a_joint_lays_the_arm_down(simulate):
     # the values that scripts rely on: 1 m ahead at the height of the second joint
-    sim = load(run)
+    sim = load(simulate)
     assert place(sim) == pytest.approx([0.0, 0.0, TIP], abs=1e-4)
     sim.robot.arm.set_rotation("kuka_2", -math.pi / 2).result()
     assert place(sim) == pytest.approx([1.0, 0.0, 0.3105], abs=1e-4)
 
 
-def test_what_is_appended_keeps_its_place_on_the_stretched_arm(run):
-    sim = load(run, more="hand = Pose('hand')\nhand.translate(x=0.1, z=1.28)\narm.append(hand)")
+def test_what_is_appended_keeps_its_place_on_the_stretched_arm(simulate):
+    sim = load(simulate, more="hand = Pose('hand')\nhand.translate(x=0.1, z=1.28)\narm.append(hand)")
     sim.robot.arm.set_rotation("kuka_2", -math.pi / 2).result()
     sim.step(3)
     data = sim.robot.arm.hand.get()
@@ -50,17 +50,17 @@ def test_what_is_appended_keeps_its_place_on_the_stretched_arm(run):
     assert [data["x"], data["z"]] == pytest.approx([0.9695, 0.2105], abs=1e-4)
 
 
-def test_an_arm_on_a_turned_robot_that_moves(run):
+def test_an_arm_on_a_turned_robot_that_moves(simulate):
     before = "robot.translate(2.0, 3.0, 0.5)\nrobot.rotate(z=1.5707963)\nport = Teleport()\nrobot.append(port)"
-    sim = load(run, before=before, more="arm.translate(x=0.2)")
+    sim = load(simulate, before=before, more="arm.translate(x=0.2)")
     sim.robot.arm.set_rotation("kuka_2", -math.pi / 2).result()
     assert place(sim) == pytest.approx([2.0, 3.0 + 0.2 + 1.0, 0.8105], abs=1e-4)
     sim.robot.port.publish({"x": -1.0, "y": 0.0, "z": 0.0, "yaw": 0.0})
     assert place(sim) == pytest.approx([0.2, 0.0, 0.3105], abs=1e-4)
 
 
-def test_joints_step_at_their_speed(run):
-    sim = load(run, more="arm.properties(RotationSpeed=0.5)")
+def test_joints_step_at_their_speed(simulate):
+    sim = load(simulate, more="arm.properties(RotationSpeed=0.5)")
     sim.robot.arm.publish({"kuka_2": 1.0, "kuka_4": -0.25})
     sim.step(60)
     angles = values(sim)
@@ -70,8 +70,8 @@ def test_joints_step_at_their_speed(run):
     assert values(sim) == pytest.approx([0.0, 1.0, 0.0, -0.25, 0.0, 0.0, 0.0])
 
 
-def test_limits_are_kept(run):
-    sim = load(run)
+def test_limits_are_kept(simulate):
+    sim = load(simulate)
     arm = sim.robot.arm
     assert arm.get_IK_limits("kuka_1").result() == pytest.approx([-math.radians(170), math.radians(170)], abs=1e-4)
     assert arm.get_IK_limits("kuka_2").result() == pytest.approx([-math.radians(120), math.radians(120)], abs=1e-4)
@@ -85,8 +85,8 @@ def test_limits_are_kept(run):
     assert values(sim)[3] == pytest.approx(math.radians(120), abs=1e-4)
 
 
-def test_what_it_says_of_its_joints(run):
-    sim = load(run)
+def test_what_it_says_of_its_joints(simulate):
+    sim = load(simulate)
     arm, joints = sim.robot.arm, sim.robot.arm.joints
     assert arm.get_joints().result() == NAMES == joints.get_joints().result()
     assert arm.get_dofs().result() == {
@@ -103,8 +103,8 @@ def test_what_it_says_of_its_joints(run):
     assert list(joints.get()) == ["timestamp", *NAMES]
 
 
-def test_a_rotation_takes_its_time(run):
-    sim = load(run)
+def test_a_rotation_takes_its_time(simulate):
+    sim = load(simulate)
     began = sim.time()
     sim.robot.arm.rotate("kuka_2", 0.8).result(5.0)
     # 0.8 rad at 0.8 rad/s; it ends within the tolerance of 0.01 rad
@@ -116,13 +116,13 @@ def test_a_rotation_takes_its_time(run):
     assert values(sim)[:2] == pytest.approx([1.0, -0.2])
 
 
-def test_no_joint_at_all_is_done_at_once(run):
-    sim = load(run)
+def test_no_joint_at_all_is_done_at_once(simulate):
+    sim = load(simulate)
     assert sim.robot.arm.rotate_joints({}).result(1.0) is None
 
 
-def test_a_new_call_preempts_and_a_cancelled_one_stays(run):
-    sim = load(run)
+def test_a_new_call_preempts_and_a_cancelled_one_stays(simulate):
+    sim = load(simulate)
     first = sim.robot.arm.rotate("kuka_1", 2.0)
     sim.step(30)
     second = sim.robot.arm.rotate("kuka_2", 1.0)
@@ -139,8 +139,8 @@ def test_a_new_call_preempts_and_a_cancelled_one_stays(run):
     assert 0.1 < here[1] < 0.3
 
 
-def test_a_joint_that_is_put_somewhere_preempts_what_turns_it(run):
-    sim = load(run)
+def test_a_joint_that_is_put_somewhere_preempts_what_turns_it(simulate):
+    sim = load(simulate)
     turning = sim.robot.arm.rotate("kuka_1", 2.0)
     sim.step(10)
     sim.robot.arm.set_rotation("kuka_3", 0.5).result()
@@ -170,21 +170,21 @@ def test_a_joint_that_is_put_somewhere_preempts_what_turns_it(run):
         ("set_rotations", [["a"]], r"rotations"),
     ],
 )
-def test_mistakes_fail_and_move_nothing(run, service, arguments, words):
-    sim = load(run)
+def test_mistakes_fail_and_move_nothing(simulate, service, arguments, words):
+    sim = load(simulate)
     with pytest.raises(MorseServiceFailed, match=words):
         getattr(sim.robot.arm, service)(*arguments).result(1.0)
     assert values(sim) == [0.0] * 7
 
 
-def test_an_unknown_joint_of_the_pose_fails(run):
-    sim = load(run)
+def test_an_unknown_joint_of_the_pose_fails(simulate):
+    sim = load(simulate)
     with pytest.raises(MorseServiceFailed, match=r"no joint 'kuka_8'"):
         sim.robot.arm.joints.get_joint("kuka_8").result()
 
 
-def test_commands_that_are_no_numbers_are_refused(run):
-    sim = load(run)
+def test_commands_that_are_no_numbers_are_refused(simulate):
+    sim = load(simulate)
     for wrong in ({"kuka_2": "up"}, {"kuka_2": math.nan}, {"kuka_2": None}, {"kuka_2": 1e300}):
         with pytest.raises(ValueError, match="kuka_2"):
             sim.robot.arm.publish(wrong)
@@ -192,14 +192,14 @@ def test_commands_that_are_no_numbers_are_refused(run):
     assert values(sim) == [0.0] * 7
 
 
-def test_more_numbers_than_joints_are_left_out(run):
-    sim = load(run)
+def test_more_numbers_than_joints_are_left_out(simulate):
+    sim = load(simulate)
     sim.robot.arm.set_rotations([0.1] * 12).result()
     assert values(sim) == pytest.approx([0.1] * 7)
 
 
-def test_saved_restored_and_restarted(run):
-    sim = load(run)
+def test_saved_restored_and_restarted(simulate):
+    sim = load(simulate)
     sim.robot.arm.publish({"kuka_1": 2.0, "kuka_2": 0.5})
     sim.step(30)
     state = sim.save()
@@ -214,9 +214,9 @@ def test_saved_restored_and_restarted(run):
     assert place(sim) == pytest.approx([0.0, 0.0, TIP], abs=1e-4)
 
 
-def test_two_arms_on_one_robot_move_by_themselves(run):
+def test_two_arms_on_one_robot_move_by_themselves(simulate):
     sim = load(
-        run,
+        simulate,
         more="other = KukaLWR('other')\nother.translate(y=1.0)\nrobot.append(other)\ne = Pose('e')\nother.append(e)",
     )
     sim.robot.other.set_rotation("kuka_2", -math.pi / 2).result()

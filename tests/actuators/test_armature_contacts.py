@@ -27,8 +27,8 @@ def place(sim, name="box"):
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_an_arm_pushes_a_box_that_sleeps(run, robot):
-    sim = run(SCENE.format(robot=robot, height=ROBOTS[robot], y=0.6, more=""))
+def test_an_arm_pushes_a_box_that_sleeps(simulate, robot):
+    sim = simulate(SCENE.format(robot=robot, height=ROBOTS[robot], y=0.6, more=""), sockets=False)
     sim.robot.arm.set_rotation("kuka_2", -math.pi / 2 - 0.1).result()
     sim.step(120)
     assert place(sim) == pytest.approx([0.75, 0.6, 0.15], abs=0.01)
@@ -40,8 +40,8 @@ def test_an_arm_pushes_a_box_that_sleeps(run, robot):
     assert 0.15 < math.hypot(x - 0.75, y - 0.6) < 0.8
 
 
-def test_a_robot_with_an_arm_at_rest_rests(run):
-    sim = run(SCENE.format(robot="ATRV()", height=0.5, y=3.0, more=""))
+def test_a_robot_with_an_arm_at_rest_rests(simulate):
+    sim = simulate(SCENE.format(robot="ATRV()", height=0.5, y=3.0, more=""), sockets=False)
     sim.robot.arm.set_rotations([0.3, -1.0, 0.0, 0.8]).result()
     sim.step(120)
     before = sim.robot.pose.get()
@@ -51,9 +51,9 @@ def test_a_robot_with_an_arm_at_rest_rests(run):
         assert after[field] == pytest.approx(before[field], abs=1e-6)
 
 
-def test_an_arm_that_is_laid_down_shortens_the_reach_of_a_scanner_behind_it(run):
+def test_an_arm_that_is_laid_down_shortens_the_reach_of_a_scanner_behind_it(simulate):
     scanner = "eye = FakeRobot()\neye.translate(x=-1.0, z=0.4)\nscan = Sick()\neye.append(scan)"
-    sim = run(SCENE.format(robot="FakeRobot()", height=0.0, y=30.0, more=scanner))
+    sim = simulate(SCENE.format(robot="FakeRobot()", height=0.0, y=30.0, more=scanner), sockets=False)
     sim.step(10)
     ahead = sim.eye.scan.get()["range_list"][90]
     assert ahead == pytest.approx(1.0 - 0.06, abs=0.03), "the upright arm"
@@ -63,7 +63,7 @@ def test_an_arm_that_is_laid_down_shortens_the_reach_of_a_scanner_behind_it(run)
     assert sim.eye.scan.get()["range_list"][90] == pytest.approx(30.0)
 
 
-def test_what_a_gripper_on_the_arm_holds_goes_along(run):
+def test_what_a_gripper_on_the_arm_holds_goes_along(simulate):
     more = """
 box.properties(Graspable=True)
 hand = Gripper()
@@ -71,7 +71,7 @@ hand.translate(z=1.31)
 hand.properties(Distance=2.0, Angle=360.0)
 arm.append(hand)
 """
-    sim = run(SCENE.format(robot="FakeRobot()", height=0.0, y=0.0, more=more))
+    sim = simulate(SCENE.format(robot="FakeRobot()", height=0.0, y=0.0, more=more), sockets=False)
     sim.robot.arm.set_rotations([0.0, -1.2, 0.0, 0.7]).result()
     sim.step(120)
     assert sim.robot.arm.hand.grab().result() == "box"
@@ -86,8 +86,8 @@ arm.append(hand)
     assert math.dist(hand.worldPosition, (x, y, z)) == pytest.approx(offset, abs=1e-3)
 
 
-def test_a_saved_state_goes_on_with_the_same_contacts(run):
-    sim = run(SCENE.format(robot="ATRV()", height=-0.1, y=0.6, more=""))
+def test_a_saved_state_goes_on_with_the_same_contacts(simulate):
+    sim = simulate(SCENE.format(robot="ATRV()", height=-0.1, y=0.6, more=""), sockets=False)
     sim.robot.arm.set_rotation("kuka_2", -math.pi / 2 - 0.1).result()
     sim.step(60)
     sim.robot.arm.publish({"kuka_1": 1.1})

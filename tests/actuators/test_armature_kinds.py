@@ -33,8 +33,8 @@ arm.append(tip, 'kuka_7')
 """
 
 
-def test_a_joint_slides_at_its_speed(run):
-    sim = load(run, more=LIFT)
+def test_a_joint_slides_at_its_speed(simulate):
+    sim = load(simulate, more=LIFT)
     arm = sim.robot.arm
     assert arm.get_dofs().result()["kuka_1"] == [0, 0, 0]
     assert arm.get_IK_limits("kuka_1").result() == [0.0, 0.3]
@@ -50,8 +50,8 @@ def test_a_joint_slides_at_its_speed(run):
     assert sim.robot.arm.joints.get_joint("kuka_1").result() == pytest.approx(0.3, abs=1e-3)
 
 
-def test_a_sliding_joint_keeps_its_limits_and_its_kind(run):
-    sim = load(run, more=LIFT)
+def test_a_sliding_joint_keeps_its_limits_and_its_kind(simulate):
+    sim = load(simulate, more=LIFT)
     arm = sim.robot.arm
     arm.set_translation("kuka_1", 5.0).result()
     assert values(sim)[0] == 0.3
@@ -71,8 +71,8 @@ def test_a_sliding_joint_keeps_its_limits_and_its_kind(run):
     assert place(sim) == pytest.approx([1.0, 0.0, 0.5105], abs=1e-3)
 
 
-def test_a_lift_helps_to_reach_a_target(run):
-    sim = load(run, more=LIFT)
+def test_a_lift_helps_to_reach_a_target(simulate):
+    sim = load(simulate, more=LIFT)
     target = "ik_target.robot.arm.kuka_7"
     # 0.25 m above the stretched arm: only the lift reaches it
     sim.robot.arm.place_IK_target(target, [0.0, 0.0, 0.25]).result()
@@ -81,9 +81,9 @@ def test_a_lift_helps_to_reach_a_target(run):
     assert values(sim)[0] == pytest.approx(0.25, abs=1e-3)
 
 
-def test_an_armature_that_the_robot_brings_stays_where_it_is(run):
+def test_an_armature_that_the_robot_brings_stays_where_it_is(simulate):
     model = Path(morse.__file__).parent / "data" / "actuators" / "kuka_lwr.blend"
-    sim = run(OWN.format(model=str(model)))
+    sim = simulate(OWN.format(model=str(model)), sockets=False)
     sim.step(2)
     assert sim.robot.arm.get_joints().result() == [f"kuka_{i}" for i in range(1, 8)]
     before = sim.robot.arm.tip.get()
@@ -108,26 +108,26 @@ def test_an_armature_that_the_robot_brings_stays_where_it_is(run):
         ("arm = KukaLWR()\narm.properties(RotationSpeed=-1.0)", r"RotationSpeed"),
     ],
 )
-def test_mistakes_of_scripts_are_named(run, line, words):
+def test_mistakes_of_scripts_are_named(simulate, line, words):
     with pytest.raises(Exception, match=words):
-        run(f"robot = FakeRobot()\n{line}\nrobot.append(arm)")
+        simulate(f"robot = FakeRobot()\n{line}\nrobot.append(arm)", sockets=False)
 
 
-def test_a_pose_belongs_on_an_armature(run):
+def test_a_pose_belongs_on_an_armature(simulate):
     with pytest.raises(Exception, match="append it to an armature"):
-        run("robot = FakeRobot()\njoints = ArmaturePose()\nrobot.append(joints)")
+        simulate("robot = FakeRobot()\njoints = ArmaturePose()\nrobot.append(joints)", sockets=False)
 
 
-def test_several_bones_may_have_targets(run):
-    sim = load(run, more="arm.create_ik_targets(['kuka_4', 'kuka_7'])")
+def test_several_bones_may_have_targets(simulate):
+    sim = load(simulate, more="arm.create_ik_targets(['kuka_4', 'kuka_7'])")
     assert sorted(sim.robot.arm.list_IK_targets().result()) == [
         "ik_target.robot.arm.kuka_4",
         "ik_target.robot.arm.kuka_7",
     ]
 
 
-def test_messages_carry_every_joint(run):
-    sim = load(run, more=LIFT)
+def test_messages_carry_every_joint(simulate):
+    sim = load(simulate, more=LIFT)
     arm = sim.context.component("robot.arm")
     (bound,) = bind(arm)
     assert bound.kind.name == "joints"
@@ -142,16 +142,16 @@ def test_messages_carry_every_joint(run):
     assert posture.gather().position.tolist() == pytest.approx([0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0])
 
 
-def test_fields_say_unit_and_limits(run):
-    sim = load(run, more=LIFT)
+def test_fields_say_unit_and_limits(simulate):
+    sim = load(simulate, more=LIFT)
     lift, shoulder = (sim.context.component("robot.arm.joints").own_fields[name] for name in ("kuka_1", "kuka_2"))
     assert (lift.unit, lift.low, lift.high) == ("m", 0.0, 0.3)
     assert shoulder.unit == "rad"
     assert (shoulder.low, shoulder.high) == pytest.approx((-math.radians(120), math.radians(120)), abs=1e-5)
 
 
-def test_an_arm_that_goes_preempts_its_service(run):
-    sim = load(run)
+def test_an_arm_that_goes_preempts_its_service(simulate):
+    sim = load(simulate)
     turning = sim.robot.arm.rotate("kuka_1", 2.0)
     sim.step(5)
     sim.restart()
@@ -159,9 +159,9 @@ def test_an_arm_that_goes_preempts_its_service(run):
         turning.result(1.0)
 
 
-def test_a_run_is_the_same_again_from_its_journal(run):
+def test_a_run_is_the_same_again_from_its_journal(simulate):
     target = "ik_target.robot.arm.kuka_7"
-    sim = load(run)
+    sim = load(simulate)
     with sim.record_inputs() as journal:
         sim.robot.arm.publish({"kuka_1": 0.7})
         sim.step(20)
@@ -173,7 +173,7 @@ def test_a_run_is_the_same_again_from_its_journal(run):
         sim.robot.arm.move_IK_target(target, [0.0, 0.2, -0.3])
         sim.step(40)
     wanted, there = sim.state_hash(), values(sim)
-    again = load(run)
+    again = load(simulate)
     again.replay(journal)
     assert again.state_hash() == wanted
     assert values(again) == there

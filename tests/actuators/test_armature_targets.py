@@ -18,14 +18,14 @@ def euler_of(angles):
     return list(Matrix((tip_of(angles)[:3, :3] @ BONE).tolist()).to_euler())
 
 
-def test_the_last_bone_has_a_target(run):
-    sim = load(run)
+def test_the_last_bone_has_a_target(simulate):
+    sim = load(simulate)
     assert sim.robot.arm.list_IK_targets().result() == [TARGET]
     assert TARGET in sim.context.world.objects_by_name
 
 
-def test_a_target_lays_the_arm_down(run):
-    sim = load(run)
+def test_a_target_lays_the_arm_down(simulate):
+    sim = load(simulate)
     sim.robot.arm.place_IK_target(TARGET, [0.0, 0.0, 2.0], None, False).result()
     sim.step(60)
     assert values(sim) == pytest.approx([0.0] * 7, abs=0.01)
@@ -35,8 +35,8 @@ def test_a_target_lays_the_arm_down(run):
     assert place(sim) == pytest.approx([1.0, 0.0, 0.3105], abs=1e-3)
 
 
-def test_targets_within_reach_are_reached(run):
-    sim = load(run)
+def test_targets_within_reach_are_reached(simulate):
+    sim = load(simulate)
     draw = random.Random(7)
     for _ in range(12):
         angles = [draw.uniform(-2.0, 2.0) for _ in range(7)]
@@ -50,16 +50,16 @@ def test_targets_within_reach_are_reached(run):
         assert all(abs(v) <= math.radians(170 if i % 2 == 0 else 120) + 1e-6 for i, v in enumerate(found))
 
 
-def test_an_arm_that_is_stretched_finds_its_way_inward(run):
+def test_an_arm_that_is_stretched_finds_its_way_inward(simulate):
     # straight below the tip: a singular configuration
-    sim = load(run)
+    sim = load(simulate)
     sim.robot.arm.place_IK_target(TARGET, [0.0, 0.0, -0.3]).result()
     sim.step(200)
     assert place(sim) == pytest.approx([0.0, 0.0, TIP - 0.3], abs=1e-3)
 
 
-def test_out_of_reach_it_points_there_and_rests(run):
-    sim = load(run)
+def test_out_of_reach_it_points_there_and_rests(simulate):
+    sim = load(simulate)
     sim.robot.arm.place_IK_target(TARGET, [3.0, 0.0, 0.3105], [math.pi / 2, -math.pi / 2, -math.pi], False).result()
     sim.step(300)
     assert place(sim) == pytest.approx([1.0, 0.0, 0.3105], abs=0.01)
@@ -68,9 +68,9 @@ def test_out_of_reach_it_points_there_and_rests(run):
     assert values(sim) == pytest.approx(here, abs=1e-6)
 
 
-def test_out_of_reach_it_keeps_the_orientation_of_the_target(run):
+def test_out_of_reach_it_keeps_the_orientation_of_the_target(simulate):
     # MORSE 1.4 ends here
-    sim = load(run)
+    sim = load(simulate)
     sim.robot.arm.place_IK_target(TARGET, [1.0, 0.0, 0.3105], None, False).result()
     sim.step(120)
     assert place(sim) == pytest.approx([0.778, 0.0, 0.363], abs=0.02)
@@ -79,8 +79,8 @@ def test_out_of_reach_it_keeps_the_orientation_of_the_target(run):
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.2, -2.4])
-def test_out_of_reach_it_keeps_the_orientation_in_every_direction(run, angle):
-    sim = load(run)
+def test_out_of_reach_it_keeps_the_orientation_in_every_direction(simulate, angle):
+    sim = load(simulate)
     far = [2.0 * math.cos(angle), 2.0 * math.sin(angle), 0.6]
     sim.robot.arm.place_IK_target(TARGET, far, None, False).result()
     sim.step(300)
@@ -89,8 +89,8 @@ def test_out_of_reach_it_keeps_the_orientation_in_every_direction(run, angle):
     assert tip_of(values(sim))[2, 2] > math.cos(0.15)
 
 
-def test_a_target_moves_at_its_speed(run):
-    sim = load(run)
+def test_a_target_moves_at_its_speed(simulate):
+    sim = load(simulate)
     arm = sim.robot.arm
     arm.set_rotations([0.0, -0.8, 0.0, 1.2, 0.0, 0.5, 0.0]).result()
     start = tip_of([0.0, -0.8, 0.0, 1.2, 0.0, 0.5, 0.0])
@@ -105,8 +105,8 @@ def test_a_target_moves_at_its_speed(run):
     assert sim.time() - began == pytest.approx(2.0, abs=0.1)
 
 
-def test_a_joint_that_is_told_where_to_be_ends_the_following(run):
-    sim = load(run)
+def test_a_joint_that_is_told_where_to_be_ends_the_following(simulate):
+    sim = load(simulate)
     sim.robot.arm.place_IK_target(TARGET, [0.5, 0.0, 0.8], None, False).result()
     sim.step(60)
     sim.robot.arm.set_rotations([0.0] * 7).result()
@@ -120,8 +120,8 @@ def test_a_joint_that_is_told_where_to_be_ends_the_following(run):
     assert values(sim) == pytest.approx([0.0] * 7)
 
 
-def test_a_moving_target_is_preempted_and_cancelled(run):
-    sim = load(run)
+def test_a_moving_target_is_preempted_and_cancelled(simulate):
+    sim = load(simulate)
     first = sim.robot.arm.move_IK_target(TARGET, [0.3, 0.0, -0.5])
     sim.step(10)
     second = sim.robot.arm.move_IK_target(TARGET, [0.0, 0.3, 0.0])
@@ -149,25 +149,25 @@ def test_a_moving_target_is_preempted_and_cancelled(run):
     ],
 )
 @pytest.mark.parametrize("service", ["place_IK_target", "move_IK_target"])
-def test_mistakes_fail(run, service, arguments, words):
-    sim = load(run)
+def test_mistakes_fail(simulate, service, arguments, words):
+    sim = load(simulate)
     with pytest.raises(MorseServiceFailed, match=words):
         getattr(sim.robot.arm, service)(*arguments).result(1.0)
     assert values(sim) == [0.0] * 7
 
 
-def test_the_same_targets_give_the_same_bits(run):
+def test_the_same_targets_give_the_same_bits(simulate):
     results = []
     for _ in range(2):
-        sim = load(run)
+        sim = load(simulate)
         sim.robot.arm.place_IK_target(TARGET, [0.3, 0.4, 0.6], [1.0, 0.2, 0.3], False).result()
         sim.step(100)
         results.append((values(sim), sim.state_hash()))
     assert results[0] == results[1]
 
 
-def test_following_goes_on_after_a_restored_state(run):
-    sim = load(run)
+def test_following_goes_on_after_a_restored_state(simulate):
+    sim = load(simulate)
     sim.robot.arm.place_IK_target(TARGET, [0.3, 0.4, 0.6], [1.0, 0.2, 0.3], False).result()
     sim.step(7)
     state = sim.save()

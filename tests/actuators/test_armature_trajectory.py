@@ -33,16 +33,16 @@ def assert_follows(found, curve):
         assert min(abs(angle - curve(time - lag * tick)) for lag in (0.0, 1.0)) < 1e-6
 
 
-def test_straight_lines_between_positions(run):
-    sim = load(run)
+def test_straight_lines_between_positions(simulate):
+    sim = load(simulate)
     points = [{"positions": second(0.6), "time_from_start": 1.0}, {"positions": second(0.0), "time_from_start": 2.0}]
     handle, found = run_through(sim, {"points": points}, 130)
     assert_follows(found, lambda t: 0.6 * max(0.0, min(t, 2.0 - t)))
     assert handle.result(1.0) is None
 
 
-def test_cubic_between_velocities(run):
-    sim = load(run)
+def test_cubic_between_velocities(simulate):
+    sim = load(simulate)
     # from rest to rest: q = 3 s^2 - 2 s^3
     points = [{"positions": second(1.0), "velocities": REST, "time_from_start": 2.0}]
     _, found = run_through(sim, {"points": points}, 130)
@@ -54,16 +54,16 @@ def test_cubic_between_velocities(run):
     assert_follows(found, curve)
 
 
-def test_cubic_through_a_point_in_motion(run):
-    sim = load(run)
+def test_cubic_through_a_point_in_motion(simulate):
+    sim = load(simulate)
     # q = t^3 is a cubic: its values and slopes at 0.8 s and 1.2 s determine it
     points = [{"positions": second(t**3), "velocities": second(3.0 * t**2), "time_from_start": t} for t in (0.8, 1.2)]
     _, found = run_through(sim, {"points": points}, 70)
     assert_follows(found, lambda t: max(t, 0.0) ** 3)
 
 
-def test_quintic_with_accelerations(run):
-    sim = load(run)
+def test_quintic_with_accelerations(simulate):
+    sim = load(simulate)
     # minimum jerk (Flash and Hogan, 1985): q = 10 s^3 - 15 s^4 + 6 s^5
     points = [{"positions": second(1.0), "velocities": REST, "accelerations": REST, "time_from_start": 1.5}]
     _, found = run_through(sim, {"points": points}, 100)
@@ -75,8 +75,8 @@ def test_quintic_with_accelerations(run):
     assert_follows(found, curve)
 
 
-def test_it_waits_for_its_start(run):
-    sim = load(run)
+def test_it_waits_for_its_start(simulate):
+    sim = load(simulate)
     start = sim.time() + 1.0
     handle = sim.robot.arm.trajectory(
         {"starttime": start, "points": [{"positions": second(0.5), "time_from_start": 0.5}]}
@@ -88,8 +88,8 @@ def test_it_waits_for_its_start(run):
     assert values(sim) == pytest.approx(second(0.5))
 
 
-def test_points_that_are_past_are_left_out(run):
-    sim = load(run)
+def test_points_that_are_past_are_left_out(simulate):
+    sim = load(simulate)
     sim.step(120)
     points = [{"positions": second(2.0), "time_from_start": 0.5}, {"positions": second(0.4), "time_from_start": 2.0}]
     _, found = run_through(sim, {"starttime": sim.time() - 1.0, "points": points}, 70)
@@ -97,14 +97,14 @@ def test_points_that_are_past_are_left_out(run):
     assert_follows(found, lambda t: 0.4 * min(max(t, 0.0), 1.0))
 
 
-def test_limits_are_kept(run):
-    sim = load(run)
+def test_limits_are_kept(simulate):
+    sim = load(simulate)
     _, found = run_through(sim, {"points": [{"positions": second(4.0), "time_from_start": 1.0}]}, 70)
     assert max(angle for _, angle in found) == pytest.approx(math.radians(120), abs=1e-4)
 
 
-def test_a_trajectory_is_preempted_and_stays(run):
-    sim = load(run)
+def test_a_trajectory_is_preempted_and_stays(simulate):
+    sim = load(simulate)
     handle, found = run_through(sim, {"points": [{"positions": second(1.0), "time_from_start": 2.0}]}, 60)
     handle.cancel()
     with pytest.raises(MorseServicePreempted):
@@ -115,8 +115,8 @@ def test_a_trajectory_is_preempted_and_stays(run):
     assert values(sim)[1] == here
 
 
-def test_a_restored_state_goes_on(run):
-    sim = load(run)
+def test_a_restored_state_goes_on(simulate):
+    sim = load(simulate)
     points = [{"positions": second(0.1 * i), "time_from_start": 0.2 * i} for i in range(1, 10)]
     run_through(sim, {"points": points}, 20)
     state = sim.save()
@@ -148,8 +148,8 @@ def test_a_restored_state_goes_on(run):
         ({"pionts": []}, r"not 'pionts'"),
     ],
 )
-def test_mistakes_fail(run, trajectory, words):
-    sim = load(run)
+def test_mistakes_fail(simulate, trajectory, words):
+    sim = load(simulate)
     with pytest.raises(MorseServiceFailed, match=words):
         sim.robot.arm.trajectory(trajectory).result(1.0)
     assert values(sim) == REST

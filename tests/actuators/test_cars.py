@@ -16,8 +16,8 @@ robot.append(pose)
 WHEELBASE, REAR, MASS = 3.9, 2.3, 10.0
 
 
-def load(run, scene=HUMMER):
-    sim = run(scene)
+def load(simulate, scene=HUMMER):
+    sim = simulate(scene, sockets=False)
     sim.step(60)
     return sim
 
@@ -27,8 +27,8 @@ def place(sim):
     return data["x"], data["y"], data["yaw"]
 
 
-def test_it_accelerates_by_force_over_mass_and_forward_is_negative(run):
-    sim = load(run)
+def test_it_accelerates_by_force_over_mass_and_forward_is_negative(simulate):
+    sim = load(simulate)
     x, y, _ = place(sim)
     sim.robot.motion.publish({"force": -5.0})
     sim.step(120)
@@ -39,8 +39,8 @@ def test_it_accelerates_by_force_over_mass_and_forward_is_negative(run):
     assert there[1] == pytest.approx(y, abs=0.01)
 
 
-def test_the_brake_stops_it_in_the_distance_of_its_force(run):
-    sim = load(run)
+def test_the_brake_stops_it_in_the_distance_of_its_force(simulate):
+    sim = load(simulate)
     sim.robot.motion.publish({"force": -10.0})
     sim.step(120)
     body = sim.context.component("robot").bge_object
@@ -58,8 +58,8 @@ def test_the_brake_stops_it_in_the_distance_of_its_force(run):
 
 
 @pytest.mark.parametrize("steer", [0.3, -0.5])
-def test_the_rear_axle_drives_a_circle_of_the_wheelbase_over_the_tangent(run, steer):
-    sim = load(run)
+def test_the_rear_axle_drives_a_circle_of_the_wheelbase_over_the_tangent(simulate, steer):
+    sim = load(simulate)
     sim.robot.motion.publish({"force": -10.0})
     sim.step(60)
     sim.robot.motion.publish({"force": 0.0, "steer": steer})
@@ -76,8 +76,8 @@ def test_the_rear_axle_drives_a_circle_of_the_wheelbase_over_the_tangent(run, st
     assert centres[2] == pytest.approx(centres[0], abs=0.06)
 
 
-def test_the_front_wheels_point_across_the_lines_to_the_centre(run):
-    sim = load(run)
+def test_the_front_wheels_point_across_the_lines_to_the_centre(simulate):
+    sim = load(simulate)
     sim.robot.motion.publish({"steer": 0.4})
     sim.step(2)
     body = sim.context.component("robot").bge_object
@@ -88,9 +88,9 @@ def test_the_front_wheels_point_across_the_lines_to_the_centre(run):
         assert math.atan2(r[1][0], r[0][0]) == pytest.approx(math.atan(WHEELBASE / (radius - left)), abs=1e-6)
 
 
-def test_a_robot_without_wheels_cannot_be_steered(run):
+def test_a_robot_without_wheels_cannot_be_steered(simulate):
     with pytest.raises(Exception, match=r"no front and rear wheels.*Hummer"):
-        run("robot = Morsy()\nmotion = SteerForce()\nrobot.append(motion)")
+        simulate("robot = Morsy()\nmotion = SteerForce()\nrobot.append(motion)", sockets=False)
 
 
 CAR = HUMMER.replace("SteerForce", "MotionVW").replace(
@@ -98,8 +98,8 @@ CAR = HUMMER.replace("SteerForce", "MotionVW").replace(
 )
 
 
-def test_an_ackermann_robot_follows_speed_and_yaw_rate(run):
-    sim = load(run, CAR)
+def test_an_ackermann_robot_follows_speed_and_yaw_rate(simulate):
+    sim = load(simulate, CAR)
     robot = sim.context.component("robot")
     assert robot.steering.wheelbase == pytest.approx(WHEELBASE, abs=1e-3)
     assert robot.steering.track == pytest.approx(2.6, abs=1e-3)
@@ -109,8 +109,8 @@ def test_an_ackermann_robot_follows_speed_and_yaw_rate(run):
     assert robot.steering.yaw_rate() == pytest.approx(0.3, abs=0.02)
 
 
-def test_it_turns_no_tighter_than_its_wheels_do_and_not_on_the_spot(run):
-    sim = load(run, CAR.replace("robot.properties(", "robot.properties(max_steering_angle=20.0, "))
+def test_it_turns_no_tighter_than_its_wheels_do_and_not_on_the_spot(simulate):
+    sim = load(simulate, CAR.replace("robot.properties(", "robot.properties(max_steering_angle=20.0, "))
     robot = sim.context.component("robot")
     sim.robot.motion.publish({"v": 1.0, "w": 2.0})
     sim.step(60 * 12)
@@ -124,8 +124,8 @@ def test_it_turns_no_tighter_than_its_wheels_do_and_not_on_the_spot(run):
 
 
 @pytest.mark.parametrize("scene", [HUMMER, CAR])
-def test_saved_on_its_way_it_goes_on_to_the_bit(run, scene):
-    sim = load(run, scene)
+def test_saved_on_its_way_it_goes_on_to_the_bit(simulate, scene):
+    sim = load(simulate, scene)
     sim.robot.motion.publish({"force": -8.0, "steer": 0.2} if scene is HUMMER else {"v": 1.5, "w": 0.2})
     sim.step(60)
     state = sim.save()

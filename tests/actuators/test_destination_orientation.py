@@ -15,8 +15,8 @@ robot.append(pose)
 """
 
 
-def load(run, motion, robot="Morsy", z=0.0, yaw=0.0):
-    sim = run(SCENE.format(robot=robot, motion=motion, z=z, yaw=yaw))
+def load(simulate, motion, robot="Morsy", z=0.0, yaw=0.0):
+    sim = simulate(SCENE.format(robot=robot, motion=motion, z=z, yaw=yaw), sockets=False)
     sim.step(30)
     return sim
 
@@ -26,8 +26,8 @@ def pose(sim):
 
 
 @pytest.mark.parametrize("yaw", [0.0, 2.0])
-def test_destination_goes_straight_at_its_speed_without_turning(run, yaw):
-    sim = load(run, "Destination(); motion.properties(Speed=1.0, Tolerance=0.1)", yaw=yaw)
+def test_destination_goes_straight_at_its_speed_without_turning(simulate, yaw):
+    sim = load(simulate, "Destination(); motion.properties(Speed=1.0, Tolerance=0.1)", yaw=yaw)
     sim.robot.motion.publish({"x": 1.0 - 3.0, "y": 2.0 + 4.0})
     sim.step(121)
     data = pose(sim)
@@ -40,8 +40,8 @@ def test_destination_goes_straight_at_its_speed_without_turning(run, yaw):
     assert sim.context.component("robot").move_status == "Arrived"
 
 
-def test_destination_in_three_dimensions(run):
-    sim = load(run, "Destination(); motion.properties(RemainAtDestination=True)", robot="RMax", z=5.0)
+def test_destination_in_three_dimensions(simulate):
+    sim = load(simulate, "Destination(); motion.properties(RemainAtDestination=True)", robot="RMax", z=5.0)
     sim.robot.motion.publish({"x": 4.0, "y": 2.0, "z": 9.0})
     sim.step(120)
     data = pose(sim)
@@ -49,17 +49,18 @@ def test_destination_in_three_dimensions(run):
     assert (data["x"], data["y"], data["z"]) == pytest.approx((4.0 - 0.3, 2.0, 9.0 - 0.4), abs=0.1)
 
 
-def test_destination_stays_where_it_is_until_it_is_told(run):
-    sim = load(run, "Destination()")
+def test_destination_stays_where_it_is_until_it_is_told(simulate):
+    sim = load(simulate, "Destination()")
     data = pose(sim)
     assert (data["x"], data["y"]) == pytest.approx((1.0, 2.0), abs=1e-3)
 
 
-def test_remaining_at_the_destination_a_push_is_withstood(run):
+def test_remaining_at_the_destination_a_push_is_withstood(simulate):
     def pushed(remain):
         motion = f"Destination(); motion.properties(RemainAtDestination={remain})"
-        sim = run(
-            SCENE.format(robot="RMax", motion=motion, z=5.0, yaw=0.0) + "wind = ExternalForce()\nrobot.append(wind)"
+        sim = simulate(
+            SCENE.format(robot="RMax", motion=motion, z=5.0, yaw=0.0) + "wind = ExternalForce()\nrobot.append(wind)",
+            sockets=False,
         )
         sim.step(30)
         sim.robot.wind.publish({"force": [0.2, 0.0, 0.0]})
@@ -71,8 +72,8 @@ def test_remaining_at_the_destination_a_push_is_withstood(run):
     assert pushed(True) == pytest.approx(0.0, abs=0.01)
 
 
-def test_orientation_at_once(run):
-    sim = load(run, "Orientation()", robot="RMax", z=5.0)
+def test_orientation_at_once(simulate):
+    sim = load(simulate, "Orientation()", robot="RMax", z=5.0)
     sim.robot.motion.publish({"yaw": 1.0, "pitch": -0.4, "roll": 0.2})
     sim.step(2)
     data = pose(sim)
@@ -80,8 +81,8 @@ def test_orientation_at_once(run):
     assert (data["x"], data["y"], data["z"]) == pytest.approx((1.0, 2.0, 5.0), abs=1e-6)
 
 
-def test_orientation_at_once_leaves_a_fall_to_gravity(run):
-    sim = run(SCENE.format(robot="Quadrotor", motion="Orientation()", z=20.0, yaw=0.0))
+def test_orientation_at_once_leaves_a_fall_to_gravity(simulate):
+    sim = simulate(SCENE.format(robot="Quadrotor", motion="Orientation()", z=20.0, yaw=0.0), sockets=False)
     sim.robot.motion.publish({"roll": 0.5})
     sim.step(60)
     data = pose(sim)
@@ -91,9 +92,9 @@ def test_orientation_at_once_leaves_a_fall_to_gravity(run):
 
 
 @pytest.mark.parametrize("control", ["Velocity", "Position"])
-def test_orientation_at_a_speed_turns_about_each_axis_by_it(run, control):
+def test_orientation_at_a_speed_turns_about_each_axis_by_it(simulate, control):
     motion = f"Orientation(); motion.properties(speed=0.5, ControlType='{control}')"
-    sim = load(run, motion, robot="RMax", z=5.0)
+    sim = load(simulate, motion, robot="RMax", z=5.0)
     sim.robot.motion.publish({"yaw": 1.0, "pitch": 1.0, "roll": 0.0})
     sim.step(6)
     if control == "Velocity":
@@ -105,8 +106,8 @@ def test_orientation_at_a_speed_turns_about_each_axis_by_it(run, control):
     assert (data["yaw"], data["pitch"], data["roll"]) == pytest.approx((1.0, 0.3, -0.2), abs=0.03)
 
 
-def test_orientation_takes_the_shorter_way(run):
-    sim = load(run, "Orientation(); motion.properties(speed=0.5)", robot="RMax", z=5.0, yaw=3.0)
+def test_orientation_takes_the_shorter_way(simulate):
+    sim = load(simulate, "Orientation(); motion.properties(speed=0.5)", robot="RMax", z=5.0, yaw=3.0)
     sim.robot.motion.publish({"yaw": -3.0})
     sim.step(20)
     assert pose(sim)["yaw"] == pytest.approx(3.0 + 0.5 * 19 / 60, abs=0.02) or pose(sim)["yaw"] < -3.0
@@ -114,8 +115,8 @@ def test_orientation_takes_the_shorter_way(run):
     assert math.remainder(pose(sim)["yaw"] + 3.0, 2 * math.pi) == pytest.approx(0.0, abs=0.021)
 
 
-def test_a_robot_that_goes_to_a_destination_glides(run):
-    sim = load(run, "Destination(); motion.properties(Speed=1.0)", yaw=0.7)
+def test_a_robot_that_goes_to_a_destination_glides(simulate):
+    sim = load(simulate, "Destination(); motion.properties(Speed=1.0)", yaw=0.7)
     # the goal is above the robot: the vertical speed of a ground robot is left to the ground
     sim.robot.motion.publish({"x": 6.0, "y": 2.0, "z": 0.5})
     sim.step(60)
@@ -128,9 +129,9 @@ def test_a_robot_that_goes_to_a_destination_glides(run):
 
 
 @pytest.mark.parametrize("robot", ["RMax", "Quadrotor", "Submarine"])
-def test_a_commanded_angular_velocity_stays_as_it_is_commanded(run, robot):
+def test_a_commanded_angular_velocity_stays_as_it_is_commanded(simulate, robot):
     # also about an axis that is not a principal one, where a free body would tumble
-    sim = load(run, "Orientation(); motion.properties(speed=0.5)", robot=robot, z=5.0)
+    sim = load(simulate, "Orientation(); motion.properties(speed=0.5)", robot=robot, z=5.0)
     sim.robot.motion.publish({"yaw": 1.5, "pitch": 1.2, "roll": 1.5})
     for _ in range(30):
         sim.step(1)

@@ -47,8 +47,8 @@ def swing(sim, ticks, speed=0.5, rate=0.2):
     return glided
 
 
-def test_a_moving_arm_does_not_keep_its_robot_from_gliding_along_its_arc(run):
-    sim = run(SCENE.format(height=0.7, more=""))
+def test_a_moving_arm_does_not_keep_its_robot_from_gliding_along_its_arc(simulate):
+    sim = simulate(SCENE.format(height=0.7, more=""), sockets=False)
     sim.step(60)
     x, y, yaw = (measured(sim)[field] for field in ("x", "y", "yaw"))
     assert swing(sim, 120) > 100
@@ -62,8 +62,8 @@ def test_a_moving_arm_does_not_keep_its_robot_from_gliding_along_its_arc(run):
     assert max(map(abs, values)) > 0.1
 
 
-def test_an_arm_on_a_gliding_robot_pushes_what_it_meets(run):
-    sim = run(SCENE.format(height=-0.1, more=BOX))
+def test_an_arm_on_a_gliding_robot_pushes_what_it_meets(simulate):
+    sim = simulate(SCENE.format(height=-0.1, more=BOX), sockets=False)
     sim.robot.arm.set_rotation("kuka_2", -math.pi / 2 - 0.02).result()
     sim.step(120)
     box = sim.context.world.objects_by_name["box"]
@@ -76,9 +76,9 @@ def test_an_arm_on_a_gliding_robot_pushes_what_it_meets(run):
     assert after[2] == pytest.approx(0.2, abs=0.05)
 
 
-def test_an_arm_that_reaches_for_the_floor_is_carried_by_it(run):
+def test_an_arm_that_reaches_for_the_floor_is_carried_by_it(simulate):
     """A gliding robot collides with no floor: with an arm that presses on the floor it has to stand."""
-    sim = run(SCENE.format(height=-0.1, more=""))
+    sim = simulate(SCENE.format(height=-0.1, more=""), sockets=False)
     sim.step(60)
     sim.robot.motion.set_speed(0.3, 0.0).result()
     sim.step(60)
@@ -91,9 +91,9 @@ def test_an_arm_that_reaches_for_the_floor_is_carried_by_it(run):
     assert abs(leaning["pitch"]) > 0.02 or leaning["z"] > 0.15
 
 
-def test_a_saved_state_goes_on_with_the_same_bits(run, tmp_path):
+def test_a_saved_state_goes_on_with_the_same_bits(simulate, tmp_path):
     script = SCENE.format(height=0.7, more=BOX)
-    sim = run(script)
+    sim = simulate(script, sockets=False)
     sim.step(30)
     swing(sim, 40)
     state = sim.save()
@@ -102,15 +102,15 @@ def test_a_saved_state_goes_on_with_the_same_bits(run, tmp_path):
     sim.restore(state)
     swing(sim, 40)
     assert sim.state_hash() == ahead
-    other = run(script)
+    other = simulate(script, sockets=False)
     other.restore(state)
     swing(other, 40)
     assert other.state_hash() == ahead
     assert measured(other, "robot.arm.tip") == place
 
 
-def test_after_a_restart_everything_is_as_at_the_start(run):
-    sim = run(SCENE.format(height=0.7, more=""))
+def test_after_a_restart_everything_is_as_at_the_start(simulate):
+    sim = simulate(SCENE.format(height=0.7, more=""), sockets=False)
     sim.step(30)
     swing(sim, 40)
     first, tip = sim.state_hash(), measured(sim, "robot.arm.tip")

@@ -32,8 +32,8 @@ def settle(sim, grab):
     sim.step(60)
 
 
-def test_fingers_close_without_anything_between_them_and_open_again(run):
-    sim = run(SCENE.format(things=""))
+def test_fingers_close_without_anything_between_them_and_open_again(simulate):
+    sim = simulate(SCENE.format(things=""), sockets=False)
     sim.step()
     opened = pads(sim)
     assert opened == pytest.approx((0.0205, -0.0205), abs=1e-3)
@@ -44,8 +44,8 @@ def test_fingers_close_without_anything_between_them_and_open_again(run):
 
 
 @pytest.mark.parametrize("half", [0.005, 0.012])
-def test_fingers_stop_at_the_sides_of_what_is_held(run, half):
-    sim = run(SCENE.format(things=THING.format(x=0.01, y=half, z=0.01, at=0.003)))
+def test_fingers_stop_at_the_sides_of_what_is_held(simulate, half):
+    sim = simulate(SCENE.format(things=THING.format(x=0.01, y=half, z=0.01, at=0.003)), sockets=False)
     assert sim.robot.gripper.grab().result() == "thing"
     sim.step(60)
     assert pads(sim) == pytest.approx((half + 0.003, 0.003 - half), abs=2e-3)
@@ -54,23 +54,23 @@ def test_fingers_stop_at_the_sides_of_what_is_held(run, half):
     assert pads(sim) == pytest.approx((0.0205, -0.0205), abs=1e-3)
 
 
-def test_fingers_stay_open_around_what_is_wide(run):
-    sim = run(SCENE.format(things=THING.format(x=0.01, y=0.1, z=0.01, at=0.0)))
+def test_fingers_stay_open_around_what_is_wide(simulate):
+    sim = simulate(SCENE.format(things=THING.format(x=0.01, y=0.1, z=0.01, at=0.0)), sockets=False)
     settle(sim, True)
     assert sim.context.component("robot.gripper").held is not None
     assert pads(sim) == pytest.approx((0.0205, -0.0205), abs=1e-3)
 
 
-def test_fingers_take_the_time_that_their_speed_says(run):
-    sim = run(SCENE.format(things="gripper.properties(FingerSpeed=0.1)"))
+def test_fingers_take_the_time_that_their_speed_says(simulate):
+    sim = simulate(SCENE.format(things="gripper.properties(FingerSpeed=0.1)"), sockets=False)
     settle(sim, True)
     # 0.1 rad in a second, on a lever of 59 mm ahead of the hinge
     left, _ = pads(sim)
     assert 0.0205 - left == pytest.approx(0.1 * 0.059, rel=0.1)
 
 
-def test_a_saved_state_holds_the_fingers(run):
-    sim = run(SCENE.format(things=THING.format(x=0.01, y=0.01, z=0.01, at=0.0)))
+def test_a_saved_state_holds_the_fingers(simulate):
+    sim = simulate(SCENE.format(things=THING.format(x=0.01, y=0.01, z=0.01, at=0.0)), sockets=False)
     settle(sim, False)
     sim.context.component("robot.gripper").local_data["grab"] = True
     sim.step(8)

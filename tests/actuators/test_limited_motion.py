@@ -83,8 +83,8 @@ robot.append(pose)
 
 
 @pytest.mark.parametrize(("kind", "field"), [("MotionVW", "v"), ("MotionXYW", "x")])
-def test_the_way_of_a_robot_that_accelerates(run: Any, kind: str, field: str) -> None:
-    sim = run(ROBOT.format(kind + "()", "MaxAcceleration=0.5, ControlType='Position'"))
+def test_the_way_of_a_robot_that_accelerates(simulate: Any, kind: str, field: str) -> None:
+    sim = simulate(ROBOT.format(kind + "()", "MaxAcceleration=0.5, ControlType='Position'"), sockets=False)
     sim.step(10)
     begun = sim.robot.pose.get()["x"]
     sim.robot.motion.publish({field: 1.0})
@@ -93,8 +93,8 @@ def test_the_way_of_a_robot_that_accelerates(run: Any, kind: str, field: str) ->
     assert sim.robot.pose.data["x"] - begun == pytest.approx(0.5 * 0.5 * 2.0**2 + 1.0, abs=0.03)
 
 
-def test_a_limit_that_is_set_at_run_time_does_not_stop_the_robot(run: Any) -> None:
-    sim = run(ROBOT.format("MotionVW()", "ControlType='Position'"))
+def test_a_limit_that_is_set_at_run_time_does_not_stop_the_robot(simulate: Any) -> None:
+    sim = simulate(ROBOT.format("MotionVW()", "ControlType='Position'"), sockets=False)
     sim.robot.motion.publish({"v": 1.0, "w": 0.0})
     sim.step(60)
     sim.robot.motion.set_property("MaxAcceleration", 1.0).result()
@@ -105,8 +105,11 @@ def test_a_limit_that_is_set_at_run_time_does_not_stop_the_robot(run: Any) -> No
     assert sim.robot.pose.data["x"] - begun == pytest.approx(0.5, abs=0.04)
 
 
-def test_turning_has_limits_of_its_own_and_a_saved_ramp_goes_on(run: Any) -> None:
-    sim = run(ROBOT.format("MotionVW()", "MaxAngularAcceleration=0.5, MaxAngularSpeed=0.5, ControlType='Position'"))
+def test_turning_has_limits_of_its_own_and_a_saved_ramp_goes_on(simulate: Any) -> None:
+    sim = simulate(
+        ROBOT.format("MotionVW()", "MaxAngularAcceleration=0.5, MaxAngularSpeed=0.5, ControlType='Position'"),
+        sockets=False,
+    )
     sim.step(10)
     sim.robot.motion.publish({"w": 3.0})
     sim.step(30)
@@ -120,10 +123,11 @@ def test_turning_has_limits_of_its_own_and_a_saved_ramp_goes_on(run: Any) -> Non
     assert sim.robot.pose.data["yaw"] == yaw
 
 
-def test_wheels_have_limits_too(run: Any) -> None:
-    sim = run(
+def test_wheels_have_limits_too(simulate: Any) -> None:
+    sim = simulate(
         "robot = Pioneer3DX()\nmotion = MotionVWDiff()\nmotion.properties(MaxSpeed=0.3, MaxAcceleration=0.3)\n"
-        "robot.append(motion)\npose = Pose()\nrobot.append(pose)\n"
+        "robot.append(motion)\npose = Pose()\nrobot.append(pose)\n",
+        sockets=False,
     )
     sim.step(60)
     begun = sim.robot.pose.get()
@@ -134,7 +138,7 @@ def test_wheels_have_limits_too(run: Any) -> None:
 
 
 @pytest.mark.parametrize("value", [-1.0, float("nan"), "fast", None])
-def test_limits_that_cannot_be_are_refused(run: Any, value: Any) -> None:
-    sim = run(ROBOT.format("MotionVW()", ""))
+def test_limits_that_cannot_be_are_refused(simulate: Any, value: Any) -> None:
+    sim = simulate(ROBOT.format("MotionVW()", ""), sockets=False)
     with pytest.raises(Exception, match="MaxSpeed"):
         sim.robot.motion.set_property("MaxSpeed", value).result()

@@ -32,8 +32,8 @@ def hand_of(angles):
     return result
 
 
-def load(run, more=""):
-    sim = run(SCENE.format(more=more))
+def load(simulate, more=""):
+    sim = simulate(SCENE.format(more=more), sockets=False)
     sim.step(2)
     return sim
 
@@ -53,15 +53,15 @@ def assert_hand(sim, angles):
         [0.5, -0.4, 1.1, -2.0, 0.7, 3.0],
     ],
 )
-def test_the_hand_is_where_the_segments_put_it(run, angles):
-    sim = load(run)
+def test_the_hand_is_where_the_segments_put_it(simulate, angles):
+    sim = load(simulate)
     assert sim.robot.arm.set_rotation_array(*angles).result() is None
     sim.step(200)
     assert_hand(sim, angles)
 
 
-def test_each_segment_turns_at_the_speed(run):
-    sim = load(run, "arm.properties(Speed=0.5)")
+def test_each_segment_turns_at_the_speed(simulate):
+    sim = load(simulate, "arm.properties(Speed=0.5)")
     sim.robot.arm.publish({"seg1": 1.0, "seg4": 0.25})
     sim.step(61)
     hand = sim.context.component("robot.arm").joint_values
@@ -71,8 +71,8 @@ def test_each_segment_turns_at_the_speed(run):
     assert_hand(sim, [0.0, 1.0, 0.0, 0.0, 0.25, 0.0])
 
 
-def test_an_angle_within_the_tolerance_turns_nothing(run):
-    sim = load(run)
+def test_an_angle_within_the_tolerance_turns_nothing(simulate):
+    sim = load(simulate)
     sim.robot.arm.publish({"seg0": math.radians(4.0)})
     sim.step(30)
     assert_hand(sim, [0.0] * 6)
@@ -81,8 +81,8 @@ def test_an_angle_within_the_tolerance_turns_nothing(run):
     assert_hand(sim, [math.radians(4.0), 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
-def test_mistakes_fail(run):
-    sim = load(run)
+def test_mistakes_fail(simulate):
+    sim = load(simulate)
     with pytest.raises(MorseServiceFailed, match="seg1"):
         sim.robot.arm.set_rotation_array(0.0, "up").result()
     with pytest.raises(ValueError, match="seg2"):
@@ -91,8 +91,8 @@ def test_mistakes_fail(run):
     assert_hand(sim, [0.0] * 6)
 
 
-def test_saved_restored_and_restarted(run):
-    sim = load(run)
+def test_saved_restored_and_restarted(simulate):
+    sim = load(simulate)
     sim.robot.arm.set_rotation_array(2.0, 1.0).result()
     sim.step(40)
     state = sim.save()

@@ -19,8 +19,8 @@ robot.append(pose)
 """
 
 
-def load(run, motion, yaw=0.0):
-    return run(SCENE.format(motion=motion, yaw=yaw))
+def load(simulate, motion, yaw=0.0):
+    return simulate(SCENE.format(motion=motion, yaw=yaw), sockets=False)
 
 
 def body(sim):
@@ -43,8 +43,8 @@ def hover_share(sim):
 
 
 @pytest.mark.parametrize("linear", [True, False])
-def test_the_hover_thrust_carries_the_weight(run, linear):
-    sim = load(run, f"RotorcraftAttitude(); motion.properties(LinearThrust={linear})")
+def test_the_hover_thrust_carries_the_weight(simulate, linear):
+    sim = load(simulate, f"RotorcraftAttitude(); motion.properties(LinearThrust={linear})")
     share = hover_share(sim)
     sim.robot.motion.publish({"thrust": share if linear else math.sqrt(share)})
     sim.step(120)
@@ -55,8 +55,8 @@ def test_the_hover_thrust_carries_the_weight(run, linear):
 
 
 @pytest.mark.parametrize(("roll", "pitch"), [(0.2, 0.0), (0.0, 0.15), (-0.1, -0.2)])
-def test_roll_and_pitch_are_those_of_autopilots(run, roll, pitch):
-    sim = load(run, "RotorcraftAttitude()")
+def test_roll_and_pitch_are_those_of_autopilots(simulate, roll, pitch):
+    sim = load(simulate, "RotorcraftAttitude()")
     sim.robot.motion.publish({"thrust": hover_share(sim), "roll": roll, "pitch": pitch})
     sim.step(180)
     data = pose(sim)
@@ -67,8 +67,8 @@ def test_roll_and_pitch_are_those_of_autopilots(run, roll, pitch):
     assert sideways[0] * pitch <= 0.0
 
 
-def test_a_yaw_rate_turns_to_the_right(run):
-    sim = load(run, "RotorcraftAttitude()", yaw=0.5)
+def test_a_yaw_rate_turns_to_the_right(simulate):
+    sim = load(simulate, "RotorcraftAttitude()", yaw=0.5)
     sim.robot.motion.publish({"thrust": hover_share(sim)})
     sim.step(60)
     assert pose(sim)["yaw"] == pytest.approx(0.5, abs=0.01)
@@ -79,18 +79,18 @@ def test_a_yaw_rate_turns_to_the_right(run):
     assert turned(pose(sim)["yaw"], begun) == pytest.approx(-0.4, abs=0.02)
 
 
-def test_a_yaw_angle_is_held(run):
-    sim = load(run, "RotorcraftAttitude(); motion.properties(YawRateControl=False)")
+def test_a_yaw_angle_is_held(simulate):
+    sim = load(simulate, "RotorcraftAttitude(); motion.properties(YawRateControl=False)")
     sim.robot.motion.publish({"thrust": hover_share(sim), "yaw": 1.0})
     sim.step(360)
     assert pose(sim)["yaw"] == pytest.approx(-1.0, abs=0.02)
 
 
-def test_a_yaw_angle_against_north(run):
+def test_a_yaw_angle_against_north(simulate):
     motion = "RotorcraftAttitude(); motion.properties(YawRateControl=False, UseAngleAgainstNorth=True)"
-    sim = run(
-        SCENE.format(motion=motion, yaw=0.5),
-        "env = Environment('empty')\nenv.properties(angle_against_north=0.3)",
+    sim = simulate(
+        SCENE.format(motion=motion, yaw=0.5) + "env = Environment('empty')\nenv.properties(angle_against_north=0.3)",
+        sockets=False,
     )
     sim.robot.motion.publish({"thrust": hover_share(sim), "yaw": 1.0})
     sim.step(420)
@@ -102,8 +102,8 @@ def test_a_yaw_angle_against_north(run):
 
 
 @pytest.mark.parametrize("yaw", [0.0, 2.0])
-def test_it_flies_at_the_velocity_asked_for_along_its_heading(run, yaw):
-    sim = load(run, "RotorcraftVelocity()", yaw=yaw)
+def test_it_flies_at_the_velocity_asked_for_along_its_heading(simulate, yaw):
+    sim = load(simulate, "RotorcraftVelocity()", yaw=yaw)
     sim.robot.motion.setvel(1.0, -0.5, 0.3, 0.0).result()
     sim.step(60 * 30)
     v = body(sim).worldLinearVelocity
@@ -112,15 +112,15 @@ def test_it_flies_at_the_velocity_asked_for_along_its_heading(run, yaw):
     assert turned(pose(sim)["yaw"], yaw) == pytest.approx(0.0, abs=0.02)
 
 
-def test_it_hovers_when_it_is_told_nothing(run):
-    sim = load(run, "RotorcraftVelocity()")
+def test_it_hovers_when_it_is_told_nothing(simulate):
+    sim = load(simulate, "RotorcraftVelocity()")
     sim.step(300)
     assert body(sim).worldLinearVelocity.length < 0.05
     assert pose(sim)["z"] == pytest.approx(20.0, abs=0.1)
 
 
-def test_a_positive_yaw_rate_turns_to_the_right(run):
-    sim = load(run, "RotorcraftVelocity()")
+def test_a_positive_yaw_rate_turns_to_the_right(simulate):
+    sim = load(simulate, "RotorcraftVelocity()")
     sim.robot.motion.setvel(0.0, 0.0, 0.0, 0.5).result()
     sim.step(180)
     begun = pose(sim)["yaw"]
@@ -128,17 +128,17 @@ def test_a_positive_yaw_rate_turns_to_the_right(run):
     assert turned(pose(sim)["yaw"], begun) == pytest.approx(-0.5, abs=0.02)
 
 
-def test_as_a_twist_a_positive_yaw_rate_turns_to_the_left(run):
+def test_as_a_twist_a_positive_yaw_rate_turns_to_the_left(simulate):
     from morse.core.kinds.binding import bind
 
-    sim = load(run, "RotorcraftVelocity()")
+    sim = load(simulate, "RotorcraftVelocity()")
     (twist,) = bind(sim.context.component("robot.motion"))
     fields, _ = twist.scatter({"linear": [1.0, 2.0, 3.0], "angular": [0.0, 0.0, 0.4]})
     assert fields == pytest.approx({"vx": 1.0, "vy": 2.0, "vz": 3.0, "vyaw": -0.4})
 
 
-def test_it_banks_by_no_more_than_it_may(run):
-    sim = load(run, "RotorcraftVelocity(); motion.properties(MaxBankAngle=0.1)")
+def test_it_banks_by_no_more_than_it_may(simulate):
+    sim = load(simulate, "RotorcraftVelocity(); motion.properties(MaxBankAngle=0.1)")
     sim.robot.motion.publish({"vx": 50.0})
     steepest = 0.0
     for _ in range(180):
@@ -151,8 +151,8 @@ def test_it_banks_by_no_more_than_it_may(run):
 
 
 @pytest.mark.parametrize("yaw", [0.0, -2.0])
-def test_it_flies_to_a_place_and_a_heading(run, yaw):
-    sim = load(run, "RotorcraftWaypoint()", yaw=yaw)
+def test_it_flies_to_a_place_and_a_heading(simulate, yaw):
+    sim = load(simulate, "RotorcraftWaypoint()", yaw=yaw)
     sim.step(60)
     assert sim.robot.motion.get_status().result() == "Arrived"
     assert pose(sim)["z"] == pytest.approx(20.0, abs=0.1)
@@ -167,8 +167,8 @@ def test_it_flies_to_a_place_and_a_heading(run, yaw):
     assert turned(data["yaw"], 1.0) == pytest.approx(0.0, abs=0.03)
 
 
-def test_without_remaining_the_rotors_stop_there(run):
-    sim = load(run, "RotorcraftWaypoint(); motion.properties(RemainAtDestination=False)")
+def test_without_remaining_the_rotors_stop_there(simulate):
+    sim = load(simulate, "RotorcraftWaypoint(); motion.properties(RemainAtDestination=False)")
     sim.step(2)
     assert sim.robot.motion.get_status().result() == "Arrived"
     falling = [body(sim).worldLinearVelocity[2]]
@@ -177,8 +177,8 @@ def test_without_remaining_the_rotors_stop_there(run):
     assert falling[1] - falling[0] == pytest.approx(-9.81 * 0.1, rel=0.1)
 
 
-def test_a_new_goto_preempts_and_a_cancelled_one_holds_the_place(run):
-    sim = load(run, "RotorcraftWaypoint()")
+def test_a_new_goto_preempts_and_a_cancelled_one_holds_the_place(simulate):
+    sim = load(simulate, "RotorcraftWaypoint()")
     first = sim.robot.motion.goto(50.0, 0.0, 20.0, 0.0)
     sim.step(120)
     second = sim.robot.motion.goto(0.0, 50.0, 20.0, 0.0)
@@ -195,14 +195,14 @@ def test_a_new_goto_preempts_and_a_cancelled_one_holds_the_place(run):
     assert sim.robot.motion.get_status().result() == "Stop"
 
 
-def test_a_place_that_is_none_is_refused(run):
-    sim = load(run, "RotorcraftWaypoint()")
+def test_a_place_that_is_none_is_refused(simulate):
+    sim = load(simulate, "RotorcraftWaypoint()")
     with pytest.raises(MorseServiceFailed):
         sim.robot.motion.goto(math.inf, 0.0, 0.0, 0.0).result()
 
 
-def test_the_marker_is_put_to_the_place(run):
-    sim = run(SCENE.format(motion="RotorcraftWaypoint()", yaw=0.0) + "flag = Sphere('wp_target')\n")
+def test_the_marker_is_put_to_the_place(simulate):
+    sim = simulate(SCENE.format(motion="RotorcraftWaypoint()", yaw=0.0) + "flag = Sphere('wp_target')\n", sockets=False)
     sim.robot.motion.setdest(1.0, 2.0, 23.0, 0.0).result()
     sim.step(2)
     assert sim.context.world.game_object("wp_target").worldPosition == pytest.approx((1.0, 2.0, 23.0), abs=1e-6)
@@ -216,8 +216,8 @@ def hover_speed(sim):
 
 
 @pytest.mark.parametrize("configuration", ["+", "x"])
-def test_four_equal_rotors_carry_the_weight(run, configuration):
-    sim = load(run, f"QuadrotorDynamicControl(); motion.properties(Configuration='{configuration}')")
+def test_four_equal_rotors_carry_the_weight(simulate, configuration):
+    sim = load(simulate, f"QuadrotorDynamicControl(); motion.properties(Configuration='{configuration}')")
     sim.robot.motion.publish({"engines": [hover_speed(sim)] * 4})
     sim.step(60)
     assert body(sim).worldLinearVelocity.length < 0.2
@@ -231,9 +231,9 @@ def test_four_equal_rotors_carry_the_weight(run, configuration):
         ("x", [(1, -1, -1), (-1, -1, 1), (-1, 1, -1), (1, 1, 1)]),
     ],
 )
-def test_a_rotor_turns_the_robot(run, configuration, signs):
+def test_a_rotor_turns_the_robot(simulate, configuration, signs):
     for rotor, (x, y, z) in enumerate(signs):
-        sim = load(run, f"QuadrotorDynamicControl(); motion.properties(Configuration='{configuration}')")
+        sim = load(simulate, f"QuadrotorDynamicControl(); motion.properties(Configuration='{configuration}')")
         inertia = body(sim).localInertia
         engines = [0.0] * 4
         engines[rotor] = 300.0
@@ -249,8 +249,8 @@ def test_a_rotor_turns_the_robot(run, configuration, signs):
 # -- with an autopilot ---------------------------------------------------------------------
 
 
-def test_the_stabilized_quadrotor_takes_its_height(run):
-    sim = load(run, "StabilizedQuadrotor()")
+def test_the_stabilized_quadrotor_takes_its_height(simulate):
+    sim = load(simulate, "StabilizedQuadrotor()")
     sim.robot.motion.set_cons(0.0, 0.0, 0.0, 22.0).result()
     sim.step(60)
     # h'' = 9 (h_c - h) - 4.2 h': damped at 0.7, 3 rad/s
@@ -262,8 +262,8 @@ def test_the_stabilized_quadrotor_takes_its_height(run):
     assert pose(sim)["z"] == pytest.approx(22.0, abs=0.01)
 
 
-def test_its_angles_follow_a_filter_and_its_yaw_a_rate(run):
-    sim = load(run, "StabilizedQuadrotor()")
+def test_its_angles_follow_a_filter_and_its_yaw_a_rate(simulate):
+    sim = load(simulate, "StabilizedQuadrotor()")
     sim.robot.motion.set_cons(0.1, -0.2, 0.0, 20.0).result()
     sim.step(120)
     data = pose(sim)
@@ -275,8 +275,8 @@ def test_its_angles_follow_a_filter_and_its_yaw_a_rate(run):
     assert pose(sim)["yaw"] - begun == pytest.approx(-0.07 * 10.0 / 1.4, abs=0.005)
 
 
-def test_banked_it_accelerates_sideways(run):
-    sim = load(run, "StabilizedQuadrotor()")
+def test_banked_it_accelerates_sideways(simulate):
+    sim = load(simulate, "StabilizedQuadrotor()")
     sim.robot.motion.set_cons(0.0, 0.1, 0.0, 20.0).result()
     sim.step(120)
     before = pose(sim)["x"]
@@ -288,8 +288,8 @@ def test_banked_it_accelerates_sideways(run):
     assert (after - 2 * between + before) / 0.25 == pytest.approx(10.0 * math.tan(0.1), rel=0.05)
 
 
-def test_stopped_it_stays_at_its_height_and_switched_off_it_falls(run):
-    sim = load(run, "StabilizedQuadrotor()")
+def test_stopped_it_stays_at_its_height_and_switched_off_it_falls(simulate):
+    sim = load(simulate, "StabilizedQuadrotor()")
     sim.robot.motion.set_cons(0.0, 0.0, 0.0, 20.0).result()
     sim.step(60)
     sim.robot.motion.stop().result()

@@ -9,10 +9,11 @@ from morse.core.kinds.binding import bind
 from pymorse import MorseServiceFailed
 
 
-def test_a_light_shines_along_x_as_its_properties_say(run):
-    sim = run(
+def test_a_light_shines_along_x_as_its_properties_say(simulate):
+    sim = simulate(
         "robot = ATRV()\nlight = Light()\nlight.properties(distance=20, color='(1, 0.5, 0)', size=0.5, energy=2.0)\n"
-        "robot.append(light)"
+        "robot.append(light)",
+        sockets=False,
     )
     (lamp,) = sim.context.component("robot.light").bge_object.children
     light = lamp.node.light
@@ -27,8 +28,8 @@ def test_a_light_shines_along_x_as_its_properties_say(run):
     assert [-row[2] for row in lamp.worldOrientation] == pytest.approx([1.0, 0.0, 0.0], abs=1e-6)
 
 
-def test_a_light_is_switched_by_service_and_command(run):
-    sim = run("robot = ATRV()\nlight = Light()\nrobot.append(light)")
+def test_a_light_is_switched_by_service_and_command(simulate):
+    sim = simulate("robot = ATRV()\nlight = Light()\nrobot.append(light)", sockets=False)
     (lamp,) = sim.context.component("robot.light").bge_object.children
     sim.step()
     assert lamp.visible
@@ -43,11 +44,12 @@ def test_a_light_is_switched_by_service_and_command(run):
     assert not lamp.visible
 
 
-def test_properties_of_a_light_change_while_it_shines(run):
-    sim = run(
+def test_properties_of_a_light_change_while_it_shines(simulate):
+    sim = simulate(
         "robot = ATRV()\nlight = Light()\nlight.rotate(y=0.4)\nlight.translate(z=1.0)\nrobot.append(light)\n"
         "eye = VideoCamera()\neye.translate(z=1.0)\neye.rotate(x=0.0, y=-0.4)\n"
-        "eye.properties(cam_width=32, cam_height=24)\nrobot.append(eye)"
+        "eye.properties(cam_width=32, cam_height=24)\nrobot.append(eye)",
+        sockets=False,
     )
     (lamp,) = sim.context.component("robot.light").bge_object.children
 
@@ -74,15 +76,17 @@ def test_properties_of_a_light_change_while_it_shines(run):
 
 
 @pytest.mark.parametrize("color", ["red", "(1, 2)", "(1, 2, 3)"])
-def test_a_color_that_is_none_is_refused(run, color):
+def test_a_color_that_is_none_is_refused(simulate, color):
     with pytest.raises(Exception, match="color"):
-        run(f"robot = ATRV()\nlight = Light()\nlight.properties(color='{color}')\nrobot.append(light)")
+        simulate(
+            f"robot = ATRV()\nlight = Light()\nlight.properties(color='{color}')\nrobot.append(light)", sockets=False
+        )
 
 
-def test_a_sound_plays_pauses_and_stops(run, tmp_path):
+def test_a_sound_plays_pauses_and_stops(simulate, tmp_path):
     file = tmp_path / "horn.wav"
     file.write_bytes(b"RIFF")
-    sim = run(f"robot = ATRV()\nsound = Sound()\nsound.open({str(file)!r})\nrobot.append(sound)")
+    sim = simulate(f"robot = ATRV()\nsound = Sound()\nsound.open({str(file)!r})\nrobot.append(sound)", sockets=False)
     sound = sim.context.component("robot.sound")
     assert sound.file == str(file)
     sim.step(10)
@@ -101,9 +105,9 @@ def test_a_sound_plays_pauses_and_stops(run, tmp_path):
     assert sound.played == 0.0
 
 
-def test_a_sound_that_is_not_there(run):
+def test_a_sound_that_is_not_there(simulate):
     with pytest.raises(Exception, match=r"no file 'nothing.wav'"):
-        run("robot = ATRV()\nsound = Sound()\nsound.open('nothing.wav')\nrobot.append(sound)")
+        simulate("robot = ATRV()\nsound = Sound()\nsound.open('nothing.wav')\nrobot.append(sound)", sockets=False)
 
 
 # -- gripper -------------------------------------------------------------------------------
@@ -130,8 +134,8 @@ aside = thing('aside', 0.85, 0.2)
 """
 
 
-def test_it_takes_the_nearest_in_the_cone_carries_it_and_lets_it_go(run):
-    sim = run(GRIPPER)
+def test_it_takes_the_nearest_in_the_cone_carries_it_and_lets_it_go(simulate):
+    sim = simulate(GRIPPER, sockets=False)
     assert sim.robot.gripper.release().result() is False
     assert sim.robot.gripper.grab().result() == "near"
     assert sim.robot.gripper.grab().result() == "near"
@@ -149,15 +153,17 @@ def test_it_takes_the_nearest_in_the_cone_carries_it_and_lets_it_go(run):
     assert near.worldPosition[2] < height - 0.2
 
 
-def test_nothing_in_the_cone_is_nothing_to_take(run):
-    sim = run(GRIPPER.replace("gripper.rotate(0.0, 1.5707963, 0.0)", "gripper.rotate(0.0, 3.1415926, 0.0)"))
+def test_nothing_in_the_cone_is_nothing_to_take(simulate):
+    sim = simulate(
+        GRIPPER.replace("gripper.rotate(0.0, 1.5707963, 0.0)", "gripper.rotate(0.0, 3.1415926, 0.0)"), sockets=False
+    )
     assert sim.robot.gripper.grab().result() is None
     sim.step(5)
     assert sim.context.component("robot.gripper").held is None
 
 
-def test_it_obeys_commands_as_well(run):
-    sim = run(GRIPPER)
+def test_it_obeys_commands_as_well(simulate):
+    sim = simulate(GRIPPER, sockets=False)
     gripper = sim.context.component("robot.gripper")
     sim.robot.gripper.publish({"grab": True})
     sim.step(2)
@@ -167,16 +173,16 @@ def test_it_obeys_commands_as_well(run):
     assert gripper.held is None
 
 
-def test_a_reset_of_the_world_empties_the_hand(run):
-    sim = run(GRIPPER)
+def test_a_reset_of_the_world_empties_the_hand(simulate):
+    sim = simulate(GRIPPER, sockets=False)
     sim.robot.gripper.grab().result()
     sim.reset()
     assert sim.context.component("robot.gripper").held is None
     assert sim.robot.gripper.release().result() is False
 
 
-def test_held_things_are_held_after_a_restore(run):
-    sim = run(GRIPPER)
+def test_held_things_are_held_after_a_restore(simulate):
+    sim = simulate(GRIPPER, sockets=False)
     sim.robot.gripper.grab().result()
     sim.step(2)
     state = sim.save()
@@ -190,10 +196,11 @@ def test_held_things_are_held_after_a_restore(run):
 # -- marker --------------------------------------------------------------------------------
 
 
-def test_a_marker_is_put_where_a_camera_sees_it(run):
-    sim = run(
+def test_a_marker_is_put_where_a_camera_sees_it(simulate):
+    sim = simulate(
         "robot = ATRV()\nrobot.translate(1, 2, 0)\nmarker = Arucomarker()\n"
-        "marker.properties(xoffset=0.5, zoffset=1.0)\nrobot.append(marker)"
+        "marker.properties(xoffset=0.5, zoffset=1.0)\nrobot.append(marker)",
+        sockets=False,
     )
     sim.robot.marker.publish({"x": 0.1, "y": 0.2, "z": 3.0, "yaw": 0.7})
     sim.step(30)
@@ -204,8 +211,8 @@ def test_a_marker_is_put_where_a_camera_sees_it(run):
     assert sim.robot.marker.get_local_position().result() == pytest.approx([3.5, 0.1, 0.8], abs=5e-3)
 
 
-def test_the_angles_of_a_marker_turn_in_the_order_y_z_x(run):
-    sim = run("robot = ATRV()\nmarker = Arucomarker()\nrobot.append(marker)")
+def test_the_angles_of_a_marker_turn_in_the_order_y_z_x(simulate):
+    sim = simulate("robot = ATRV()\nmarker = Arucomarker()\nrobot.append(marker)", sockets=False)
     sim.robot.marker.publish({"roll": 0.3, "pitch": 0.4, "yaw": 0.5})
     sim.step(2)
 
@@ -235,8 +242,8 @@ def seen(sim):
     return picture
 
 
-def test_lights_show_pictures_and_the_view_is_told(run):
-    sim = run(LEDS)
+def test_lights_show_pictures_and_the_view_is_told(simulate):
+    sim = simulate(LEDS, sockets=False)
     sim.step()
     assert not seen(sim).any()
     picture = np.linspace(0.0, 1.0, 18).reshape(2, 3, 3)
@@ -260,8 +267,8 @@ def test_lights_show_pictures_and_the_view_is_told(run):
     assert not seen(sim).any()
 
 
-def test_the_first_light_is_at_the_top_left_of_who_looks_at_it(run):
-    sim = run(LEDS)
+def test_the_first_light_is_at_the_top_left_of_who_looks_at_it(simulate):
+    sim = simulate(LEDS, sockets=False)
     place = {
         (p["LedRow"], p["LedColumn"]): p.localPosition for p in sim.context.component("robot.leds").bge_object.children
     }
@@ -270,8 +277,8 @@ def test_the_first_light_is_at_the_top_left_of_who_looks_at_it(run):
     assert place[0, 0][1] < place[0, 2][1]
 
 
-def test_lights_blink_in_simulated_time(run):
-    sim = run(LEDS)
+def test_lights_blink_in_simulated_time(simulate):
+    sim = simulate(LEDS, sockets=False)
     sim.robot.leds.set_all(1.0, 1.0, 1.0).result()
     sim.robot.leds.blink(1.0).result()
     lit = 0
@@ -290,8 +297,8 @@ def test_lights_blink_in_simulated_time(run):
     assert seen(sim).all()
 
 
-def test_wrong_pictures_change_nothing(run):
-    sim = run(LEDS)
+def test_wrong_pictures_change_nothing(simulate):
+    sim = simulate(LEDS, sockets=False)
     sim.robot.leds.set_all(1.0, 0.0, 0.0).result()
     sim.step()
     for wrong in ([[[1.0, 1.0, 1.0]]], [[["red"] * 3]], [[[2.0] * 3] * 3] * 2, "red"):
@@ -304,8 +311,8 @@ def test_wrong_pictures_change_nothing(run):
     assert (seen(sim) == (1.0, 0.0, 0.0)).all()
 
 
-def test_any_image_drives_them(run):
-    sim = run(LEDS)
+def test_any_image_drives_them(simulate):
+    sim = simulate(LEDS, sockets=False)
     (image,) = bind(sim.context.component("robot.leds"))
     picture = np.arange(18, dtype=np.uint8).reshape(2, 3, 3) * 15
     fields, remark = image.scatter({"pixels": picture})
@@ -315,8 +322,8 @@ def test_any_image_drives_them(run):
     assert seen(sim) == pytest.approx(picture / 255.0)
 
 
-def test_restored_lights_shine_as_they_did(run):
-    sim = run(LEDS)
+def test_restored_lights_shine_as_they_did(simulate):
+    sim = simulate(LEDS, sockets=False)
     sim.robot.leds.set_all(0.0, 0.0, 1.0).result()
     sim.step()
     state = sim.save()
@@ -327,11 +334,12 @@ def test_restored_lights_shine_as_they_did(run):
     assert (seen(sim) == (0.0, 0.0, 1.0)).all()
 
 
-def test_cameras_see_the_lights(run):
-    sim = run(
+def test_cameras_see_the_lights(simulate):
+    sim = simulate(
         "robot = ATRV()\nleds = LedArray(rows=2, columns=2, pitch=0.5)\nleds.translate(4.0, 0.0, 1.0)\n"
         "leds.rotate(0, 0, 3.14159265)\nrobot.append(leds)\neye = VideoCamera()\n"
-        "eye.properties(cam_width=64, cam_height=64)\neye.translate(2.0, 0.0, 1.0)\nrobot.append(eye)"
+        "eye.properties(cam_width=64, cam_height=64)\neye.translate(2.0, 0.0, 1.0)\nrobot.append(eye)",
+        sockets=False,
     )
     for color in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)):
         sim.robot.leds.set_all(*color).result()

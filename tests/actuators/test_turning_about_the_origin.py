@@ -15,8 +15,8 @@ robot.append(pose)
 """
 
 
-def test_neither_force_nor_damping_turns_a_robot_that_is_pushed(run):
-    sim = run(SCENE)
+def test_neither_force_nor_damping_turns_a_robot_that_is_pushed(simulate):
+    sim = simulate(SCENE, sockets=False)
     sim.robot.motion.publish({"force": [2.0, 0.0, 0.0]})
     sim.step(120)
     # 1 kg that loses half of its velocity per second: x'' = 2 - ln(2) x'
@@ -27,8 +27,8 @@ def test_neither_force_nor_damping_turns_a_robot_that_is_pushed(run):
     assert [pose[name] for name in ("y", "z", "yaw", "pitch", "roll")] == pytest.approx([8.0, 20.0, 0, 0, 0], abs=1e-6)
 
 
-def test_a_torque_turns_a_robot_on_the_spot(run):
-    sim = run(SCENE)
+def test_a_torque_turns_a_robot_on_the_spot(simulate):
+    sim = simulate(SCENE, sockets=False)
     sim.robot.motion.publish({"torque": [0.0, 0.0, 0.5]})
     sim.step(60)
     pose = sim.robot.pose.data
@@ -49,7 +49,7 @@ body._bpy_object.game.physics_type = "STATIC"
 
 
 @pytest.mark.parametrize(("x", "centre"), [(0.2, (0.0, 0.0, 0.0)), (2.0, (2.0, 0.0, 0.0))])
-def test_an_origin_outside_the_body_is_no_centre_of_mass(run, x, centre):
-    sim = run(BARE.format(x=x))
+def test_an_origin_outside_the_body_is_no_centre_of_mass(simulate, x, centre):
+    sim = simulate(BARE.format(x=x), sockets=False)
     found = {name: place for name, _, place in sim.context.world.mass_centres()}["robot"]
     assert found == pytest.approx(centre, abs=1e-6)

@@ -26,8 +26,8 @@ def place(sim):
     return data["x"], data["y"]
 
 
-def test_it_stands_and_has_arrived_until_it_is_told_to_go(run):
-    sim = run(scene())
+def test_it_stands_and_has_arrived_until_it_is_told_to_go(simulate):
+    sim = simulate(scene(), sockets=False)
     sim.step(30)
     assert sim.robot.motion.get_status().result() == "Arrived"
     assert place(sim) == pytest.approx((0, 0), abs=1e-3)
@@ -35,8 +35,8 @@ def test_it_stands_and_has_arrived_until_it_is_told_to_go(run):
 
 @pytest.mark.parametrize("target", [(4.0, 2.0), (-3.0, 1.0), (0.0, -4.0)])
 @pytest.mark.parametrize("control", ["Velocity", "Position"])
-def test_goto_ends_within_the_tolerance(run, target, control):
-    sim = run(scene(f"motion.properties(ControlType='{control}')"))
+def test_goto_ends_within_the_tolerance(simulate, target, control):
+    sim = simulate(scene(f"motion.properties(ControlType='{control}')"), sockets=False)
     answer = sim.robot.motion.goto(*target, 0.0, 0.3, 1.0)
     sim.step(10)
     assert sim.robot.motion.get_status().result() == "Transit"
@@ -46,16 +46,16 @@ def test_goto_ends_within_the_tolerance(run, target, control):
     assert math.dist(place(sim), target) <= 0.3 + 0.02
 
 
-def test_straight_ahead_it_takes_distance_over_speed(run):
-    sim = run(scene())
+def test_straight_ahead_it_takes_distance_over_speed(simulate):
+    sim = simulate(scene(), sockets=False)
     sim.step(30)
     start = sim.time()
     sim.robot.motion.goto(5.0, 0.0, 0.0, 0.5, 1.5).result(20.0)
     assert sim.time() - start == pytest.approx(4.5 / 1.5, abs=0.1)
 
 
-def test_it_turns_on_the_spot_at_half_its_speed_as_long_as_the_heading_is_far_wrong(run):
-    sim = run(scene())
+def test_it_turns_on_the_spot_at_half_its_speed_as_long_as_the_heading_is_far_wrong(simulate):
+    sim = simulate(scene(), sockets=False)
     sim.step(30)
     sim.robot.motion.publish({"x": -10.0, "y": 1e-3, "speed": 0.8})
     sim.step(60)
@@ -64,16 +64,16 @@ def test_it_turns_on_the_spot_at_half_its_speed_as_long_as_the_heading_is_far_wr
     assert math.hypot(data["x"], data["y"]) < 5e-3
 
 
-def test_a_heading_that_is_little_wrong_is_left(run):
-    sim = run(scene("motion.properties(AngleTolerance=0.2)"))
+def test_a_heading_that_is_little_wrong_is_left(simulate):
+    sim = simulate(scene("motion.properties(AngleTolerance=0.2)"), sockets=False)
     sim.step(30)
     sim.robot.motion.publish({"x": 10.0, "y": 10.0 * math.tan(0.15)})
     sim.step(60)
     assert sim.robot.pose.get()["yaw"] == pytest.approx(0.0, abs=1e-3)
 
 
-def test_stop_and_resume_leave_a_goto_pending(run):
-    sim = run(scene())
+def test_stop_and_resume_leave_a_goto_pending(simulate):
+    sim = simulate(scene(), sockets=False)
     answer = sim.robot.motion.goto(4.0, 0.0, 0.0, 0.5, 1.0)
     sim.step(60)
     assert sim.robot.motion.stop().result() == "Stop"
@@ -88,16 +88,16 @@ def test_stop_and_resume_leave_a_goto_pending(run):
     assert answer.result(10.0) == "Arrived"
 
 
-def test_setdest_tells_whether_it_is_there_already(run):
-    sim = run(scene())
+def test_setdest_tells_whether_it_is_there_already(simulate):
+    sim = simulate(scene(), sockets=False)
     assert sim.robot.motion.setdest(0.1, 0.0, 0.0, 0.5).result() is False
     assert sim.robot.motion.setdest(2.0, 0.0, 0.0, 0.5, 1.0).result() is True
     sim.step(150)
     assert sim.robot.motion.get_status().result() == "Arrived"
 
 
-def test_a_new_goto_preempts_the_old_one(run):
-    sim = run(scene())
+def test_a_new_goto_preempts_the_old_one(simulate):
+    sim = simulate(scene(), sockets=False)
     first = sim.robot.motion.goto(10.0, 0.0, 0.0)
     sim.step(30)
     second = sim.robot.motion.goto(0.0, 2.0, 0.0)
@@ -106,8 +106,8 @@ def test_a_new_goto_preempts_the_old_one(run):
     assert second.result(20.0) == "Arrived"
 
 
-def test_cancelled_it_stays_where_it_is(run):
-    sim = run(scene())
+def test_cancelled_it_stays_where_it_is(simulate):
+    sim = simulate(scene(), sockets=False)
     answer = sim.robot.motion.goto(10.0, 0.0, 0.0)
     sim.step(60)
     answer.cancel()
@@ -120,8 +120,8 @@ def test_cancelled_it_stays_where_it_is(run):
 
 
 @pytest.mark.parametrize("wrong", [(math.nan, 0.0, 0.0), (1e30, 0.0, 0.0), (1.0, 0.0, 0.0, -1.0), ("far", 0.0, 0.0)])
-def test_a_place_that_is_none_is_refused(run, wrong):
-    sim = run(scene())
+def test_a_place_that_is_none_is_refused(simulate, wrong):
+    sim = simulate(scene(), sockets=False)
     sim.step(5)
     with pytest.raises(MorseServiceFailed):
         sim.robot.motion.goto(*wrong).result()
@@ -130,14 +130,16 @@ def test_a_place_that_is_none_is_refused(run, wrong):
 
 
 @pytest.mark.parametrize("robot", ["ATRV", "Pioneer3DX"])
-def test_robots_of_other_kinds_arrive(run, robot):
-    sim = run(scene().replace("Morsy()", f"{robot}()"))
+def test_robots_of_other_kinds_arrive(simulate, robot):
+    sim = simulate(scene().replace("Morsy()", f"{robot}()"), sockets=False)
     assert sim.robot.motion.goto(3.0, 1.5, 0.0, 0.3, 0.8).result(30.0) == "Arrived"
     assert math.dist(place(sim), (3.0, 1.5)) <= 0.33
 
 
-def test_with_free_z_an_aircraft_climbs_in_a_straight_line(run):
-    sim = run(scene("motion.properties(FreeZ=True, ObstacleAvoidance=False)").replace("Morsy", "RMax"))
+def test_with_free_z_an_aircraft_climbs_in_a_straight_line(simulate):
+    sim = simulate(
+        scene("motion.properties(FreeZ=True, ObstacleAvoidance=False)").replace("Morsy", "RMax"), sockets=False
+    )
     assert sim.robot.motion.goto(6.0, 0.0, 3.0, 0.2, 1.0).result(30.0) == "Arrived"
     data = sim.robot.pose.get()
     assert math.dist((data["x"], data["y"], data["z"]), (6.0, 0.0, 3.0)) <= 0.23
@@ -158,8 +160,8 @@ box.translate(5.0, {2}, 0.5)
 @pytest.mark.parametrize(
     ("half", "aside"), [((0.3, 0.3), 0.0), ((0.5, 1.0), 0.3), ((0.5, 1.0), -0.6), ((0.3, 2.0), 0.2)]
 )
-def test_it_drives_around_a_box_without_touching_it(run, half, aside):
-    sim = run(scene() + BOX.format(half[0], half[1], aside))
+def test_it_drives_around_a_box_without_touching_it(simulate, half, aside):
+    sim = simulate(scene() + BOX.format(half[0], half[1], aside), sockets=False)
     world = sim.context.world
     answer = sim.robot.motion.goto(10.0, 0.0, 0.0, 0.5, 1.0)
     touched = set()
@@ -172,23 +174,26 @@ def test_it_drives_around_a_box_without_touching_it(run, half, aside):
     assert "box" not in touched
 
 
-def test_without_avoidance_or_with_an_ignored_property_it_runs_into_the_box(run):
+def test_without_avoidance_or_with_an_ignored_property_it_runs_into_the_box(simulate):
     for more in ("motion.properties(ObstacleAvoidance=False)", "motion.properties(Ignore='Other, Soft')"):
-        sim = run(scene(more) + BOX.format(0.5, 1.0, 0.0) + "box.properties(Soft=True)\n")
+        sim = simulate(scene(more) + BOX.format(0.5, 1.0, 0.0) + "box.properties(Soft=True)\n", sockets=False)
         sim.robot.motion.publish({"x": 10.0})
         sim.step(60 * 8)
         assert 3.0 < place(sim)[0] < 5.0
 
 
-def test_the_target_object_marks_the_place(run):
-    sim = run(scene("motion.properties(Target='flag')") + "flag = Sphere('flag')\nflag.scale = (0.1, 0.1, 0.1)\n")
+def test_the_target_object_marks_the_place(simulate):
+    sim = simulate(
+        scene("motion.properties(Target='flag')") + "flag = Sphere('flag')\nflag.scale = (0.1, 0.1, 0.1)\n",
+        sockets=False,
+    )
     sim.robot.motion.publish({"x": 3.0, "y": -2.0, "z": 1.0})
     sim.step(2)
     assert sim.context.world.game_object("flag").worldPosition == pytest.approx((3.0, -2.0, 1.0), abs=1e-6)
 
 
-def test_saved_on_its_way_it_goes_on_to_the_bit(run):
-    sim = run(scene() + BOX.format(0.5, 1.0, 0.3))
+def test_saved_on_its_way_it_goes_on_to_the_bit(simulate):
+    sim = simulate(scene() + BOX.format(0.5, 1.0, 0.3), sockets=False)
     sim.robot.motion.publish({"x": 10.0})
     sim.step(200)
     state = sim.save()

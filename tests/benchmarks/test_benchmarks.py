@@ -186,7 +186,7 @@ def test_nothing_to_draw_is_told() -> None:
 # a short run of everything ------------------------------------------------------------------
 
 
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(1800)  # a machine may have other work
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in EVERYDAY else pytest.mark.slow) for name in SUITES]
 )

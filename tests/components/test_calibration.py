@@ -21,7 +21,7 @@ WHEELED_ROBOTS = ("Pioneer3DX", "SegwayRMP400", "PatrolBot")
 
 
 def pose_of(made):
-    return dict(made["robot.pose"].local_data)
+    return dict(made.context.component("robot.pose").local_data)
 
 
 @pytest.mark.parametrize("world", ["empty", "indoors-1/boxes", "sandbox"])
@@ -29,26 +29,27 @@ def pose_of(made):
     ("robot", "height", "tolerance"),
     [("Pioneer3DX", 0.15, 0.04), ("SegwayRMP400", 0.20, 0.02), ("Morsy", 0.0, 0.003), ("ATRV", 0.10, 0.01)],
 )
-def test_robots_come_to_rest_where_they_did(rig, robot, height, tolerance, world):
-    made = rig(
+def test_robots_come_to_rest_where_they_did(simulate, robot, height, tolerance, world):
+    made = simulate(
         f'''
 robot = {robot}()
 robot.translate(1, -2, 0.05)
 pose = Pose()
 robot.append(pose)
 env = Environment("{world}")
-'''
+''',
+        sockets=False,
     )
-    made.run(3.0)
+    made.sleep(3.0)
     pose = pose_of(made)
     assert pose["z"] == pytest.approx(height, abs=tolerance)
     for name, expected in (("x", 1.0), ("y", -2.0), ("yaw", 0.0), ("pitch", 0.0), ("roll", 0.0)):
         assert pose[name] == pytest.approx(expected, abs=0.02)
 
 
-def test_the_red_box_ends_where_it_did(rig):
-    made = rig('robot = ATRV()\nenv = Environment("indoors-1/boxes")')
-    made.run(3.0)
+def test_the_red_box_ends_where_it_did(simulate):
+    made = simulate('robot = ATRV()\nenv = Environment("indoors-1/boxes")', sockets=False)
+    made.sleep(3.0)
     robot = made.context.world.game_object("robot")
     hit, point, _ = robot.rayCast((-7.5, 0, 0), (-7.5, 0, 4.0), 0.0)
     assert hit.name == "RedBox"
@@ -56,8 +57,8 @@ def test_the_red_box_ends_where_it_did(rig):
 
 
 @pytest.mark.parametrize(("friction", "distance"), [(0.0, 2.0), (5.0, 1.4)])
-def test_friction_is_felt_within_each_tick(rig, friction, distance):
-    made = rig(
+def test_friction_is_felt_within_each_tick(simulate, friction, distance):
+    made = simulate(
         f"""
 robot = ATRV()
 robot.set_friction({friction})
@@ -66,29 +67,30 @@ robot.append(motion)
 pose = Pose()
 robot.append(pose)
 env = Environment("empty")
-"""
+""",
+        sockets=False,
     )
-    made.run(1.0)
+    made.sleep(1.0)
     start = pose_of(made)["x"]
-    made.command("robot.motion", v=1.0, w=0.0)
-    made.run(2.0)
+    made.robot.motion.publish({"v": 1.0, "w": 0.0})
+    made.sleep(2.0)
     assert pose_of(made)["x"] - start == pytest.approx(distance, abs=0.1)
 
 
 class Course:
     """Drives a wheeled robot, and integrates the ideal twist in parallel."""
 
-    def __init__(self, rig, robot, yaw=0.0, world="empty"):
-        self.made = rig(WHEELED.format(robot=robot, yaw=yaw, world=world))
-        self.made.run(1.0)
+    def __init__(self, simulate, robot, yaw=0.0, world="empty"):
+        self.made = simulate(WHEELED.format(robot=robot, yaw=yaw, world=world), sockets=False)
+        self.made.sleep(1.0)
         pose = pose_of(self.made)
         self.start = self.x, self.y, self.yaw = pose["x"], pose["y"], pose["yaw"]
         self.v = self.w = 0.0
 
     def drive(self, v, w, ticks=1):
         for _ in range(ticks):
-            self.made.command("robot.motion", v=v, w=w)
-            self.made.simulation.step(1)
+            self.made.robot.motion.publish({"v": v, "w": w})
+            self.made.step(1)
             middle = self.yaw + w / 120
             self.x, self.y, self.yaw = (
                 self.x + v / 60 * math.cos(middle),
@@ -114,8 +116,8 @@ class Course:
 @pytest.mark.parametrize("yaw", [0.0, 2.0, -math.pi / 2])
 @pytest.mark.parametrize("robot", WHEELED_ROBOTS)
 @pytest.mark.parametrize(("v", "w"), [(1.0, -math.pi / 4), (1.0, 0.0), (0.0, math.pi / 4), (-0.5, 0.5)])
-def test_wheeled_robots_follow_the_twist(rig, robot, yaw, v, w):
-    course = Course(rig, robot, yaw)
+def test_wheeled_robots_follow_the_twist(simulate, robot, yaw, v, w):
+    course = Course(simulate, robot, yaw)
     course.change_to(v, w)
     course.drive(v, w, 120)
     course.change_to(0.0, 0.0)
@@ -125,8 +127,8 @@ def test_wheeled_robots_follow_the_twist(rig, robot, yaw, v, w):
 
 
 @pytest.mark.parametrize("robot", WHEELED_ROBOTS)
-def test_a_sudden_command_is_followed_as_well_as_friction_allows(rig, robot):
-    course = Course(rig, robot)
+def test_a_sudden_command_is_followed_as_well_as_friction_allows(simulate, robot):
+    course = Course(simulate, robot)
     course.drive(1.0, -math.pi / 4, 120)
     distance, angle = course.errors()
     assert distance < 0.15
@@ -135,8 +137,8 @@ def test_a_sudden_command_is_followed_as_well_as_friction_allows(rig, robot):
 
 @pytest.mark.parametrize("robot", WHEELED_ROBOTS)
 @pytest.mark.parametrize("w", [0.0, math.pi / 4])
-def test_forward_and_backward_ends_at_the_start(rig, robot, w):
-    course = Course(rig, robot, yaw=1.0)
+def test_forward_and_backward_ends_at_the_start(simulate, robot, w):
+    course = Course(simulate, robot, yaw=1.0)
     for sign in (1, -1):
         course.change_to(sign * 1.0, sign * w)
         course.drive(sign * 1.0, sign * w, 120)
@@ -149,8 +151,8 @@ def test_forward_and_backward_ends_at_the_start(rig, robot, w):
 
 
 @pytest.mark.parametrize("robot", WHEELED_ROBOTS)
-def test_a_robot_on_wheels_stops_at_a_wall_and_gets_away_from_it(rig, robot):
-    course = Course(rig, robot, yaw=math.pi / 2, world="indoors-1/boxes")
+def test_a_robot_on_wheels_stops_at_a_wall_and_gets_away_from_it(simulate, robot):
+    course = Course(simulate, robot, yaw=math.pi / 2, world="indoors-1/boxes")
     course.made.context.world.game_object("robot").worldPosition = (2.0, 12.0, 0.25)
     course.drive(1.0, 0.0, 240)
     # the wall is at y = 14

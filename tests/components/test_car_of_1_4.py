@@ -19,14 +19,14 @@ BOTTOM = 0.98
 
 
 @pytest.mark.parametrize("brake", [2.0, 10.0, 50.0])
-def test_the_distance_for_a_force_and_a_brake(rig, brake):
-    made = rig(SCENE.format(height=0.0, world="land-1/rosace_1", setting=CALIBRATED))
-    made.run(0.5)
-    made.command("robot.motion", steer=0.0, force=-20.0, brake=0.0)
-    made.run(3.0)
-    made.command("robot.motion", steer=0.0, force=0.0, brake=brake)
-    made.run(3.0)
-    data = made["robot.pose"].local_data
+def test_the_distance_for_a_force_and_a_brake(simulate, brake):
+    made = simulate(SCENE.format(height=0.0, world="land-1/rosace_1", setting=CALIBRATED), sockets=False)
+    made.sleep(0.5)
+    made.robot.motion.publish({"steer": 0.0, "force": -20.0, "brake": 0.0})
+    made.sleep(3.0)
+    made.robot.motion.publish({"steer": 0.0, "force": 0.0, "brake": brake})
+    made.sleep(3.0)
+    data = made.context.component("robot.pose").local_data
     assert data["x"] == pytest.approx(8.5, abs=1.0)
     assert data["y"] == pytest.approx(0.0, abs=0.1)
 
@@ -34,10 +34,10 @@ def test_the_distance_for_a_force_and_a_brake(rig, brake):
 @pytest.mark.parametrize("setting", ["", CALIBRATED], ids=["default", "of_1_4"])
 @pytest.mark.parametrize("world", ["empty", "land-1/rosace_1"])
 @pytest.mark.parametrize("height", [0.0, 0.3, 0.6])
-def test_a_robot_that_starts_inside_the_ground_stands_on_it(rig, world, height, setting):
-    made = rig(SCENE.format(height=height, world=world, setting=setting))
-    made.run(1.0)
-    data = made["robot.pose"].local_data
+def test_a_robot_that_starts_inside_the_ground_stands_on_it(simulate, world, height, setting):
+    made = simulate(SCENE.format(height=height, world=world, setting=setting), sockets=False)
+    made.sleep(1.0)
+    data = made.context.component("robot.pose").local_data
     # the ground of the town is not quite level, so that the car rolls slowly
     assert (data["x"], data["y"]) == pytest.approx((0.0, 0.0), abs=0.3)
     assert data["z"] == pytest.approx(BOTTOM, abs=0.05)

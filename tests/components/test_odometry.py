@@ -17,24 +17,24 @@ env = Environment("empty")
 """
 
 
-def moved(rig, level, v=0.5, w=0.3, seconds=2.0):
-    made = rig(SCENE.format(level=level))
-    made.command("robot.motion", v=v, w=w)
+def moved(simulate, level, v=0.5, w=0.3, seconds=2.0):
+    made = simulate(SCENE.format(level=level), sockets=False)
+    made.robot.motion.publish({"v": v, "w": w})
     total = 0.0
     for _ in range(round(seconds * 60)):
-        made.simulation.step()
-        total += made["robot.odometry"].local_data.get("dS", 0.0)
-    return made["robot.odometry"].local_data, total
+        made.step()
+        total += made.context.component("robot.odometry").local_data.get("dS", 0.0)
+    return made.context.component("robot.odometry").local_data, total
 
 
-def test_integrated_starts_at_zero_whatever_the_pose(rig):
-    data, _ = moved(rig, "integrated", v=0.0, w=0.0)
+def test_integrated_starts_at_zero_whatever_the_pose(simulate):
+    data, _ = moved(simulate, "integrated", v=0.0, w=0.0)
     # it settles by 14 mm onto the ground
     assert [data[f] for f in ("x", "y", "yaw")] == pytest.approx([0, 0, 0], abs=1e-3)
 
 
-def test_integrated_gives_pose_and_speeds_in_the_start_frame(rig):
-    data, _ = moved(rig, "integrated")
+def test_integrated_gives_pose_and_speeds_in_the_start_frame(simulate):
+    data, _ = moved(simulate, "integrated")
     radius = 0.5 / 0.3
     expected = [radius * math.sin(0.6), radius * (1 - math.cos(0.6)), 0.6]
     assert [data[f] for f in ("x", "y", "yaw")] == pytest.approx(expected, abs=5e-3)
@@ -43,19 +43,19 @@ def test_integrated_gives_pose_and_speeds_in_the_start_frame(rig):
     assert [data["vz"], data["wx"], data["wy"]] == pytest.approx([0, 0, 0], abs=1e-2)
 
 
-def test_differential_adds_up_to_the_displacement(rig):
-    made = rig(SCENE.format(level="differential"))
-    made.command("robot.motion", v=1.0, w=0.5)
+def test_differential_adds_up_to_the_displacement(simulate):
+    made = simulate(SCENE.format(level="differential"), sockets=False)
+    made.robot.motion.publish({"v": 1.0, "w": 0.5})
     x = y = yaw = 0.0
     for _ in range(120):
-        made.simulation.step()
-        data = made["robot.odometry"].local_data
+        made.step()
+        data = made.context.component("robot.odometry").local_data
         x, y, yaw = x + data["dx"], y + data["dy"], yaw + data["dyaw"]
     assert (x, y, yaw) == pytest.approx((2 * math.sin(1.0), 2 * (1 - math.cos(1.0)), 1.0), abs=0.01)
 
 
-def test_raw_measures_the_length_of_the_way(rig):
-    _, total = moved(rig, "raw", v=0.5, w=0.3, seconds=4.0)
+def test_raw_measures_the_length_of_the_way(simulate):
+    _, total = moved(simulate, "raw", v=0.5, w=0.3, seconds=4.0)
     assert total == pytest.approx(2.0, abs=0.03)
 
 
@@ -67,6 +67,6 @@ def test_raw_measures_the_length_of_the_way(rig):
         ("integrated", {"x", "y", "z", "yaw", "pitch", "roll", "vx", "vy", "vz", "wx", "wy", "wz"}),
     ],
 )
-def test_each_level_has_its_fields_only(rig, level, fields):
-    data, _ = moved(rig, level, seconds=0.1)
+def test_each_level_has_its_fields_only(simulate, level, fields):
+    data, _ = moved(simulate, level, seconds=0.1)
     assert set(data) - {"timestamp"} == fields

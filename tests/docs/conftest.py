@@ -5,10 +5,6 @@ import sys
 import pytest
 from doc_pages import DOCS
 
-from morse.testing.fixtures import simulate
-
-__all__ = ["simulate"]
-
 
 @pytest.fixture(scope="module")
 def library():

@@ -164,16 +164,6 @@ def own_component(folder: Path, code: str, name: str, kind: str, robot: str) -> 
     return script
 
 
-def test_a_sensor_in_one_file(simulate, tmp_path: Path):
-    code = block_with("architecture.md", "class Slope(Sensor)")
-    lean = "robot = FakeRobot()\nrobot.rotate(y=0.25)"
-    simu = simulate(own_component(tmp_path, code, "Slope", "sensor", lean))
-    assert simu.robot.part.get()["slope"] == pytest.approx(0.25, abs=1e-6)
-    assert not simu.robot.part.is_steep().result()
-    simu.robot.part.set_property("Limit", 0.2).result()
-    assert simu.robot.part.is_steep().result() is True
-
-
 def test_a_service_that_takes_its_time(simulate, tmp_path: Path):
     code = block_with("services.md", "class Door(Actuator)")
     simu = simulate(own_component(tmp_path, code, "Door", "actuator", "robot = FakeRobot()"))

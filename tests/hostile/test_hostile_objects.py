@@ -11,6 +11,7 @@ import pytest
 import morse
 from morse.builder import Environment, FakeRobot
 from morse.core.sensor import Sensor
+from morse.core.state import StateError
 from morse.helpers.components import add_data
 
 if TYPE_CHECKING:
@@ -96,6 +97,28 @@ def test_what_cannot_be_saved_is_named_once(
     (text,) = [r.getMessage() for r in caplog.records if "cannot be saved" in r.getMessage()]
     assert "robot.holder.held" in text
     assert "Mute" in text
+
+
+@pytest.mark.parametrize("error", [ValueError, GeneratorExit, BaseException])
+def test_a_component_that_cannot_tell_its_state_is_named_when_it_is_saved(
+    simulation: Any, error: type[BaseException], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: Any) -> Any:
+        raise error("not now")
+
+    simulation.step(2)
+    state = simulation.save()
+    monkeypatch.setattr(Neighbour, "get_state", fail)
+    with pytest.raises(StateError, match=r"robot\.neighbour cannot be saved: .*not now"):
+        simulation.save()
+    monkeypatch.undo()
+    monkeypatch.setattr(Neighbour, "set_state", fail)
+    with pytest.raises(StateError, match=r"robot\.neighbour"):
+        simulation.restore(state)
+    monkeypatch.undo()
+    simulation.step(1)
+    simulation.restore(state)
+    assert simulation.robot.neighbour.data["count"] == 2
 
 
 @pytest.mark.parametrize("special", ["__len__", "__bool__"])

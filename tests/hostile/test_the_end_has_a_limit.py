@@ -122,6 +122,32 @@ def test_a_run_ends(launch: Callable[..., Any], parts: dict[str, str], name: str
         assert "the last one has ended" in said
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        "import sys; sys.stdout = None",
+        pytest.param("import sys; sys.stdout = sys.stderr = None", marks=pytest.mark.slow),
+        pytest.param("import sys; sys.setrecursionlimit(50)", marks=pytest.mark.slow),
+        pytest.param("import sys; sys.excepthook = threading.excepthook = None", marks=pytest.mark.slow),
+        pytest.param("import os; os.closerange(3, 256)", marks=pytest.mark.slow),
+        pytest.param("import logging; logging.disable(); logging.getLogger().handlers.clear()", marks=pytest.mark.slow),
+        pytest.param("import resource; resource.setrlimit(resource.RLIMIT_NOFILE, (3, 256))", marks=pytest.mark.slow),
+    ],
+)
+def test_a_run_whose_process_was_changed_ends(launch: Callable[..., Any], change: str) -> None:
+    process = launch("pass", change, "pass", "--duration", "0.2")
+    said, _ = process.communicate(timeout=60)
+    assert process.returncode == 0, said
+
+
+def test_a_thread_that_cannot_start_hides_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    ending = Ending()
+    monkeypatch.setattr("threading.Thread.start", None)
+    with pytest.raises(TypeError, match="not callable"):
+        ending.run("robot.arm", lambda: None)
+    ending.rest()
+
+
 @pytest.mark.parametrize("action", [pytest.param("self.wait_for_ever()", marks=pytest.mark.slow), "self.hold_on()"])
 def test_ctrl_c_twice_ends_a_tick(launch: Callable[..., Any], action: str) -> None:
     process = launch("pass", f"print('acting', flush=True); {action}")

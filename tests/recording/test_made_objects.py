@@ -121,7 +121,7 @@ def test_objects_come_and_go_and_come_again(run: Run, timeline: RecordedTimeline
 def test_panels_show_the_values_of_such_sensors(run: Run, view: ReplayView, timeline: RecordedTimeline) -> None:
     timeline.approach(20)
     feed: Any = view._feeds[0]
-    data, note = feed._measured("visitor.pose", view._simulation.context.components["visitor.pose"])
+    data, note = feed.measured("visitor.pose")
     assert not note
     place = [data["x"], data["y"], data["z"]]
     assert place == pytest.approx(run.truth[20]["visitor.pose"], abs=1e-9)

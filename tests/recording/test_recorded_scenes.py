@@ -113,9 +113,9 @@ def test_panels_have_the_fields_of_classes_that_are_not_there(run: Shown, view: 
     components = view._simulation.context.components
     assert type(components["robot.finer"]) is Pose
     feed: Any = view._feeds[0]
-    data, note = feed._measured("robot.sonar", components["robot.sonar"])
+    data, note = feed.measured("robot.sonar")
     assert not note
     # the last message is that of the beginning of the tick
     assert data["depth"] == pytest.approx(12 / 60, abs=2 / 60)
-    data, _ = feed._measured("robot.finer", components["robot.finer"])
+    data, _ = feed.measured("robot.finer")
     assert data["x"] > 0.0

@@ -26,9 +26,9 @@ env = Environment("empty")
 @pytest.fixture
 def look(simulate):
     def make(more="", kind="VideoCamera", **options):
-        simulation = simulate(SCENE.format(kind=kind, more=more and f", {more}"), **options)
-        simulation.run(0.1)
-        return simulation["robot.eye"], simulation
+        simulation = simulate(SCENE.format(kind=kind, more=more and f", {more}"), **options, sockets=False)
+        simulation.sleep(0.1)
+        return simulation.context.component("robot.eye"), simulation
 
     return make
 
@@ -49,7 +49,7 @@ def test_the_exposure_may_change_while_it_runs(look):
     eye, simulation = look()
     before = light(eye)
     eye.set_property("exposure", -4.0)
-    simulation.run(0.2)
+    simulation.sleep(0.2)
     assert light(eye) < 0.3 * before
 
 
@@ -93,10 +93,10 @@ def test_half_of_the_world_takes_a_fisheye_lens(look):
         eye.set_property("distortion", "much")
     with pytest.raises(MorseRPCTypeError):
         eye.set_property("lens_model", "square")
-    simulation.run(0.1)
+    simulation.sleep(0.1)
     eye.set_property("lens_model", "equidistant")
     eye.set_property("cam_fov", 200.0)
-    simulation.run(0.2)
+    simulation.sleep(0.2)
     assert eye.local_data["image"].shape == (72, 96, 4)
 
 
@@ -147,18 +147,18 @@ def test_a_camera_that_took_no_picture_yet_compresses_nothing(look):
 @pytest.mark.parametrize("stops", [-5.0, 0.0, 4.0])
 def test_the_automatic_exposure_makes_pictures_neither_dark_nor_bright(look, stops):
     eye, simulation = look(f"auto_exposure=True, exposure={stops}")
-    simulation.run(2.0)
+    simulation.sleep(2.0)
     assert eye.local_data["image"][..., :3].mean() == pytest.approx(118, abs=8)
 
 
 def test_the_automatic_exposure_is_a_part_of_the_state(look):
     eye, simulation = look("auto_exposure=True, exposure=-5.0")
-    state = simulation.simulation.save()
-    simulation.run(0.5)
+    state = simulation.save()
+    simulation.sleep(0.5)
     first = eye.local_data["image"].copy()
-    simulation.simulation.restore(state)
-    simulation.run(0.5)
-    np.testing.assert_array_equal(simulation["robot.eye"].local_data["image"], first)
+    simulation.restore(state)
+    simulation.sleep(0.5)
+    np.testing.assert_array_equal(simulation.context.component("robot.eye").local_data["image"], first)
 
 
 def test_the_noise_of_depth_grows_with_its_square(look):

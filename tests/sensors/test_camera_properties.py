@@ -24,7 +24,9 @@ env = Environment("empty")
 
 @pytest.fixture
 def world(simulate):
-    return simulate(SCRIPT).run(0.2)
+    simulation = simulate(SCRIPT, sockets=False)
+    simulation.sleep(0.2)
+    return simulation
 
 
 def at_start(caplog):
@@ -32,28 +34,28 @@ def at_start(caplog):
 
 
 def test_the_rows_of_a_cloud(world, caplog):
-    eye = world["robot.depth"]
+    eye = world.context.component("robot.depth")
     eye.set_property("keep_list", "[1, 2, 99]")
-    world.run(0.1)
+    world.sleep(0.1)
     assert eye.local_data["nb_points"] == 2 * 16
     assert "keep_list contains the row 99; the image has the rows 0 to 11" in caplog.text
     with pytest.raises(MorseRPCTypeError, match=r"keep_list lists rows of the image, such as '\[1, 17, 34\]'"):
         eye.set_property("keep_list", "[top]")
     eye.set_property("keep_list", None)
-    world.run(0.1)
+    world.sleep(0.1)
     assert eye.local_data["nb_points"] == 12 * 16
 
 
 def test_the_objects_and_classes_of_an_image_of_ids(world):
-    eye = world["robot.ids"]
+    eye = world.context.component("robot.ids")
 
     def classes():
-        world.run(0.1)
+        world.sleep(0.1)
         return {row["name"]: (row["class"], row["class_id"]) for row in eye.local_data["labels"]}
 
-    assert classes()["robot"] == ("robot", 1)
+    assert classes().context.component("robot") == ("robot", 1)
     eye.set_property("class_names", "crate, robot")
-    assert classes()["robot"] == ("robot", 2)
+    assert classes().context.component("robot") == ("robot", 2)
     eye.set_property("class_tag", "Kind")
     assert classes()["Wall"] == ("wall", 3)
     # the wall covers the middle
@@ -61,14 +63,14 @@ def test_the_objects_and_classes_of_an_image_of_ids(world):
 
 
 def test_the_master_of_a_cloud(world, caplog):
-    both = world["robot.both"]
+    both = world.context.component("robot.both")
     assert "it has no depth camera 'rigth', which 'master_camera' names; did you mean 'right'?" in at_start(caplog)
     with pytest.raises(MorseRPCTypeError, match="did you mean 'left'"):
         both.set_property("master_camera", "lefft")
     middles = {}
     for name in ("left", "right"):
         both.set_property("master_camera", name)
-        world.run(0.1)
+        world.sleep(0.1)
         middles[name] = both.local_data["points"][:, 0].mean()
     # X is to the right: seen from the left camera, all points are a metre farther to the right
     assert middles["left"] - middles["right"] == pytest.approx(1.0, abs=1e-3)
@@ -77,4 +79,4 @@ def test_the_master_of_a_cloud(world, caplog):
 def test_values_without_an_effect_are_named(world, caplog):
     assert "robot.noisy: noise() without a field has no effect" in at_start(caplog)
     assert "Wall: the property 'Temperature' is a number of degrees Celsius, not 'warm'" in at_start(caplog)
-    assert np.unique(world["robot.heat"].local_data["image"]).tolist() == [15.0]
+    assert np.unique(world.context.component("robot.heat").local_data["image"]).tolist() == [15.0]

@@ -1,6 +1,7 @@
 """Cameras on robots: the contents of their data and messages."""
 
 import base64
+import contextlib
 import json
 import math
 import socket
@@ -8,8 +9,9 @@ import time
 
 import numpy as np
 import pytest
-from ticking import published
+from messages import published
 
+import morse
 from morse.core.exceptions import MorseRPCTypeError
 from morse.simulation.loader import LoadError
 
@@ -30,11 +32,27 @@ def scene(line, more=""):
 
 
 @pytest.fixture
+def published_camera(tmp_path, monkeypatch):
+    """As `camera`, with a port on which the camera is published."""
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    with contextlib.ExitStack() as endings:
+
+        def make(line, more):
+            script = tmp_path / "scene.py"
+            script.write_text("from morse.builder import *\n" + scene(line, more), encoding="utf-8")
+            simulation = endings.enter_context(morse.load(script, sockets=True))
+            simulation.sleep(0.1)
+            return simulation.context.component("robot.eye"), simulation
+
+        yield make
+
+
+@pytest.fixture
 def camera(simulate):
     def make(line, more=""):
-        simulation = simulate(scene(line, more))
-        simulation.run(0.1)
-        return simulation["robot.eye"], simulation
+        simulation = simulate(scene(line, more), sockets=False)
+        simulation.sleep(0.1)
+        return simulation.context.component("robot.eye"), simulation
 
     return make
 
@@ -70,7 +88,7 @@ def test_what_scripts_get_if_they_say_nothing(camera):
     assert eye.frequency == 20.0
     assert list(eye.local_data) == ["timestamp", "image", "intrinsic_matrix"]
     messages = published(eye)
-    simulation.run(1.0)
+    simulation.sleep(1.0)
     assert len(messages) == 20
 
 
@@ -110,12 +128,12 @@ def test_capture_takes_so_many_pictures(camera):
     eye.on_completion = outcomes.append
     seen = []
     eye.output_functions.append(lambda sensor: seen.append(sensor.capturing))
-    simulation.run(0.5)
+    simulation.sleep(0.5)
     assert outcomes == [("SUCCESS", None)]
     assert seen[:2] == [True, True]
     assert not any(seen[2:])
     before = eye.local_data["image"]
-    simulation.run(0.5)
+    simulation.sleep(0.5)
     assert eye.local_data["image"] is before
 
 
@@ -123,7 +141,7 @@ def test_capture_without_end_can_be_interrupted(camera):
     eye, simulation = camera("VideoCamera('eye')")
     outcomes = []
     eye.capture(outcomes.append, -1)
-    simulation.run(0.5)
+    simulation.sleep(0.5)
     assert outcomes == []
     assert eye.capturing
     eye.interrupt()
@@ -159,7 +177,7 @@ def test_properties_that_make_no_picture_are_refused(camera, name, value):
     eye, simulation = camera("VideoCamera('eye')")
     with pytest.raises(MorseRPCTypeError):
         eye.set_property(name, value)
-    simulation.run(0.2)
+    simulation.sleep(0.2)
     assert eye.local_data["image"].shape == (256, 256, 4)
 
 
@@ -167,20 +185,20 @@ def test_properties_can_change_while_it_runs(camera):
     eye, simulation = camera("VideoCamera('eye')")
     eye.set_property("cam_width", 40)
     eye.set_property("cam_height", 30)
-    simulation.run(0.2)
+    simulation.sleep(0.2)
     assert eye.local_data["image"].shape == (30, 40, 4)
     assert eye.local_data["intrinsic_matrix"][0][2] == 20.0
 
 
 def first_line(simulation, name):
     """The first message of a client of the socket."""
-    (services,) = simulation.simulation.context.services.request_managers().values()
+    (services,) = simulation.context.services.request_managers().values()
     _, (_, port) = services.on_incoming_request("simulation", "get_stream_port", [name])
     with socket.create_connection(("127.0.0.1", port)) as client:
         client.settimeout(0.02)
         text, end = b"", time.monotonic() + 60.0
         while time.monotonic() < end:
-            simulation.run(1 / 60)
+            simulation.sleep(1 / 60)
             try:
                 text += client.recv(1 << 22)
             except TimeoutError:
@@ -190,9 +208,9 @@ def first_line(simulation, name):
     return json.loads(text.splitlines()[0])
 
 
-def test_old_clients_read_pictures_from_the_socket(camera):
+def test_old_clients_read_pictures_from_the_socket(published_camera):
     more = "eye.properties(cam_width=20, cam_height=10)\neye.add_stream('socket')"
-    eye, simulation = camera("VideoCamera('eye')", more)
+    eye, simulation = published_camera("VideoCamera('eye')", more)
     message = first_line(simulation, "robot.eye")
     assert list(message) == ["timestamp", "height", "width", "image", "intrinsic_matrix"]
     assert (message["height"], message["width"]) == (10, 20)
@@ -201,8 +219,8 @@ def test_old_clients_read_pictures_from_the_socket(camera):
 
 
 @pytest.mark.parametrize("kind", ["DepthCamera", "VLP16_180"])
-def test_old_clients_read_clouds_from_the_socket(camera, kind):
-    eye, simulation = camera(f"{kind}('eye')", "eye.add_stream('socket')")
+def test_old_clients_read_clouds_from_the_socket(published_camera, kind):
+    eye, simulation = published_camera(f"{kind}('eye')", "eye.add_stream('socket')")
     message = first_line(simulation, "robot.eye")
     assert list(message)[:4] == ["timestamp", "height", "width", "points"]
     points = np.frombuffer(base64.b64decode(message["points"]), np.float32).reshape(-1, 3)
@@ -211,13 +229,13 @@ def test_old_clients_read_clouds_from_the_socket(camera, kind):
 
 def test_a_state_is_saved_and_restored_to_the_bit(camera):
     eye, simulation = camera("VideoCamera('eye')", "motion = MotionVW(); robot.append(motion)")
-    running = simulation.simulation
+    running = simulation
     state = running.save()
-    simulation.run(0.5)
+    simulation.sleep(0.5)
     later = eye.local_data["image"].copy()
     running.restore(state)
-    simulation.run(0.5)
-    np.testing.assert_array_equal(simulation["robot.eye"].local_data["image"], later)
+    simulation.sleep(0.5)
+    np.testing.assert_array_equal(simulation.context.component("robot.eye").local_data["image"], later)
 
 
 # --- depth ------------------------------------------------------------------------------------
@@ -327,24 +345,25 @@ for one in (left, right):
     one.properties(capturing=False, cam_width=32, cam_height=32)
 robot.append(unit)
 """
-        + END
+        + END,
+        sockets=False,
     )
-    simulation.run(0.2)
-    unit, left = simulation["robot.unit"], simulation["robot.unit.left"]
+    simulation.sleep(0.2)
+    unit, left = simulation.context.component("robot.unit"), simulation.context.component("robot.unit.left")
     assert left.local_data["image"].size == 0
     outcomes = []
     unit.capture(outcomes.append, 2)
-    simulation.run(0.5)
+    simulation.sleep(0.5)
     assert outcomes == [("SUCCESS", None)]
     assert left.local_data["image"].shape == (32, 32, 4)
-    assert simulation["robot.unit.right"].local_data["image"].shape == (32, 32, 4)
+    assert simulation.context.component("robot.unit.right").local_data["image"].shape == (32, 32, 4)
 
 
 def test_a_kinect_has_two_cameras(simulate):
-    simulation = simulate(HEAD + "kinect = Kinect()\nrobot.append(kinect)\n" + END)
-    simulation.run(0.2)
-    assert simulation["robot.Kinect.rgb"].local_data["image"].shape == (128, 128, 4)
-    depth = simulation["robot.Kinect.depth"].local_data["image"]
+    simulation = simulate(HEAD + "kinect = Kinect()\nrobot.append(kinect)\n" + END, sockets=False)
+    simulation.sleep(0.2)
+    assert simulation.context.component("robot.Kinect.rgb").local_data["image"].shape == (128, 128, 4)
+    depth = simulation.context.component("robot.Kinect.depth").local_data["image"]
     assert depth.shape == (128, 128)
     assert depth[64, 64] == pytest.approx(5.0 - 0.06, rel=1e-4)
 
@@ -353,7 +372,7 @@ def test_a_rotating_camera_turns_by_its_angle_of_view(camera):
     eye, simulation = camera("Velodyne('eye')", "eye.properties(cam_width=32, cam_height=32, cam_far=50.0)")
     start = np.reshape(eye.bge_object.world_pose()[1], (3, 3))[:, 2]
     messages = published(eye)
-    simulation.run(0.1)
+    simulation.sleep(0.1)
     assert len(messages) == 2
     ahead = np.reshape(eye.bge_object.world_pose()[1], (3, 3))[:, 2]
     assert start @ ahead == pytest.approx(math.cos(2 * 2 * math.atan(16 / 35)), abs=1e-3)
@@ -361,14 +380,16 @@ def test_a_rotating_camera_turns_by_its_angle_of_view(camera):
 
 
 def test_a_vlp16_joins_the_clouds_of_its_cameras_in_the_frame_of_the_first(simulate):
-    simulation = simulate(HEAD + "lidar = VLP16_180('lidar')\nlidar.translate(0, 0, 1)\nrobot.append(lidar)\n" + END)
-    lidar = simulation["robot.lidar"]
+    simulation = simulate(
+        HEAD + "lidar = VLP16_180('lidar')\nlidar.translate(0, 0, 1)\nrobot.append(lidar)\n" + END, sockets=False
+    )
+    lidar = simulation.context.component("robot.lidar")
     messages = published(lidar)
-    simulation.run(0.5)
+    simulation.sleep(0.5)
     assert len(messages) == 5
     points = lidar.local_data["points"]
     assert len(points) == lidar.local_data["nb_points"] > 5000
-    parts = [simulation[f"robot.lidar.cam{i}"].local_data["points"] for i in (1, 2, 3)]
+    parts = [simulation.context.component(f"robot.lidar.cam{i}").local_data["points"] for i in (1, 2, 3)]
     assert sum(map(len, parts)) == len(points)
     np.testing.assert_allclose(points[: len(parts[0])], parts[0], atol=1e-5)
     # the wall is 5 m ahead of the robot: the master is rotated 60 degrees to the right
@@ -401,8 +422,9 @@ def test_a_scene_without_cameras_loads_no_renderer(tmp_path):
 
 def test_a_camera_in_fastmode_takes_no_pictures(simulate, caplog):
     simulation = simulate(
-        scene("VideoCamera('eye')").replace('Environment("empty")', 'Environment("empty", fastmode=True)')
+        scene("VideoCamera('eye')").replace('Environment("empty")', 'Environment("empty", fastmode=True)'),
+        sockets=False,
     )
-    simulation.run(0.1)
-    assert simulation["robot.eye"].local_data["image"].size == 0
+    simulation.sleep(0.1)
+    assert simulation.context.component("robot.eye").local_data["image"].size == 0
     assert "fastmode" in caplog.text

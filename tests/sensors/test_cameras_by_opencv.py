@@ -25,17 +25,17 @@ env = Environment("empty")
 
 
 def seen(simulate, more="", pan=0.07, tilt=-0.03):
-    simulation = simulate("import math\n" + MARKER.format(more=more, pan=pan, tilt=tilt))
+    simulation = simulate("import math\n" + MARKER.format(more=more, pan=pan, tilt=tilt), sockets=False)
     # Y is down: 1 m above the robot that carries it
-    simulation["holder.marker"].local_data["y"] = -1.0
-    simulation.run(0.2)
+    simulation.context.component("holder.marker").local_data["y"] = -1.0
+    simulation.sleep(0.2)
     return simulation
 
 
 @pytest.mark.parametrize(("more", "error"), [("", 0.005), (", distortion='-0.2, 0.05, 0.001, 0.001'", 0.01)])
 def test_a_marker_is_found_where_it_is(simulate, more, error):
     simulation = seen(simulate, more)
-    eye = simulation["robot.eye"]
+    eye = simulation.context.component("robot.eye")
     # linear light, not sRGB codes: these would enlarge white areas
     grey = (LINEAR[eye.local_data["image"][..., 1]] * 255 + 0.5).astype(np.uint8)
     parameters = cv2.aruco.DetectorParameters()
@@ -88,17 +88,18 @@ env = Environment("empty")
 
 
 def test_stereo_matching_gives_the_depth_of_the_depth_camera(simulate):
-    simulation = simulate(STEREO)
-    simulation.run(0.2)
+    simulation = simulate(STEREO, sockets=False)
+    simulation.sleep(0.2)
     left, right = (
         cv2.cvtColor(
-            np.ascontiguousarray(simulation[f"robot.stereo.{name}"].local_data["image"][..., :3]), cv2.COLOR_RGB2GRAY
+            np.ascontiguousarray(simulation.context.component(f"robot.stereo.{name}").local_data["image"][..., :3]),
+            cv2.COLOR_RGB2GRAY,
         )
         for name in ("left", "right")
     )
     matcher = cv2.StereoSGBM.create(minDisparity=0, numDisparities=32, blockSize=5, P1=200, P2=800, uniquenessRatio=10)
     disparity = matcher.compute(left, right).astype(np.float32) / 16
-    depth = simulation["robot.depth"].local_data["image"]
+    depth = simulation.context.component("robot.depth").local_data["image"]
     # f = 320 px, 0.2 m apart
     known = (disparity > 3) & np.isfinite(depth)
     known[:, :40] = False

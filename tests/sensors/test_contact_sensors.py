@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from ticking import published
+from messages import published
 
 from morse.core.kinds import bind
 from morse.core.streams.kind_stream import KindStream
@@ -28,30 +28,33 @@ env = Environment("empty", fastmode=True)
 
 
 def scene(simulate, kind="Collision", robot="FakeRobot", setting="", ahead=0.8, physics="STATIC", more=""):
-    return simulate(SCRIPT.format(kind=kind, robot=robot, setting=setting, ahead=ahead, physics=physics, more=more))
+    return simulate(
+        SCRIPT.format(kind=kind, robot=robot, setting=setting, ahead=ahead, physics=physics, more=more), sockets=False
+    )
 
 
 def drive(simulation, distance):
     """Forward, at 0.6 m/s: a centimetre per tick."""
-    motion = simulation["robot.motion"]
+    motion = simulation.context.component("robot.motion")
     motion.local_data["x"] = 0.6 if distance > 0 else -0.6
-    simulation.run(abs(distance) / 0.6)
+    simulation.sleep(abs(distance) / 0.6)
     motion.local_data["x"] = 0.0
-    return simulation.run(0.05)
+    simulation.sleep(0.05)
+    return simulation
 
 
 @pytest.mark.parametrize("robot", ["FakeRobot", "ATRV"])
 def test_the_default_cube_touches_a_wall_two_centimetres_ahead(simulate, robot):
     simulation = scene(simulate, robot=robot)
-    messages = published(simulation["robot.sensor"])
+    messages = published(simulation.context.component("robot.sensor"))
     # the face of the wall is at 3 m, that of the cube at 0.82 m
     drive(simulation, 2.15)
     assert messages == []
-    assert simulation["robot.sensor"].local_data["collision"] is False
+    assert simulation.context.component("robot.sensor").local_data["collision"] is False
     drive(simulation, 0.06)
     assert messages[-1]["collision"] is True
     assert messages[-1]["objects"] == "Wall"
-    message = bind(simulation["robot.sensor"])[0].gather()
+    message = bind(simulation.context.component("robot.sensor"))[0].gather()
     assert (message.touching, message.names) == (True, ("Wall",))
     count = len(messages)
     drive(simulation, -0.1)
@@ -59,19 +62,22 @@ def test_the_default_cube_touches_a_wall_two_centimetres_ahead(simulate, robot):
     assert sent < 10
     drive(simulation, -0.1)
     assert len(messages) - count == sent
-    data = simulation["robot.sensor"].local_data
+    data = simulation.context.component("robot.sensor").local_data
     assert (data["collision"], data["objects"]) == (False, "")
 
 
 def test_its_own_robot_is_not_felt(simulate):
     simulation = scene(simulate, robot="ATRV", ahead=0.0)
-    assert simulation.run(0.5)["robot.sensor"].local_data["collision"] is False
+    simulation.sleep(0.5)
+    assert simulation.context.component("robot.sensor").local_data["collision"] is False
 
 
 def test_it_adds_nothing_to_the_robot(simulate):
-    plain = simulate('robot = ATRV()\nrobot.translate(z=0.5)\nenv = Environment("empty")').run(1.0)
-    felt = scene(simulate, robot="ATRV", setting="sensor.scale = (2, 2, 2)\nrobot.translate(z=0.5)").run(1.0)
-    a, b = plain["robot"], felt["robot"]
+    plain = simulate('robot = ATRV()\nrobot.translate(z=0.5)\nenv = Environment("empty")', sockets=False)
+    plain.sleep(1.0)
+    felt = scene(simulate, robot="ATRV", setting="sensor.scale = (2, 2, 2)\nrobot.translate(z=0.5)")
+    felt.sleep(1.0)
+    a, b = plain.context.component("robot"), felt.context.component("robot")
     assert a.bge_object.mass == b.bge_object.mass
     assert list(a.bge_object.localInertia) == list(b.bge_object.localInertia)
     assert a.position_3d.z == pytest.approx(b.position_3d.z, abs=1e-3)
@@ -80,8 +86,8 @@ def test_it_adds_nothing_to_the_robot(simulate):
 def test_a_larger_body(simulate):
     simulation = scene(simulate, setting="sensor.scale = (1.0, 0.1, 0.1)")
     drive(simulation, 1.1)
-    assert simulation["robot.sensor"].local_data["collision"] is False
-    assert drive(simulation, 0.2)["robot.sensor"].local_data["objects"] == "Wall"
+    assert simulation.context.component("robot.sensor").local_data["collision"] is False
+    assert drive(simulation, 0.2).context.component("robot.sensor").local_data["objects"] == "Wall"
 
 
 def test_only_objects_with_a_property(simulate):
@@ -89,61 +95,66 @@ def test_only_objects_with_a_property(simulate):
     more += "post._bpy_object.game.physics_type = 'STATIC'\n"
     simulation = scene(simulate, setting="sensor.properties(only_objects_with_property='Hard')", more=more)
     anything = scene(simulate, more=more)
-    assert drive(simulation, 1.2)["robot.sensor"].local_data["collision"] is False
-    assert drive(anything, 1.2)["robot.sensor"].local_data["objects"] == "Post"
-    assert drive(simulation, 1.0)["robot.sensor"].local_data["objects"] == "Wall"
+    assert drive(simulation, 1.2).context.component("robot.sensor").local_data["collision"] is False
+    assert drive(anything, 1.2).context.component("robot.sensor").local_data["objects"] == "Post"
+    assert drive(simulation, 1.0).context.component("robot.sensor").local_data["objects"] == "Wall"
 
 
 def test_another_robot_is_named(simulate):
     more = "other = ATRV()\nother.translate(x=2.0)\n"
     # the hull of an ATRV begins 0.57 m behind its centre
     simulation = drive(scene(simulate, more=more), 0.55)
-    assert simulation["robot.sensor"].local_data["collision"] is False
-    assert drive(simulation, 0.15)["robot.sensor"].local_data["objects"] == "other"
+    assert simulation.context.component("robot.sensor").local_data["collision"] is False
+    assert drive(simulation, 0.15).context.component("robot.sensor").local_data["objects"] == "other"
 
 
 def test_what_does_not_collide_is_not_felt(simulate):
     simulation = scene(simulate, physics="NO_COLLISION")
-    assert drive(simulation, 2.7)["robot.sensor"].local_data["collision"] is False
+    assert drive(simulation, 2.7).context.component("robot.sensor").local_data["collision"] is False
 
 
 def test_the_inside_of_a_thing_is_felt(simulate):
     simulation = scene(simulate)
-    assert drive(simulation, 2.7)["robot.sensor"].local_data["objects"] == "Wall"
+    assert drive(simulation, 2.7).context.component("robot.sensor").local_data["objects"] == "Wall"
 
 
 def test_what_hands_put_somewhere_is_felt(simulate):
-    simulation = scene(simulate).run(0.1)
-    wall = simulation.simulation.world.game_object("Wall")
+    simulation = scene(simulate)
+    simulation.sleep(0.1)
+    wall = simulation.world.game_object("Wall")
     wall.worldPosition = [1.3, 0.0, 1.0]
-    assert simulation.run(0.05)["robot.sensor"].local_data["objects"] == "Wall"
+    simulation.sleep(0.05)
+    assert simulation.context.component("robot.sensor").local_data["objects"] == "Wall"
     wall.worldPosition = [1.4, 0.0, 1.0]
-    assert simulation.run(0.05)["robot.sensor"].local_data["collision"] is False
+    simulation.sleep(0.05)
+    assert simulation.context.component("robot.sensor").local_data["collision"] is False
 
 
 def test_a_bumper_says_so_at_each_measurement(simulate):
     simulation = scene(simulate, kind="Bumper", robot="ATRV", ahead=0.58)
-    messages = published(simulation["robot.sensor"])
+    messages = published(simulation.context.component("robot.sensor"))
     drive(simulation, 2.3)
     assert {message["collision"] for message in messages} == {False}
     # the bar is in front of the hull, and the wall stops the robot
     drive(simulation, 0.3)
     assert messages[-1]["objects"] == "Wall"
-    assert len(messages) == round(simulation.time * 60)
-    assert drive(simulation, -0.2)["robot.sensor"].local_data["collision"] is False
+    assert len(messages) == round(simulation.time() * 60)
+    assert drive(simulation, -0.2).context.component("robot.sensor").local_data["collision"] is False
 
 
 def test_the_travel_of_a_bumper(simulate):
     simulation = scene(simulate, kind="Bumper", ahead=0.5, setting="sensor.properties(Travel=0.1)")
-    assert drive(simulation, 2.35)["robot.sensor"].local_data["collision"] is False
-    assert drive(simulation, 0.06)["robot.sensor"].local_data["collision"] is True
+    assert drive(simulation, 2.35).context.component("robot.sensor").local_data["collision"] is False
+    assert drive(simulation, 0.06).context.component("robot.sensor").local_data["collision"] is True
 
 
 def test_things_that_come_and_go(simulate):
-    simulation = scene(simulate).run(0.1)
+    simulation = scene(simulate)
+    simulation.sleep(0.1)
     drive(simulation, 2.25)
-    simulation.simulation.delete("Wall")
-    assert simulation.run(0.1)["robot.sensor"].local_data["collision"] is False
+    simulation.delete("Wall")
+    simulation.sleep(0.1)
+    assert simulation.context.component("robot.sensor").local_data["collision"] is False
 
 
 def test_message_kinds_say_once_that_it_has_ended(simulate):
@@ -158,7 +169,7 @@ def test_message_kinds_say_once_that_it_has_ended(simulate):
             said.append(bind(ci)[0].gather().touching)
             return False
 
-    simulation["robot.sensor"].output_functions.append(Stream().default)
+    simulation.context.component("robot.sensor").output_functions.append(Stream().default)
     drive(simulation, 2.25)
     drive(simulation, -0.3)
     assert said.count(False) == 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from ticking import published
+from messages import published
 
 PARTS = """
 from morse.builder.creator import ActuatorCreator, SensorCreator
@@ -48,7 +48,7 @@ env = Environment("empty", fastmode=True)
 def scene(simulate, tmp_path, monkeypatch):
     (tmp_path / "external_devices.py").write_text(PARTS)
     monkeypatch.syspath_prepend(str(tmp_path))
-    return lambda more="": simulate(SCENE.format(more=more))
+    return lambda more="": simulate(SCENE.format(more=more), sockets=False)
 
 
 def arrive(component, **fields):
@@ -66,30 +66,30 @@ def arrive(component, **fields):
 
 def test_data_that_arrive_are_published_with_the_time_of_the_simulation(scene):
     simulation = scene()
-    sensor = simulation["robot.sensor"]
+    sensor = simulation.context.component("robot.sensor")
     messages = published(sensor)
     arrive(sensor, x=3.0, y=0.0, z=0.0)
-    simulation.run(3 / 60)
+    simulation.sleep(3 / 60)
     # the modifier of the input divides once, when the data arrive
     assert [message["x"] for message in messages] == [pytest.approx(3.0 / 3.2808399)] * 3
     assert messages[-1]["twice"] == 2.0 * messages[-1]["x"]
-    assert messages[-1]["timestamp"] == simulation.time
+    assert messages[-1]["timestamp"] == simulation.time()
 
 
 def test_a_modifier_without_a_direction_changes_what_a_sensor_publishes(scene):
     simulation = scene(
         'sensor.alter(classpath="morse.modifiers.utm.CoordinatesToUTM", x_offset=100.0, y_offset=0.0, z_offset=0.0)'
     )
-    sensor = simulation["robot.sensor"]
+    sensor = simulation.context.component("robot.sensor")
     assert len(sensor.input_modifiers) == len(sensor.output_modifiers) == 1
 
 
 def test_noise_of_the_script_changes_each_measurement(scene):
     simulation = scene('sensor.noise(0.1, field="y")')
-    sensor = simulation["robot.sensor"]
+    sensor = simulation.context.component("robot.sensor")
     messages = published(sensor)
     arrive(sensor, x=0.0, y=5.0 * 3.2808399, z=0.0)
-    simulation.run(0.5)
+    simulation.sleep(0.5)
     values = [message["y"] for message in messages]
     assert len(set(values)) == len(values) == 30
     assert sum(values) / len(values) == pytest.approx(5.0, abs=0.1)
@@ -97,17 +97,17 @@ def test_noise_of_the_script_changes_each_measurement(scene):
 
 def test_an_actuator_publishes_its_commands(scene):
     simulation = scene()
-    motor = simulation["robot.motor"]
+    motor = simulation.context.component("robot.motor")
     messages = published(motor)
     arrive(motor, v=2.5)
-    simulation.run(2 / 60)
+    simulation.sleep(2 / 60)
     assert messages == [{"v": 2.5}] * 2
 
 
 def test_an_inactive_device_is_silent(scene):
     simulation = scene()
-    motor = simulation["robot.motor"]
+    motor = simulation.context.component("robot.motor")
     messages = published(motor)
     motor.active = False
-    simulation.run(2 / 60)
+    simulation.sleep(2 / 60)
     assert messages == []

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from ticking import published
+from messages import published
 
 from morse.core.kinds import bind
 
@@ -20,9 +20,9 @@ env = Environment("empty", fastmode=True)
 
 
 def at_rest(simulate, kind="IMU", setting="", seconds=20.0, seed=None):
-    simulation = simulate(SCRIPT.format(kind=kind, setting=setting), seed=seed)
-    messages = published(simulation["robot.imu"])
-    simulation.run(seconds)
+    simulation = simulate(SCRIPT.format(kind=kind, setting=setting), seed=seed, sockets=False)
+    messages = published(simulation.context.component("robot.imu"))
+    simulation.sleep(seconds)
     fields = ("angular_velocity", "linear_acceleration")
     return simulation, [np.array([message[field] for message in messages]) for field in fields]
 
@@ -42,7 +42,7 @@ def test_an_ideal_one(simulate):
     simulation, (gyro, force) = at_rest(simulate, seconds=0.5)
     assert not gyro.any()
     assert force == pytest.approx(np.tile([0.0, 0.0, 9.81], (len(force), 1)))
-    assert bind(simulation["robot.imu"])[0].gather().angular_velocity_covariance is None
+    assert bind(simulation.context.component("robot.imu"))[0].gather().angular_velocity_covariance is None
 
 
 def test_the_same_seed_gives_the_same_errors(simulate):
@@ -53,23 +53,26 @@ def test_the_same_seed_gives_the_same_errors(simulate):
 
 def test_the_message_says_how_large_they_are(simulate):
     setting = "imu.properties(GyroNoiseDensity=1e-3, AccelNoiseDensity=2e-3)"
-    message = bind(at_rest(simulate, setting=setting, seconds=0.1)[0]["robot.imu"])[0].gather()
+    message = bind(at_rest(simulate, setting=setting, seconds=0.1)[0].context.component("robot.imu"))[0].gather()
     assert message.angular_velocity_covariance == pytest.approx(np.eye(3) * 60e-6)
     assert message.linear_acceleration_covariance == pytest.approx(np.eye(3) * 240e-6)
 
 
 def test_errors_go_on_from_a_saved_state(simulate):
     simulation, _ = at_rest(simulate, "ADIS16448", seconds=0.5)
-    state = simulation.simulation.save()
-    first = list(simulation.run(0.2)["robot.imu"].local_data["angular_velocity"])
-    simulation.simulation.restore(state)
-    assert simulation.run(0.2)["robot.imu"].local_data["angular_velocity"] == first
+    state = simulation.save()
+    simulation.sleep(0.2)
+    first = list(simulation.context.component("robot.imu").local_data["angular_velocity"])
+    simulation.restore(state)
+    simulation.sleep(0.2)
+    assert simulation.context.component("robot.imu").local_data["angular_velocity"] == first
 
 
 def test_another_noise_while_it_runs(simulate):
     simulation, _ = at_rest(simulate, seconds=0.1)
-    simulation["robot.imu"].set_property("GyroNoiseDensity", 0.1)
-    assert any(simulation.run(0.1)["robot.imu"].local_data["angular_velocity"])
+    simulation.context.component("robot.imu").set_property("GyroNoiseDensity", 0.1)
+    simulation.sleep(0.1)
+    assert any(simulation.context.component("robot.imu").local_data["angular_velocity"])
 
 
 @pytest.mark.parametrize("setting", ["GyroNoiseDensity=-1.0", "AccelBiasInstability='low'", "BiasCorrelationTime=0.0"])

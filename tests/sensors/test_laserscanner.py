@@ -6,7 +6,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from ticking import angle_of, published
+from messages import angle_of, published
 
 from morse.core.exceptions import MorseRPCTypeError
 from morse.helpers.fans import MOST_RAYS, fan
@@ -48,7 +48,9 @@ def room_distance(degrees):
 
 
 def test_a_sick_sees_the_walls_from_right_to_left(simulate):
-    laser = simulate(in_room()).run(0.1)["robot.laser"]
+    simulation = simulate(in_room(), sockets=False)
+    simulation.sleep(0.1)
+    laser = simulation.context.component("robot.laser")
     ranges, points = laser.local_data["range_list"], laser.local_data["point_list"]
     assert len(ranges) == len(points) == 181
     assert ranges == pytest.approx([room_distance(i - 90) for i in range(181)], abs=1e-5)
@@ -59,7 +61,9 @@ def test_a_sick_sees_the_walls_from_right_to_left(simulate):
 
 
 def test_the_data_are_arrays_that_can_be_read_as_lists_and_are_lists_on_the_wire(simulate):
-    data = simulate(in_room("Hokuyo", "laser.level('rssi')")).run(0.1)["robot.laser"].local_data
+    simulation = simulate(in_room("Hokuyo", "laser.level('rssi')"), sockets=False)
+    simulation.sleep(0.1)
+    data = simulation.context.component("robot.laser").local_data
     written = to_json(data)
     ranges, points = data["range_list"], data["point_list"]
     assert (ranges.shape, points.shape, data["remission_list"].shape) == ((1081,), (1081, 3), (1081,))
@@ -81,10 +85,10 @@ def test_the_data_are_arrays_that_can_be_read_as_lists_and_are_lists_on_the_wire
     ],
 )
 def test_presets(simulate, kind, rays, first, reach, rate):
-    simulation = simulate(in_room(kind))
-    laser = simulation["robot.laser"]
+    simulation = simulate(in_room(kind), sockets=False)
+    laser = simulation.context.component("robot.laser")
     messages = published(laser)
-    simulation.run(1.0)
+    simulation.sleep(1.0)
     assert len(messages) == rate
     assert len(messages[0]["range_list"]) == rays
     assert angle_of(laser.rays.directions[0]) == pytest.approx(first)
@@ -95,7 +99,9 @@ def test_presets(simulate, kind, rays, first, reach, rate):
 
 
 def test_nothing_within_reach_is_no_hit(simulate):
-    laser = simulate(in_room(setting="laser.properties(laser_range=4.5)")).run(0.1)["robot.laser"]
+    simulation = simulate(in_room(setting="laser.properties(laser_range=4.5)"), sockets=False)
+    simulation.sleep(0.1)
+    laser = simulation.context.component("robot.laser")
     ranges, points = laser.local_data["range_list"], laser.local_data["point_list"]
     expected = [room_distance(i - 90) for i in range(181)]
     assert ranges == pytest.approx([min(d, 4.5) for d in expected], abs=1e-5)
@@ -104,7 +110,9 @@ def test_nothing_within_reach_is_no_hit(simulate):
 
 def test_levels_have_their_fields(simulate):
     for level, fields in [("raw", 2), ("rssi", 3), ("range", 1)]:
-        data = simulate(in_room(setting=f"laser.level('{level}')")).run(0.1)["robot.laser"].local_data
+        simulation = simulate(in_room(setting=f"laser.level('{level}')"), sockets=False)
+        simulation.sleep(0.1)
+        data = simulation.context.component("robot.laser").local_data
         assert next(iter(data)) == "timestamp"
         names = {"range": {"range_list"}, "raw": {"range_list", "point_list"}}
         assert set(data) - {"timestamp"} == names.get(level, names["raw"] | {"remission_list"})
@@ -114,14 +122,18 @@ def test_levels_have_their_fields(simulate):
 
 def test_remission_is_that_of_the_material_where_there_is_an_echo(simulate):
     setting = "laser.level('rssi'); laser.properties(laser_range=4.5)"
-    data = simulate(in_room(setting=setting)).run(0.1)["robot.laser"].local_data
+    simulation = simulate(in_room(setting=setting), sockets=False)
+    simulation.sleep(0.1)
+    data = simulation.context.component("robot.laser").local_data
     expected = [Material("new").specular if room_distance(i - 90) <= 4.5 else 0.0 for i in range(181)]
     assert data["remission_list"].tolist() == expected
 
 
 def test_the_scanner_is_where_and_how_it_is_mounted(simulate):
     setting = "laser.translate(1, 0, 0.5); laser.rotate(0, 0, math.pi / 2)"
-    laser = simulate(in_room(setting=setting)).run(0.1)["robot.laser"]
+    simulation = simulate(in_room(setting=setting), sockets=False)
+    simulation.sleep(0.1)
+    laser = simulation.context.component("robot.laser")
     # it faces north; its right is east
     ranges = laser.local_data["range_list"]
     assert [ranges[0], ranges[90], ranges[180]] == pytest.approx([3.0, 3.0, 7.0], abs=1e-5)
@@ -130,7 +142,9 @@ def test_the_scanner_is_where_and_how_it_is_mounted(simulate):
 
 def test_layers_lie_above_each_other_and_every_other_one_is_turned(simulate):
     setting = "laser.properties(layers=3, layer_separation=10.0, layer_offset=0.5, scan_window=2.0)"
-    laser = simulate(in_room(setting=setting)).run(0.1)["robot.laser"]
+    simulation = simulate(in_room(setting=setting), sockets=False)
+    simulation.sleep(0.1)
+    laser = simulation.context.component("robot.laser")
     points = laser.local_data["point_list"]
     assert len(points) == 9
     heights = [math.degrees(math.atan2(z, math.hypot(x, y))) for x, y, z in points]
@@ -139,27 +153,27 @@ def test_layers_lie_above_each_other_and_every_other_one_is_turned(simulate):
 
 
 def test_a_velodyne_turns_its_upright_fan(simulate):
-    simulation = simulate(in_room("VelodyneRayCast"))
-    laser = simulation["robot.laser"]
-    simulation.run(0.1)
+    simulation = simulate(in_room("VelodyneRayCast"), sockets=False)
+    laser = simulation.context.component("robot.laser")
+    simulation.sleep(0.1)
     points = laser.local_data["point_list"]
     assert len(points) == 64
     assert {round(angle_of(p), 6) for p in points if p.any()} == {0.0}
     heights = [math.degrees(math.asin(z)) for _, _, z in laser.rays.directions]
     assert (heights[0], heights[-1]) == pytest.approx((-27.75, 3.75))
-    simulation.run(1.9)
+    simulation.sleep(1.9)
     # twenty measurements at 10 Hz
     yaw = laser.bge_object.worldOrientation.to_euler().z
     assert yaw == pytest.approx(20 * 0.01745)
 
 
 def test_properties_may_be_changed_while_it_runs(simulate):
-    simulation = simulate(in_room())
-    laser = simulation["robot.laser"]
-    simulation.run(0.1)
+    simulation = simulate(in_room(), sockets=False)
+    laser = simulation.context.component("robot.laser")
+    simulation.sleep(0.1)
     laser.set_property("laser_range", 3.5)
     laser.set_property("resolution", 10.0)
-    simulation.run(0.1)
+    simulation.sleep(0.1)
     expected = [min(room_distance(10 * i - 90), 3.5) for i in range(19)]
     assert laser.local_data["range_list"] == pytest.approx(expected, abs=1e-5)
 
@@ -181,11 +195,11 @@ def test_properties_may_be_changed_while_it_runs(simulate):
     ],
 )
 def test_a_property_that_makes_no_fan_is_refused_and_nothing_changes(simulate, name, value):
-    simulation = simulate(in_room(setting="laser.properties(layers=2)"))
-    laser = simulation["robot.laser"]
+    simulation = simulate(in_room(setting="laser.properties(layers=2)"), sockets=False)
+    laser = simulation.context.component("robot.laser")
     with pytest.raises(MorseRPCTypeError, match=name):
         laser.set_property(name, value)
-    simulation.run(0.1)
+    simulation.sleep(0.1)
     assert len(laser.local_data["range_list"]) == 362
 
 
@@ -193,10 +207,10 @@ def test_a_script_that_makes_no_fan_is_told_so(simulate):
     with pytest.raises(
         Exception, match=r"scan_window' of LaserScanner is 400.0, expected a number from 0 to 360 deg"
     ) as caught:
-        simulate(in_room(setting="laser.properties(scan_window=400.0); laser.create_laser_arc()"))
+        simulate(in_room(setting="laser.properties(scan_window=400.0); laser.create_laser_arc()"), sockets=False)
     assert "laser" in str(caught.value).lower()
     with pytest.raises(Exception, match=r"resolution"):
-        simulate(in_room(setting="laser.properties(resolution=-0.5)"))
+        simulate(in_room(setting="laser.properties(resolution=-0.5)"), sockets=False)
 
 
 def test_scanners_of_several_robots_see_each_other_but_not_their_own_robot(simulate):
@@ -216,11 +230,12 @@ for i in range(3):
     robot.append(laser)
 env = Environment("empty", fastmode=True, component_renaming=False)
 """
-    simulation = simulate(script).run(0.1)
-    seen = [simulation[f"laser{i}"].local_data["range_list"][90] for i in range(3)]
+    simulation = simulate(script, sockets=False)
+    simulation.sleep(0.1)
+    seen = [simulation.context.component(f"laser{i}").local_data["range_list"][90] for i in range(3)]
     assert seen == pytest.approx([2.7, 2.7, 30.0], abs=1e-3)
     # the edge of the next robot is at asin(0.3 / 3) = 5.74 degrees
-    hits = [i - 90 for i, d in enumerate(simulation["laser0"].local_data["range_list"]) if d < 30]
+    hits = [i - 90 for i, d in enumerate(simulation.context.component("laser0").local_data["range_list"]) if d < 30]
     assert hits == list(range(-5, 6))
 
 
@@ -234,8 +249,9 @@ laser = Sick()
 robot.append(laser)
 env = Environment("indoors-1/boxes", fastmode=True)
 """
-    simulation = simulate(script).run(0.1)
-    ranges = simulation["robot.laser"].local_data["range_list"]
+    simulation = simulate(script, sockets=False)
+    simulation.sleep(0.1)
+    ranges = simulation.context.component("robot.laser").local_data["range_list"]
     assert ranges[90] == pytest.approx(2.0, abs=0.02)
     # half of its width under atan(0.5 / 2) = 14.04 degrees
     near = [i - 90 for i, d in enumerate(ranges) if d < 2.2]
@@ -261,8 +277,9 @@ def test_a_robot_made_by_a_user_may_have_rays_of_its_own(simulate, tmp_path, mon
     )
     monkeypatch.syspath_prepend(tmp_path)
     script = WALLS + "robot = FakeRobot()\neyes = SensorCreator()\neyes.morseable('my_eyes.Eyes')\nrobot.append(eyes)\n"
-    simulation = simulate(script + "env = Environment('empty', fastmode=True)\n").run(0.1)
-    data = simulation["robot.eyes"].local_data
+    simulation = simulate(script + "env = Environment('empty', fastmode=True)\n", sockets=False)
+    simulation.sleep(0.1)
+    data = simulation.context.component("robot.eyes").local_data
     assert data["left"] == pytest.approx(4.0 * math.hypot(1, 0.5), abs=1e-5)
     assert data["what"] == "East"
 
@@ -281,8 +298,9 @@ def test_a_sensor_of_a_user_may_use_our_names_for_its_own_things(simulate, tmp_p
     )
     monkeypatch.syspath_prepend(tmp_path)
     script = "robot = FakeRobot()\nsonar = SensorCreator()\nsonar.morseable('my_sonar.Sonar')\nrobot.append(sonar)\n"
-    simulation = simulate(script + "env = Environment('empty', fastmode=True)\n").run(0.1)
-    assert simulation["robot.sonar"].local_data["sum"] == 72
+    simulation = simulate(script + "env = Environment('empty', fastmode=True)\n", sockets=False)
+    simulation.sleep(0.1)
+    assert simulation.context.component("robot.sonar").local_data["sum"] == 72
 
 
 # -- fans ----------------------------------------------------------------------------------
@@ -311,11 +329,11 @@ def test_a_fan_of_too_many_rays():
 
 
 def test_clients_set_no_more_rays_than_a_tick_casts(simulate):
-    scene = simulate(in_room("Hokuyo"))
-    laser = scene["robot.laser"]
+    scene = simulate(in_room("Hokuyo"), sockets=False)
+    laser = scene.context.component("robot.laser")
     with pytest.raises(MorseRPCTypeError, match="at most 50000 rays, not 270001"):
         laser.set_property("resolution", 0.001)
     assert laser.resolution == 0.25
     laser.set_property("resolution", 0.01)
-    scene.run(0.1)
+    scene.sleep(0.1)
     assert len(laser.local_data["range_list"]) == 27001

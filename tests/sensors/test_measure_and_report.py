@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from ticking import published
+from messages import published
 
 from morse.core.declarations.fields import DataField
 from morse.core.generators import generator_state, set_generator_state
@@ -84,34 +84,37 @@ env = Environment("empty", fastmode=True)
 def simulate_parts(simulate, tmp_path, monkeypatch):
     (tmp_path / "measuring_parts.py").write_text(PARTS, encoding="utf-8")
     monkeypatch.syspath_prepend(str(tmp_path))
-    return lambda setting="", **options: simulate(SCRIPT.format(setting=setting), **options)
+    return lambda setting="", **options: simulate(SCRIPT.format(setting=setting), **options, sockets=False)
 
 
 def test_derived_fields_follow_the_noise(simulate_parts):
     simulation = simulate_parts("thermometer.noise(gaussian=0.5)")
-    seen = published(simulation["robot.thermometer"])
-    simulation.run(2.0)
+    seen = published(simulation.context.component("robot.thermometer"))
+    simulation.sleep(2.0)
     celsius = np.array([m["celsius"] for m in seen])
     assert celsius.std() == pytest.approx(0.5, rel=0.3)
     assert [m["fahrenheit"] for m in seen] == pytest.approx(celsius * 1.8 + 32.0)
 
 
 def test_derived_fields_follow_without_noise_too(simulate_parts):
-    simulation = simulate_parts().run(0.1)
-    assert simulation["robot.thermometer"].local_data["fahrenheit"] == pytest.approx(68.0)
+    simulation = simulate_parts()
+    simulation.sleep(0.1)
+    assert simulation.context.component("robot.thermometer").local_data["fahrenheit"] == pytest.approx(68.0)
 
 
 def test_noise_stays_in_the_declared_range(simulate_parts):
     simulation = simulate_parts("thermometer.noise(gaussian=40.0)")
-    seen = published(simulation["robot.thermometer"])
-    simulation.run(2.0)
+    seen = published(simulation.context.component("robot.thermometer"))
+    simulation.sleep(2.0)
     values = [m["celsius"] for m in seen]
     assert min(values) == -1.0
     assert max(values) == 50.0
 
 
 def test_a_sensor_looks_along_several_bundles_of_rays(simulate_parts):
-    eyes = simulate_parts().run(0.1)["robot.eyes"]
+    simulation = simulate_parts()
+    simulation.sleep(0.1)
+    eyes = simulation.context.component("robot.eyes")
     assert eyes.local_data["left"] == pytest.approx(4.5, abs=1e-3)
     assert eyes.local_data["right"] == pytest.approx(2.5, abs=1e-3)
     assert eyes.rays is eyes.left
@@ -120,14 +123,14 @@ def test_a_sensor_looks_along_several_bundles_of_rays(simulate_parts):
 
 def test_actuators_look_along_rays_before_they_act(simulate_parts):
     simulation = simulate_parts()
-    simulation.run(1 / 60)
-    assert simulation["robot.shy"].local_data["seen"] == pytest.approx(7.5, abs=1e-3)
+    simulation.sleep(1 / 60)
+    assert simulation.context.component("robot.shy").local_data["seen"] == pytest.approx(7.5, abs=1e-3)
     casts = []
-    rays = simulation.simulation.world.rays
+    rays = simulation.world.rays
     cast = rays.cast
     rays.cast = lambda bundles: casts.append(len(bundles)) or cast(bundles)
-    simulation.run(10.0)
-    assert simulation["robot.shy"].local_data["seen"] == pytest.approx(2.0, abs=0.05)
+    simulation.sleep(10.0)
+    assert simulation.context.component("robot.shy").local_data["seen"] == pytest.approx(2.0, abs=0.05)
     # of all components that are due, in one call: actuators before the physics, sensors after it
     assert set(casts) == {1, 2}
 
@@ -177,13 +180,13 @@ def test_generators_go_on_from_a_state():
 def test_noise_and_delay_go_on_from_a_state(simulate_parts):
     setting = "thermometer.noise(gaussian=1.0, bias_walk=0.5, dropout=0.1); thermometer.delay(0.2)"
     simulation = simulate_parts(setting, seed=3)
-    sensor = simulation["robot.thermometer"]
-    simulation.run(1.0)
+    sensor = simulation.context.component("robot.thermometer")
+    simulation.sleep(1.0)
     state, shown = sensor.realism.get_state(), dict(sensor.local_data)
-    times = [time - simulation.time for time, _ in state["waiting"]]
+    times = [time - simulation.time() for time, _ in state["waiting"]]
     assert len(times) == 12
     first = published(sensor)
-    simulation.run(1.0)
+    simulation.sleep(1.0)
     sensor.output_functions.clear()
     # the same again, one second later
     state["waiting"] = [[time + 1.0, data] for time, data in state["waiting"]]
@@ -191,6 +194,6 @@ def test_noise_and_delay_go_on_from_a_state(simulate_parts):
     sensor.realism.set_state(state)
     sensor.local_data.update(shown)
     second = published(sensor)
-    simulation.run(1.0)
+    simulation.sleep(1.0)
     assert len(first) == len(second) == 60
     assert [m["celsius"] for m in second] == pytest.approx([m["celsius"] for m in first], rel=1e-12)

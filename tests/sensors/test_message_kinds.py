@@ -26,7 +26,9 @@ env = Environment("empty", fastmode=True)
 @pytest.fixture
 def component(simulate):
     def make(parts, name, seconds=0.2):
-        return simulate(SCRIPT.format(parts=parts)).run(seconds)[name]
+        simulation = simulate(SCRIPT.format(parts=parts), sockets=False)
+        simulation.sleep(seconds)
+        return simulation.context.component(name)
 
     return make
 
@@ -119,14 +121,14 @@ def test_odometry_gives_the_rates_of_the_body(component):
 
 
 def test_commands_by_kind_drive_a_robot(simulate):
-    simulation = simulate(SCRIPT.format(parts="motion = MotionVW()\nrobot.append(motion)"))
-    motion = simulation["robot.motion"]
+    simulation = simulate(SCRIPT.format(parts="motion = MotionVW()\nrobot.append(motion)"), sockets=False)
+    motion = simulation.context.component("robot.motion")
     (twist,) = bind(motion)
     fields, remark = twist.scatter({"linear": [1.0, 0.0, 0.0], "angular": [0.0, 0.0, 0.0]})
     assert remark is None
     Commands(motion).take(fields)
-    simulation.run(1.0)
-    assert simulation["robot"].position_3d.y == pytest.approx(3.0, abs=0.05)
+    simulation.sleep(1.0)
+    assert simulation.context.component("robot").position_3d.y == pytest.approx(3.0, abs=0.05)
 
 
 def test_what_does_not_fit_names_the_component_and_its_line(simulate, tmp_path, monkeypatch):
@@ -142,6 +144,8 @@ def test_what_does_not_fit_names_the_component_and_its_line(simulate, tmp_path, 
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     with pytest.raises(Exception, match="it takes °C; field 'heat' has W; known: K, degC, °F") as caught:
-        simulate(SCRIPT.format(parts="from wrong_kind import *\nboiler = BoilerB()\nrobot.append(boiler)"))
+        simulate(
+            SCRIPT.format(parts="from wrong_kind import *\nboiler = BoilerB()\nrobot.append(boiler)"), sockets=False
+        )
     assert "robot.boiler" in str(caught.value)
     assert "scene0.py:" in str(caught.value)

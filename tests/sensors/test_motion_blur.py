@@ -20,20 +20,23 @@ env = Environment("empty")
 
 @pytest.fixture
 def moving(simulate):
-    return simulate(SCENE)
+    return simulate(SCENE, sockets=False)
 
 
 def images(simulation):
-    return [simulation[f"robot.{name}"].local_data["image"].astype(int) for name in ("sharp", "blurred", "rolling")]
+    return [
+        simulation.context.component(f"robot.{name}").local_data["image"].astype(int)
+        for name in ("sharp", "blurred", "rolling")
+    ]
 
 
 def test_only_images_of_moving_cameras_are_blurred(moving):
-    moving.run(0.3)
+    moving.sleep(0.3)
     sharp, blurred, rolling = images(moving)
     assert np.abs(sharp - blurred).max() <= 1
     assert np.abs(sharp - rolling).max() <= 1
-    moving["robot.motion"].local_data["y"] = 2.0
-    moving.run(0.5)
+    moving.context.component("robot.motion").local_data["y"] = 2.0
+    moving.sleep(0.5)
     sharp, blurred, rolling = images(moving)
     # the upper rows, which are read first, differ most
     assert np.abs(sharp - blurred)[5:20].max() > 20
@@ -42,12 +45,12 @@ def test_only_images_of_moving_cameras_are_blurred(moving):
 
 
 def test_a_restored_run_blurs_the_same(moving):
-    moving["robot.motion"].local_data["y"] = 1.0
-    moving.run(0.3)
-    state = moving.simulation.save()
-    moving.run(0.3)
+    moving.context.component("robot.motion").local_data["y"] = 1.0
+    moving.sleep(0.3)
+    state = moving.save()
+    moving.sleep(0.3)
     first = images(moving)
-    moving.simulation.restore(state)
-    moving.run(0.3)
+    moving.restore(state)
+    moving.sleep(0.3)
     for one, other in zip(first, images(moving), strict=True):
         np.testing.assert_array_equal(one, other)

@@ -34,19 +34,20 @@ def part(kind, mode=None, x=0.0, z=0.0, name="sensor"):
 
 
 def driving(simulate, parts, v, w, seconds=1.5):
-    simulation = simulate(DRIVEN.format(parts=parts))
-    simulation.run(0.5)
-    simulation["robot.motion"].local_data.update(v=v, w=w)
-    return simulation.run(seconds)
+    simulation = simulate(DRIVEN.format(parts=parts), sockets=False)
+    simulation.sleep(0.5)
+    simulation.context.component("robot.motion").local_data.update(v=v, w=w)
+    simulation.sleep(seconds)
+    return simulation
 
 
 def held(simulate, parts, *, roll=0.0, pitch=0.0, yaw=0.0, move=""):
-    return simulate(HELD.format(parts=parts, roll=roll, pitch=pitch, yaw=yaw, move=move))
+    return simulate(HELD.format(parts=parts, roll=roll, pitch=pitch, yaw=yaw, move=move), sockets=False)
 
 
 @pytest.mark.parametrize("mode", MODES)
 def test_velocity_on_a_circle(simulate, mode):
-    data = driving(simulate, part("Velocity", mode), v=1.0, w=0.5)["robot.sensor"].local_data
+    data = driving(simulate, part("Velocity", mode), v=1.0, w=0.5).context.component("robot.sensor").local_data
     assert data["linear_velocity"] == pytest.approx([1.0, 0.0, 0.0], abs=0.01)
     assert data["angular_velocity"] == pytest.approx([0.0, 0.0, 0.5], abs=0.005)
     yaw = 0.5 * 1.5
@@ -56,13 +57,17 @@ def test_velocity_on_a_circle(simulate, mode):
 def test_the_lever_arm_counts_for_positions_not_for_the_velocity_of_the_body(simulate):
     parts = part("Velocity", "Velocity", x=0.5, name="body") + part("Velocity", "Position", x=0.5, name="place")
     simulation = driving(simulate, parts, v=0.0, w=1.0)
-    assert simulation["robot.body"].local_data["linear_velocity"] == pytest.approx([0.0, 0.0, 0.0], abs=0.01)
-    assert simulation["robot.place"].local_data["linear_velocity"] == pytest.approx([0.0, 0.5, 0.0], abs=0.01)
+    assert simulation.context.component("robot.body").local_data["linear_velocity"] == pytest.approx(
+        [0.0, 0.0, 0.0], abs=0.01
+    )
+    assert simulation.context.component("robot.place").local_data["linear_velocity"] == pytest.approx(
+        [0.0, 0.5, 0.0], abs=0.01
+    )
 
 
 @pytest.mark.parametrize("mode", MODES)
 def test_centripetal_acceleration_on_a_circle(simulate, mode):
-    data = driving(simulate, part("Accelerometer", mode), v=1.0, w=0.5)["robot.sensor"].local_data
+    data = driving(simulate, part("Accelerometer", mode), v=1.0, w=0.5).context.component("robot.sensor").local_data
     # v^2 / r = v w, to the left; no gravity
     assert data["acceleration"] == pytest.approx([0.0, 0.5, 0.0], abs=0.02)
     assert data["velocity"] == pytest.approx([1.0, 0.0, 0.0], abs=0.01)
@@ -72,19 +77,24 @@ def test_centripetal_acceleration_on_a_circle(simulate, mode):
 
 @pytest.mark.parametrize("mode", MODES)
 def test_centripetal_acceleration_on_a_lever_arm(simulate, mode):
-    data = driving(simulate, part("Accelerometer", mode, x=0.5), v=0.0, w=1.0)["robot.sensor"].local_data
+    data = (
+        driving(simulate, part("Accelerometer", mode, x=0.5), v=0.0, w=1.0).context.component("robot.sensor").local_data
+    )
     assert data["acceleration"] == pytest.approx([-0.5, 0.0, 0.0], abs=0.02)
 
 
 def test_rates_below_that_of_the_ticks(simulate):
     simulation = driving(simulate, part("Accelerometer") + "sensor.frequency(25)\n", v=1.0, w=0.5)
-    assert simulation["robot.sensor"].local_data["acceleration"] == pytest.approx([0.0, 0.5, 0.0], abs=0.03)
+    assert simulation.context.component("robot.sensor").local_data["acceleration"] == pytest.approx(
+        [0.0, 0.5, 0.0], abs=0.03
+    )
 
 
 @pytest.mark.parametrize("mode", ["Automatic", *MODES])
 def test_an_imu_at_rest_feels_that_the_floor_carries_it(simulate, mode):
-    simulation = simulate(DRIVEN.format(parts=part("IMU", mode, z=0.8))).run(3.0)
-    data = simulation["robot.sensor"].local_data
+    simulation = simulate(DRIVEN.format(parts=part("IMU", mode, z=0.8)), sockets=False)
+    simulation.sleep(3.0)
+    data = simulation.context.component("robot.sensor").local_data
     assert data["linear_acceleration"] == pytest.approx([0.0, 0.0, G], abs=0.01)
     assert data["angular_velocity"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-3)
 
@@ -98,15 +108,19 @@ def test_an_imu_at_rest_feels_that_the_floor_carries_it(simulate, mode):
     ],
 )
 def test_a_tilted_imu(simulate, angles, felt):
-    simulation = held(simulate, part("IMU"), **angles).run(0.1)
-    assert simulation["robot.sensor"].local_data["linear_acceleration"] == pytest.approx(felt, abs=1e-6)
+    simulation = held(simulate, part("IMU"), **angles)
+    simulation.sleep(0.1)
+    assert simulation.context.component("robot.sensor").local_data["linear_acceleration"] == pytest.approx(
+        felt, abs=1e-6
+    )
 
 
 def test_a_falling_imu_feels_nothing_but_the_drag(simulate):
     script = DRIVEN.format(parts=part("IMU")).replace("ATRV()\n", "ATRV()\nrobot.translate(z=100.0)\n", 1)
-    simulation = simulate(script.replace('Environment("empty", fastmode=True)', 'Environment("empty")'))
-    simulation["robot.motion"].active = False
-    data = simulation.run(1.0)["robot.sensor"].local_data
+    simulation = simulate(script.replace('Environment("empty", fastmode=True)', 'Environment("empty")'), sockets=False)
+    simulation.context.component("robot.motion").active = False
+    simulation.sleep(1.0)
+    data = simulation.context.component("robot.sensor").local_data
     # the damping of the model keeps 1 - 0.025 of the velocity per second; after a fall of one second that is 9.7 m/s
     drag = -math.log(1.0 - 0.025) * 9.7
     assert data["linear_acceleration"] == pytest.approx([0.0, 0.0, drag], abs=0.02)
@@ -114,14 +128,14 @@ def test_a_falling_imu_feels_nothing_but_the_drag(simulate):
 
 @pytest.mark.parametrize("mode", MODES)
 def test_an_imu_on_a_lever_arm(simulate, mode):
-    data = driving(simulate, part("IMU", mode, x=0.5), v=0.0, w=1.0)["robot.sensor"].local_data
+    data = driving(simulate, part("IMU", mode, x=0.5), v=0.0, w=1.0).context.component("robot.sensor").local_data
     assert data["linear_acceleration"] == pytest.approx([-0.5, 0.0, G], abs=0.03)
     assert data["angular_velocity"] == pytest.approx([0.0, 0.0, 1.0], abs=0.01)
 
 
 def test_a_turned_imu_has_axes_of_its_own(simulate):
     parts = part("IMU", "Position") + "sensor.rotate(y=math.pi / 2)\n"
-    data = driving(simulate, parts, v=0.0, w=1.0)["robot.sensor"].local_data
+    data = driving(simulate, parts, v=0.0, w=1.0).context.component("robot.sensor").local_data
     # its X axis points down
     assert data["angular_velocity"] == pytest.approx([-1.0, 0.0, 0.0], abs=0.01)
     assert data["linear_acceleration"] == pytest.approx([-G, 0.0, 0.0], abs=0.02)
@@ -129,8 +143,12 @@ def test_a_turned_imu_has_axes_of_its_own(simulate):
 
 def test_gyroscope_and_attitude_give_the_same_angles(simulate):
     parts = part("Gyroscope", name="gyro") + part("Attitude", name="attitude")
-    simulation = held(simulate, parts, roll=0.1, pitch=0.2, yaw=2.0).run(0.1)
-    gyro, attitude = simulation["robot.gyro"].local_data, simulation["robot.attitude"].local_data
+    simulation = held(simulate, parts, roll=0.1, pitch=0.2, yaw=2.0)
+    simulation.sleep(0.1)
+    gyro, attitude = (
+        simulation.context.component("robot.gyro").local_data,
+        simulation.context.component("robot.attitude").local_data,
+    )
     assert [gyro[name] for name in ("roll", "pitch", "yaw")] == pytest.approx([0.1, 0.2, 2.0], abs=1e-9)
     assert list(attitude["rotation"]) == pytest.approx([0.1, 0.2, 2.0], abs=1e-9)
     assert b'"rotation": {"yaw": ' in to_json(attitude)
@@ -140,16 +158,18 @@ def test_gyroscope_and_attitude_give_the_same_angles(simulate):
 def test_attitude_gives_the_rates_of_the_body(simulate, mode):
     move = "motion = MotionXYW()\nrobot.append(motion)\n"
     simulation = held(simulate, part("Attitude", mode), roll=math.pi / 2, move=move)
-    simulation["robot.motion"].local_data.update(w=0.4)
-    data = simulation.run(0.5)["robot.sensor"].local_data
+    simulation.context.component("robot.motion").local_data.update(w=0.4)
+    simulation.sleep(0.5)
+    data = simulation.context.component("robot.sensor").local_data
     assert data["angular_velocity"] == pytest.approx([0.0, 0.0, 0.4], abs=1e-6)
 
 
 def test_attitude_against_north(simulate):
     setting = part("Attitude") + "sensor.properties(UseAngleAgainstNorth=True)\n"
     script = HELD.format(parts=setting, roll=0.0, pitch=0.1, yaw=3.0, move="")
-    simulation = simulate(script + "env.properties(angle_against_north=0.5)\n").run(0.1)
-    attitude = simulation["robot.sensor"]
+    simulation = simulate(script + "env.properties(angle_against_north=0.5)\n", sockets=False)
+    simulation.sleep(0.1)
+    attitude = simulation.context.component("robot.sensor")
     # 0.5 rad beyond the -X axis of the world is more than half a turn
     assert list(attitude.local_data["rotation"]) == pytest.approx([0.0, 0.1, 3.5 - 2 * math.pi], abs=1e-9)
     assert bind(attitude)[0].gather().frame == "enu"
@@ -158,15 +178,21 @@ def test_attitude_against_north(simulate):
 def test_what_they_say_as_message_kinds(simulate):
     parts = part("IMU", name="imu") + part("Velocity", name="velocity") + part("Accelerometer", name="accelerometer")
     parts += part("Gyroscope", name="gyroscope")
-    simulation = held(simulate, parts, yaw=1.0, pitch=math.radians(30)).run(0.1)
-    (imu,) = bind(simulation["robot.imu"])  # no magnetometer, because the world has no geographic position
+    simulation = held(simulate, parts, yaw=1.0, pitch=math.radians(30))
+    simulation.sleep(0.1)
+    (imu,) = bind(
+        simulation.context.component("robot.imu")
+    )  # no magnetometer, because the world has no geographic position
     assert imu.gather().linear_acceleration == pytest.approx([-G / 2, 0.0, G * math.sqrt(0.75)], abs=1e-6)
-    assert [bind(simulation[f"robot.{name}"])[0].kind.name for name in ("velocity", "accelerometer", "gyroscope")] == [
+    assert [
+        bind(simulation.context.component(f"robot.{name}"))[0].kind.name
+        for name in ("velocity", "accelerometer", "gyroscope")
+    ] == [
         "twist",
         "accel",
         "attitude",
     ]
-    w, x, y, z = bind(simulation["robot.gyroscope"])[0].gather().orientation
+    w, x, y, z = bind(simulation.context.component("robot.gyroscope"))[0].gather().orientation
     s, c = math.sin(math.radians(15)), math.cos(math.radians(15))
     expected = [c * math.cos(0.5), -s * math.sin(0.5), s * math.cos(0.5), c * math.sin(0.5)]
     assert [w, x, y, z] == pytest.approx(expected, abs=1e-9)
@@ -181,12 +207,12 @@ def test_a_mode_that_is_none_is_refused(simulate, kind):
 def test_they_go_on_from_a_saved_state(simulate):
     parts = part("IMU", "Position", x=0.3) + part("Velocity", "Position", name="velocity")
     simulation = driving(simulate, parts, v=1.0, w=0.5, seconds=0.5)
-    state = simulation.simulation.save()
+    state = simulation.save()
 
     def ahead():
-        simulation.run(0.2)
-        return [to_json(simulation[f"robot.{name}"].local_data) for name in ("sensor", "velocity")]
+        simulation.sleep(0.2)
+        return [to_json(simulation.context.component(f"robot.{name}").local_data) for name in ("sensor", "velocity")]
 
     first = ahead()
-    simulation.simulation.restore(state)
+    simulation.restore(state)
     assert ahead() == first

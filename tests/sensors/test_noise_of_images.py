@@ -19,26 +19,28 @@ env = Environment("empty")
 
 @pytest.fixture
 def world(simulate):
-    return simulate(SCRIPT).run(0.3)
+    simulation = simulate(SCRIPT, sockets=False)
+    simulation.sleep(0.3)
+    return simulation
 
 
 def test_a_cloud_drifts_as_a_whole_also_if_points_come_and_go(world):
     sizes = set()
     for _ in range(4):
-        cloud, truth = (world[f"robot.{name}"].local_data["points"] for name in ("cloud", "truth"))
+        cloud, truth = (world.context.component(f"robot.{name}").local_data["points"] for name in ("cloud", "truth"))
         sizes.add(len(cloud))
         drift = cloud - truth
         assert np.abs(drift).max() > 1e-3
         np.testing.assert_allclose(drift, np.broadcast_to(drift[0], drift.shape), atol=1e-5)
-        world["robot"].bge_object.applyRotation((0, 0, 0.2), False)
-        world.run(0.1)
+        world.context.component("robot").bge_object.applyRotation((0, 0, 0.2), False)
+        world.sleep(0.1)
     assert len(sizes) > 1
 
 
 def test_a_thermal_image_drifts_as_a_whole_also_at_another_size(world):
-    eye = world["robot.heat"]
+    eye = world.context.component("robot.heat")
     eye.set_property("cam_width", 20)
-    world.run(0.1)
+    world.sleep(0.1)
     image = eye.local_data["image"]
     assert image.shape == (24, 20)
     assert np.ptp(image) == 0.0
@@ -46,7 +48,9 @@ def test_a_thermal_image_drifts_as_a_whole_also_at_another_size(world):
 
 
 def test_codes_of_an_image_have_no_bias_and_stay_opaque(world):
-    clean, codes = (world[f"robot.{name}"].local_data["image"].astype(float) for name in ("clean", "codes"))
+    clean, codes = (
+        world.context.component(f"robot.{name}").local_data["image"].astype(float) for name in ("clean", "codes")
+    )
     assert (codes[..., 3] == 255).all()
     errors = (codes - clean)[..., :3][(clean[..., :3] > 20) & (clean[..., :3] < 235)]
     # the standard error of the mean of more than a thousand codes is below 0.13
@@ -57,4 +61,6 @@ def test_codes_of_an_image_have_no_bias_and_stay_opaque(world):
 
 def test_ids_have_no_noise(simulate):
     with pytest.raises(Exception, match=r"SegmentationCamera\.noise\(field\): 'image' is not a measured number"):
-        simulate('robot = FakeRobot()\neye = SegmentationCamera()\neye.noise(gaussian=1.0, field="image")\n')
+        simulate(
+            'robot = FakeRobot()\neye = SegmentationCamera()\neye.noise(gaussian=1.0, field="image")\n', sockets=False
+        )

@@ -17,9 +17,9 @@ env = Environment("empty")
 
 
 def test_normals_are_given_in_the_frame_of_the_camera(simulate):
-    simulation = simulate(SCENE)
-    simulation.run(0.1)
-    image = simulation["robot.eye"].local_data["image"]
+    simulation = simulate(SCENE, sockets=False)
+    simulation.sleep(0.1)
+    image = simulation.context.component("robot.eye").local_data["image"]
     assert image.shape == (24, 32, 3)
     # the robot is turned to the left by 0.3 rad; the normal of the wall points along -X of the world
     np.testing.assert_allclose(image[2, 16], (-math.sin(0.3), 0.0, -math.cos(0.3)), atol=1e-5)

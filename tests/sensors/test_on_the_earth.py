@@ -28,7 +28,9 @@ NORTH = math.pi / 2
 
 
 def world(simulate, parts, *, env=PLACE, x=0.0, y=0.0, z=0.0, yaw=0.0, seconds=0.1):
-    return simulate(SCRIPT.format(parts=parts, env=env, x=x, y=y, z=z, yaw=yaw)).run(seconds)
+    simulation = simulate(SCRIPT.format(parts=parts, env=env, x=x, y=y, z=z, yaw=yaw), sockets=False)
+    simulation.sleep(seconds)
+    return simulation
 
 
 def gps(level):
@@ -44,16 +46,16 @@ def radii(latitude):
 
 def test_simple(simulate):
     simulation = world(simulate, "gps = GPS()\ngps.translate(x=1.0)\nrobot.append(gps)", x=10.0, y=8.0, z=20.0)
-    data = simulation["robot.gps"].local_data
+    data = simulation.context.component("robot.gps").local_data
     assert list(data) == ["timestamp", "x", "y", "z"]
     assert [data["x"], data["y"], data["z"]] == pytest.approx([11.0, 8.0, 20.0])
-    message = bind(simulation["robot.gps"])[0].gather()
+    message = bind(simulation.context.component("robot.gps"))[0].gather()
     assert (message.kind.name, message.frame) == ("pose", "world")
 
 
 def test_raw(simulate):
     simulation = world(simulate, gps("raw"), x=10.0, y=8.0, z=20.0)
-    data = simulation["robot.gps"].local_data
+    data = simulation.context.component("robot.gps").local_data
     assert list(data) == ["timestamp", "longitude", "latitude", "altitude", "velocity"]
     meridian, across = radii(43.6)
     assert data["latitude"] == pytest.approx(43.6 + math.degrees(8.0 / (meridian + 155.0)), abs=1e-9)
@@ -69,15 +71,16 @@ def test_raw(simulate):
 def test_velocity_and_heading(simulate, turned, velocity, heading):
     env = TOULOUSE.format(f", angle_against_north={turned}")
     simulation = world(simulate, gps("extended"), env=env)
-    simulation["robot.motion"].local_data["x"] = 2.0
-    data = simulation.run(0.5)["robot.gps"].local_data
+    simulation.context.component("robot.motion").local_data["x"] = 2.0
+    simulation.sleep(0.5)
+    data = simulation.context.component("robot.gps").local_data
     assert data["velocity"] == pytest.approx(velocity, abs=1e-9)
     assert data["heading"] == pytest.approx(heading, abs=1e-6)
 
 
 def test_extended(simulate):
     simulation = world(simulate, gps("extended"), seconds=62.0)
-    sensor = simulation["robot.gps"]
+    sensor = simulation.context.component("robot.gps")
     assert sensor.local_data["heading"] == math.inf
     assert (sensor.local_data["date"], sensor.local_data["time"]) == ("010170", "000102")
     fix = bind(sensor)[0].gather()
@@ -107,10 +110,10 @@ POLAR = "env.properties(longitude=0.0, latitude=80.0, altitude=0.0)"
 )
 def test_published_magnetic_field(simulate, yaw, data, field):
     simulation = world(simulate, magnetometer(), env=POLAR, yaw=yaw)
-    measured = simulation["robot.m"].local_data
+    measured = simulation.context.component("robot.m").local_data
     # north, east and down as if they were the axes of the world
     assert (measured["x"], measured["y"], measured["z"]) == pytest.approx(data, abs=0.1)
-    message = bind(simulation["robot.m"])[0].gather()
+    message = bind(simulation.context.component("robot.m"))[0].gather()
     # along the axes of the sensor
     assert message.field == pytest.approx([v * 1e-9 for v in field], abs=1e-10)
     assert message.frame == "own"
@@ -118,20 +121,23 @@ def test_published_magnetic_field(simulate, yaw, data, field):
 
 def test_the_covariance_of_a_noisy_magnetometer(simulate):
     simulation = world(simulate, magnetometer(turn="m.noise(gaussian=50.0)"), env=POLAR)
-    covariance = bind(simulation["robot.m"])[0].gather().covariance
+    covariance = bind(simulation.context.component("robot.m"))[0].gather().covariance
     assert [covariance[i][i] for i in range(3)] == pytest.approx([(50e-9) ** 2] * 3)
 
 
 def test_a_magnetometer_on_its_side(simulate):
-    data = world(simulate, magnetometer(turn="m.rotate(y=math.pi / 2)"), env=POLAR)["robot.m"].local_data
+    data = (
+        world(simulate, magnetometer(turn="m.rotate(y=math.pi / 2)"), env=POLAR).context.component("robot.m").local_data
+    )
     # its X axis points along -Z
     assert (data["x"], data["y"], data["z"]) == pytest.approx((-54432.3, -445.9, 6627.1), abs=0.1)
 
 
 def test_another_date_while_it_runs(simulate):
     simulation = world(simulate, magnetometer(), env=POLAR)
-    simulation["robot.m"].set_property("date", 2020.0)
-    data = simulation.run(0.1)["robot.m"].local_data
+    simulation.context.component("robot.m").set_property("date", 2020.0)
+    simulation.sleep(0.1)
+    data = simulation.context.component("robot.m").local_data
     assert (data["x"], data["y"], data["z"]) == pytest.approx((6570.4, -146.3, 54606.0), abs=0.1)
 
 
@@ -143,7 +149,7 @@ def test_a_date_without_a_model(simulate, date):
 
 def test_an_imu_has_a_magnetometer_where_the_world_is_somewhere(simulate):
     simulation = world(simulate, "imu = IMU()\nrobot.append(imu)\n" + magnetometer("Model='auto'"), env=POLAR)
-    imu, alone = simulation["robot.imu"], simulation["robot.m"].local_data
+    imu, alone = simulation.context.component("robot.imu"), simulation.context.component("robot.m").local_data
     assert imu.local_data["magnetic_field"] == pytest.approx([alone["x"], alone["y"], alone["z"]])
     assert [message.kind.name for message in bind(imu)] == ["imu", "magnetic_field"]
 

@@ -19,8 +19,8 @@ env = Environment("empty")
 
 @pytest.fixture
 def moving(simulate):
-    simulation = simulate(SCENE)
-    simulation["robot.motion"].local_data["y"] = 1.0
+    simulation = simulate(SCENE, sockets=False)
+    simulation.context.component("robot.motion").local_data["y"] = 1.0
     return simulation
 
 
@@ -30,8 +30,8 @@ def upper(eye):
 
 
 def test_the_wall_moves_as_the_robot_does(moving):
-    eye = moving["robot.eye"]
-    moving.run(1.0)
+    eye = moving.context.component("robot.eye")
+    moving.sleep(1.0)
     assert eye.local_data["image"].shape == (72, 96, 2)
     # 1 m/s to the left, ten images per second, 5 m to the wall, f = 96 px
     np.testing.assert_allclose(upper(eye)[..., 0], 96 * 0.1 / 5, rtol=0.02)
@@ -39,17 +39,17 @@ def test_the_wall_moves_as_the_robot_does(moving):
 
 
 def test_the_first_picture_has_no_flow(simulate):
-    simulation = simulate(SCENE)
-    simulation.run(0.05)
-    assert np.abs(upper(simulation["robot.eye"])).max() < 1e-3
+    simulation = simulate(SCENE, sockets=False)
+    simulation.sleep(0.05)
+    assert np.abs(upper(simulation.context.component("robot.eye"))).max() < 1e-3
 
 
 def test_a_restored_run_measures_the_same(moving):
-    moving.run(0.5)
-    state = moving.simulation.save()
-    moving.run(0.3)
-    first = moving["robot.eye"].local_data["image"].copy()
-    moving.simulation.restore(state)
-    moving.run(0.3)
-    np.testing.assert_array_equal(first, moving["robot.eye"].local_data["image"])
-    assert np.abs(upper(moving["robot.eye"])[..., 0]).min() > 0.5
+    moving.sleep(0.5)
+    state = moving.save()
+    moving.sleep(0.3)
+    first = moving.context.component("robot.eye").local_data["image"].copy()
+    moving.restore(state)
+    moving.sleep(0.3)
+    np.testing.assert_array_equal(first, moving.context.component("robot.eye").local_data["image"])
+    assert np.abs(upper(moving.context.component("robot.eye"))[..., 0]).min() > 0.5

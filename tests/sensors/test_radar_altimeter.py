@@ -24,8 +24,9 @@ env = Environment("empty", fastmode=True)
 
 
 def height(simulate, x=0.0, z=5.0, setting=""):
-    simulation = simulate(SCRIPT.format(x=x, z=z, setting=setting))
-    return simulation.run(0.1)["robot.radar"].local_data["z"]
+    simulation = simulate(SCRIPT.format(x=x, z=z, setting=setting), sockets=False)
+    simulation.sleep(0.1)
+    return simulation.context.component("robot.radar").local_data["z"]
 
 
 def test_height_above_floor_and_furniture_in_any_attitude(simulate):
@@ -41,9 +42,10 @@ def test_infinite_when_there_is_nothing_within_reach(simulate):
 
 
 def test_a_reach_changed_while_it_runs(simulate):
-    simulation = simulate(SCRIPT.format(x=0, z=5.0, setting=""))
-    simulation["robot.radar"].set_property("MaxRange", 4.0)
-    assert simulation.run(0.1)["robot.radar"].local_data["z"] == math.inf
+    simulation = simulate(SCRIPT.format(x=0, z=5.0, setting=""), sockets=False)
+    simulation.context.component("robot.radar").set_property("MaxRange", 4.0)
+    simulation.sleep(0.1)
+    assert simulation.context.component("robot.radar").local_data["z"] == math.inf
 
 
 @pytest.mark.parametrize("reach", [0.0, -1.0])

@@ -31,8 +31,9 @@ FAR = "50, 50"
 
 
 def finder(simulate, kind="RangeFinder", setting="", wall=3.0, post=FAR):
-    simulation = simulate(SCRIPT.format(kind=kind, setting=setting, wall=wall, post=post))
-    return simulation.run(0.2)["robot.finder"]
+    simulation = simulate(SCRIPT.format(kind=kind, setting=setting, wall=wall, post=post), sockets=False)
+    simulation.sleep(0.2)
+    return simulation.context.component("robot.finder")
 
 
 def distance(*args, **kwargs):
@@ -78,13 +79,16 @@ def test_as_a_message_kind(simulate):
 
 
 def test_properties_changed_while_it_runs(simulate):
-    simulation = simulate(SCRIPT.format(kind="RangeFinder", setting="", wall=12.0, post="3, 0.6")).run(0.1)
-    sensor = simulation["robot.finder"]
+    simulation = simulate(SCRIPT.format(kind="RangeFinder", setting="", wall=12.0, post="3, 0.6"), sockets=False)
+    simulation.sleep(0.1)
+    sensor = simulation.context.component("robot.finder")
     assert sensor.local_data["distance"] == math.inf
     sensor.set_property("range", 20.0)
-    assert simulation.run(0.1)["robot.finder"].local_data["distance"] == pytest.approx(12.0, abs=1e-6)
+    simulation.sleep(0.1)
+    assert simulation.context.component("robot.finder").local_data["distance"] == pytest.approx(12.0, abs=1e-6)
     sensor.set_property("cone", 40.0)
-    assert 2.9 < simulation.run(0.1)["robot.finder"].local_data["distance"] < 3.1
+    simulation.sleep(0.1)
+    assert 2.9 < simulation.context.component("robot.finder").local_data["distance"] < 3.1
 
 
 @pytest.mark.parametrize("setting", ["range=0.0", "cone=-1.0", "cone=360.0", "resolution=0.0", "radiation='x-ray'"])

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from ticking import published
+from messages import published
 
 SCRIPT = """
 robot = FakeRobot()
@@ -31,9 +31,9 @@ def scene(setting="", laser="", extra=""):
 
 
 def messages(simulate, name, seconds=2.0, seed=None, **parts):
-    simulation = simulate(scene(**parts), seed=seed)
-    collected = published(simulation[name])
-    simulation.run(seconds)
+    simulation = simulate(scene(**parts), seed=seed, sockets=False)
+    collected = published(simulation.context.component(name))
+    simulation.sleep(seconds)
     return collected
 
 
@@ -52,11 +52,11 @@ def test_a_phase_moves_all_measurements(simulate):
 
 @pytest.mark.parametrize("delay", [0.05, 0.1, 0.25, 0.004])
 def test_delayed_data_are_published_when_their_time_has_come(simulate, delay):
-    simulation = simulate(scene(setting=f"pose.delay({delay})"))
+    simulation = simulate(scene(setting=f"pose.delay({delay})"), sockets=False)
     arrivals = []
-    pose = simulation["robot.pose"]
-    pose.output_functions.append(lambda s: arrivals.append((s.local_data["timestamp"], simulation.time)))
-    simulation.run(1.0)
+    pose = simulation.context.component("robot.pose")
+    pose.output_functions.append(lambda s: arrivals.append((s.local_data["timestamp"], simulation.time())))
+    simulation.sleep(1.0)
     assert [taken for taken, _ in arrivals] == pytest.approx([0.1 * i + 1 / 60 for i in range(len(arrivals))])
     for taken, seen in arrivals:
         assert delay - 1e-9 <= seen - taken < delay + 1 / 60
@@ -64,20 +64,20 @@ def test_delayed_data_are_published_when_their_time_has_come(simulate, delay):
 
 
 def test_nobody_sees_delayed_data_early(simulate):
-    simulation = simulate(scene(setting="pose.delay(0.5)"))
-    pose = simulation["robot.pose"]
-    simulation.run(0.4)
+    simulation = simulate(scene(setting="pose.delay(0.5)"), sockets=False)
+    pose = simulation.context.component("robot.pose")
+    simulation.sleep(0.4)
     assert pose.local_data["timestamp"] == pose.local_data["x"] == 0.0
-    simulation["robot"].bge_object.worldPosition = [9.0, 2.0, 3.0]
-    simulation.run(0.2)
+    simulation.context.component("robot").bge_object.worldPosition = [9.0, 2.0, 3.0]
+    simulation.sleep(0.2)
     assert pose.get_local_data()["x"] == pytest.approx(1.0)
-    simulation.run(0.5)
+    simulation.sleep(0.5)
     assert pose.get_local_data()["x"] == pytest.approx(9.0)
 
 
 def test_modifiers_work_on_the_measurement_not_on_its_arrival(simulate):
-    simulation = simulate(scene(setting="pose.delay(0.3)"))
-    pose = simulation["robot.pose"]
+    simulation = simulate(scene(setting="pose.delay(0.3)"), sockets=False)
+    pose = simulation.context.component("robot.pose")
 
     class Shift:
         def modify(self):
@@ -85,7 +85,7 @@ def test_modifiers_work_on_the_measurement_not_on_its_arrival(simulate):
 
     pose.output_modifiers.append(Shift())
     seen = published(pose)
-    simulation.run(1.0)
+    simulation.sleep(1.0)
     assert {round(m["x"], 6) for m in seen} == {101.0}
 
 
@@ -132,15 +132,14 @@ def test_quantized_values_are_multiples(simulate):
 
 
 def test_a_lost_value_stays_as_it_was(simulate):
-    simulation = simulate(scene(setting="pose.noise(dropout=0.5, field='x')"))
-    robot, seen = simulation["robot"], published(simulation["robot.pose"])
+    simulation = simulate(scene(setting="pose.noise(dropout=0.5, field='x')"), sockets=False)
+    robot, seen = simulation.context.component("robot"), published(simulation.context.component("robot.pose"))
     places = []
 
-    def move():
+    for _ in range(3000):
+        simulation.step()
         places.append(robot.bge_object.worldPosition.x)
         robot.bge_object.worldPosition = [places[-1] + 0.01, 2.0, 3.0]
-
-    simulation.run(50.0, move)
     values = [m["x"] for m in seen]
     kept = sum(a == b for a, b in itertools.pairwise(values))
     assert abs(kept / (len(values) - 1) - 0.5) < 5 * 0.5 / math.sqrt(len(values))
@@ -151,9 +150,9 @@ def test_a_lost_value_stays_as_it_was(simulate):
 def test_noise_does_not_add_up_in_sensors_that_add_up(simulate):
     """The integrated odometry of a robot at rest: its errors do not grow."""
     extra = "odometry = Odometry()\nodometry.noise(gaussian=0.1)\nrobot.append(odometry)"
-    simulation = simulate(scene(extra=extra))
-    seen = published(simulation["robot.odometry"])
-    simulation.run(20.0)
+    simulation = simulate(scene(extra=extra), sockets=False)
+    seen = published(simulation.context.component("robot.odometry"))
+    simulation.sleep(20.0)
     errors = np.array([m["x"] for m in seen])
     assert errors[-200:].std() == pytest.approx(0.1, abs=0.03)
     assert abs(errors[-200:].mean()) < 0.05
@@ -218,16 +217,16 @@ def test_another_robot_changes_no_noise(simulate):
 
 
 def test_a_restart_gives_the_numbers_of_a_new_simulation(simulate):
-    simulation = simulate(scene(setting=NOISY + "; pose.delay(0.1)"), seed=5)
-    first = published(simulation["robot.pose"])
-    simulation.run(1.0)
-    simulation.simulation.restart(5)
-    second = published(simulation["robot.pose"])
-    simulation.run(1.0)
+    simulation = simulate(scene(setting=NOISY + "; pose.delay(0.1)"), seed=5, sockets=False)
+    first = published(simulation.context.component("robot.pose"))
+    simulation.sleep(1.0)
+    simulation.restart(5)
+    second = published(simulation.context.component("robot.pose"))
+    simulation.sleep(1.0)
     assert first == second
-    simulation.simulation.restart(6)
-    third = published(simulation["robot.pose"])
-    simulation.run(1.0)
+    simulation.restart(6)
+    third = published(simulation.context.component("robot.pose"))
+    simulation.sleep(1.0)
     assert first != third
 
 
@@ -258,6 +257,6 @@ def test_a_restart_gives_the_numbers_of_a_new_simulation(simulate):
 )
 def test_bad_settings_are_refused_with_the_line(simulate, setting, message):
     with pytest.raises(Exception, match=message) as caught:
-        simulate(scene(setting=setting))
+        simulate(scene(setting=setting), sockets=False)
     line = scene(setting=setting).splitlines().index(setting) + 2
     assert f"scene0.py:{line}" in str(caught.value)

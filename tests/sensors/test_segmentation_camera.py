@@ -28,9 +28,9 @@ env = Environment("empty")
 @pytest.fixture
 def look(simulate):
     def make(more="", script=WORLD):
-        simulation = simulate(script.format(more=more))
-        simulation.run(0.1)
-        return simulation["robot.eye"], simulation
+        simulation = simulate(script.format(more=more), sockets=False)
+        simulation.sleep(0.1)
+        return simulation.context.component("robot.eye"), simulation
 
     return make
 
@@ -126,7 +126,7 @@ def test_ids_stay_when_things_come_and_go(look):
     before = {row["name"]: row["id"] for row in eye.local_data["labels"]}
     names = set(before)
     eye.context.world.game_object("Red").visible = False
-    simulation.run(0.1)
+    simulation.sleep(0.1)
     assert "THING" not in seen(eye)
     after = {row["name"]: row["id"] for row in eye.local_data["labels"]}
     assert {name: after[name] for name in names & after.keys()} == {name: before[name] for name in names & after.keys()}

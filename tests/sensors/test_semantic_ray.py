@@ -27,8 +27,12 @@ env = Environment("empty")
 @pytest.fixture
 def names(simulate):
     def make(each=""):
-        simulation = simulate(SCRIPT.format(each=each)).run(0.2)
-        found = {eye: simulation[f"robot.{eye}"].local_data["visible_objects"] for eye in ("ray", "pixels", "all")}
+        simulation = simulate(SCRIPT.format(each=each), sockets=False)
+        simulation.sleep(0.2)
+        found = {
+            eye: simulation.context.component(f"robot.{eye}").local_data["visible_objects"]
+            for eye in ("ray", "pixels", "all")
+        }
         return {eye: {seen["name"] for seen in things} for eye, things in found.items()}
 
     return make

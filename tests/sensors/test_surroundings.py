@@ -24,17 +24,18 @@ env.set_gravity(9.80665)
 
 
 def world(simulate, parts, env="", x=0.0):
-    simulation = simulate(SCRIPT.format(parts=parts, env=env, x=x))
-    simulation["robot.teleport"].active = False
+    simulation = simulate(SCRIPT.format(parts=parts, env=env, x=x), sockets=False)
+    simulation.context.component("robot.teleport").active = False
     return simulation
 
 
 def at_height(simulate, height, setting=""):
     simulation = world(simulate, f"barometer = Barometer()\n{setting}\nrobot.append(barometer)\n")
-    teleport = simulation["robot.teleport"]
+    teleport = simulation.context.component("robot.teleport")
     teleport.active = True
     teleport.local_data["z"] = height
-    return simulation.run(0.1)["robot.barometer"]
+    simulation.sleep(0.1)
+    return simulation.context.component("robot.barometer")
 
 
 @pytest.mark.parametrize(
@@ -63,12 +64,14 @@ def test_dynamic_pressure(simulate):
         "pitot = Airspeed()\nrobot.append(pitot)\naside = Airspeed()\naside.rotate(z=math.pi / 3)\nrobot.append(aside)"
     )
     simulation = world(simulate, parts)
-    simulation["robot.motion"].local_data["x"] = 20.0
-    simulation.run(0.2)
+    simulation.context.component("robot.motion").local_data["x"] = 20.0
+    simulation.sleep(0.2)
     # 1/2 rho v^2 in air of 1.225 kg/m^3
-    assert simulation["robot.pitot"].local_data["diff_pressure"] == pytest.approx(245.0, rel=1e-6)
-    assert simulation["robot.aside"].local_data["diff_pressure"] == pytest.approx(245.0 / 4.0, rel=1e-6)
-    assert bind(simulation["robot.pitot"])[0].gather().differential == pytest.approx(245.0)
+    assert simulation.context.component("robot.pitot").local_data["diff_pressure"] == pytest.approx(245.0, rel=1e-6)
+    assert simulation.context.component("robot.aside").local_data["diff_pressure"] == pytest.approx(
+        245.0 / 4.0, rel=1e-6
+    )
+    assert bind(simulation.context.component("robot.pitot"))[0].gather().differential == pytest.approx(245.0)
 
 
 FIRES = """
@@ -96,7 +99,9 @@ robot.append(thermometer)
 )
 def test_fires(simulate, setting, env, expected):
     parts = FIRES.format(f"thermometer.properties({setting})" if setting else "")
-    thermometer = world(simulate, parts, env).run(0.1)["robot.thermometer"]
+    simulation = world(simulate, parts, env)
+    simulation.sleep(0.1)
+    thermometer = simulation.context.component("robot.thermometer")
     assert thermometer.local_data["temperature"] == pytest.approx(expected)
     assert bind(thermometer)[0].gather().temperature == pytest.approx(expected)
 
@@ -113,29 +118,32 @@ robot.append(battery)
 
 def test_a_battery_discharges_and_is_charged_in_a_zone(simulate):
     simulation = world(simulate, BATTERY.format(""), x=10.0)
-    battery = simulation["robot.battery"]
+    battery = simulation.context.component("robot.battery")
     assert (battery.local_data["charge"], battery.local_data["status"]) == (100.0, "Charged")
-    simulation.run(5.0)
+    simulation.sleep(5.0)
     assert battery.local_data["charge"] == pytest.approx(80.0)
     assert battery.local_data["status"] == "Discharging"
     assert bind(battery)[0].gather().charge == pytest.approx(0.8)
-    simulation["robot.motion"].local_data["x"] = -600.0
-    simulation.run(1.0 / 60.0)
-    simulation["robot.motion"].local_data["x"] = 0.0
-    simulation.run(2.0)
+    simulation.context.component("robot.motion").local_data["x"] = -600.0
+    simulation.sleep(1.0 / 60.0)
+    simulation.context.component("robot.motion").local_data["x"] = 0.0
+    simulation.sleep(2.0)
     assert battery.local_data["charge"] == pytest.approx(88.0, abs=0.2)
     assert battery.local_data["status"] == "Charging"
-    simulation.run(4.0)
+    simulation.sleep(4.0)
     assert (battery.local_data["charge"], battery.local_data["status"]) == (100.0, "Charged")
     assert bind(battery)[0].gather().status == "full"
 
 
 def test_an_empty_battery_stays_empty(simulate):
-    battery = world(simulate, BATTERY.format("battery.frequency(10)"), x=10.0).run(30.0)["robot.battery"]
+    simulation = world(simulate, BATTERY.format("battery.frequency(10)"), x=10.0)
+    simulation.sleep(30.0)
+    battery = simulation.context.component("robot.battery")
     assert (battery.local_data["charge"], battery.local_data["status"]) == (0.0, "Discharging")
 
 
 def test_a_clock(simulate):
-    simulation = world(simulate, "clock = Clock()\nrobot.append(clock)\n").run(1.5)
-    assert simulation["robot.clock"].local_data == {"timestamp": pytest.approx(1.5)}
-    assert bind(simulation["robot.clock"])[0].gather().now == pytest.approx(1.5)
+    simulation = world(simulate, "clock = Clock()\nrobot.append(clock)\n")
+    simulation.sleep(1.5)
+    assert simulation.context.component("robot.clock").local_data == {"timestamp": pytest.approx(1.5)}
+    assert bind(simulation.context.component("robot.clock"))[0].gather().now == pytest.approx(1.5)

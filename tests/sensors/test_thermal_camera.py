@@ -32,10 +32,10 @@ THREE = (
 @pytest.fixture
 def image(simulate):
     def make(objects=THREE, eye="", env="", seconds=0.1):
-        simulation = simulate(SCENE.format(objects=objects, eye=eye, env=env))
-        simulation.run(seconds)
-        assert not simulation.simulation.context.failed
-        return simulation["robot.eye"].local_data["image"], simulation
+        simulation = simulate(SCENE.format(objects=objects, eye=eye, env=env), sockets=False)
+        simulation.sleep(seconds)
+        assert not simulation.context.failed
+        return simulation.context.component("robot.eye").local_data["image"], simulation
 
     return make
 
@@ -71,7 +71,7 @@ def test_a_fire_has_its_own_heat_and_its_own_tag(image):
 def test_parts_have_the_temperature_of_what_carries_them(image):
     robot = "other = B21('other'); other.translate(3, 0, 0.2); other.properties(Temperature=30.0)\n"
     found, simulation = image(robot)
-    other = simulation.simulation.world.game_object("other")
+    other = simulation.world.game_object("other")
     meshes = [node for node in other.node.walk() if node.mesh is not None]
     assert [node for node in meshes if node is not other.node]
     # the robot is 0.5 to 0.6 m wide; at a distance of 2.7 m, a metre is 30 / 2.7 px wide
@@ -81,33 +81,33 @@ def test_parts_have_the_temperature_of_what_carries_them(image):
 
 def test_a_temperature_may_change_while_the_simulation_runs(image):
     found, simulation = image()
-    warm = simulation.simulation.world.game_object("Warm")
+    warm = simulation.world.game_object("Warm")
     warm["Temperature"] = 40.0
-    simulation.run(0.1)
-    assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == 40.0
+    simulation.sleep(0.1)
+    assert float(simulation.context.component("robot.eye").local_data["image"][ROW, LEFT]) == 40.0
     assert float(found[ROW, LEFT]) == 36.5
     for wrong in (float("nan"), "hot", None, True):
         warm["Temperature"] = wrong
-        simulation.run(0.1)
-        assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == 15.0
+        simulation.sleep(0.1)
+        assert float(simulation.context.component("robot.eye").local_data["image"][ROW, LEFT]) == 15.0
     warm["Temperature"] = -1e30
-    simulation.run(0.1)
-    assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == np.float32(-273.15)
+    simulation.sleep(0.1)
+    assert float(simulation.context.component("robot.eye").local_data["image"][ROW, LEFT]) == np.float32(-273.15)
 
 
 def test_a_delayed_image_shows_the_temperatures_of_its_tick(image):
     _, simulation = image(eye="eye.delay(0.2)", seconds=1 / 60)
-    simulation.simulation.world.game_object("Warm")["Temperature"] = 50.0
-    simulation.run(0.2)
-    found = simulation["robot.eye"].local_data
+    simulation.world.game_object("Warm")["Temperature"] = 50.0
+    simulation.sleep(0.2)
+    found = simulation.context.component("robot.eye").local_data
     assert found["timestamp"] == pytest.approx(1 / 60)
     assert float(found["image"][ROW, LEFT]) == 36.5
-    state = simulation.simulation.save()
-    simulation.run(0.1)
-    assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == 50.0
-    simulation.simulation.restore(state)
-    simulation.run(0.1)
-    assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == 50.0
+    state = simulation.save()
+    simulation.sleep(0.1)
+    assert float(simulation.context.component("robot.eye").local_data["image"][ROW, LEFT]) == 50.0
+    simulation.restore(state)
+    simulation.sleep(0.1)
+    assert float(simulation.context.component("robot.eye").local_data["image"][ROW, LEFT]) == 50.0
 
 
 def test_noise_is_added_to_the_temperatures(image):

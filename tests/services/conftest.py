@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from morse.testing.fixtures import simulate
 from morse.testing.process import SimulationProcess
 from morse.testing.scripts import script_of_function
 from pymorse import Morse
@@ -15,7 +14,6 @@ from pymorse import Morse
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["simulate"]
 
 HZ = 60
 

@@ -6,12 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from morse.testing.fixtures import simulate
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["simulate"]
 
 SOURCE = Path(__file__).parents[2] / "src"
 

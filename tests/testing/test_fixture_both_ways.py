@@ -8,10 +8,6 @@ from typing import Any
 
 import pytest
 
-from morse.testing.fixtures import simulate
-
-__all__ = ["simulate"]
-
 pytest_plugins = ["pytester"]
 
 

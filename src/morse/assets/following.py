@@ -42,11 +42,6 @@ class Revision:
     gone: list[Node] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
-    @property
-    def changes_something(self) -> bool:
-        """Whether the scene looks or behaves differently after the change."""
-        return bool(self.replaced or self.come or self.gone)
-
 
 def follow(scene: Scene, use: ModelUse, roots: Sequence[Node], latest: ModelUse) -> Revision:
     """Compute the changes of the nodes of a changed file.

@@ -5,6 +5,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
+from morse.core.classes.plugins import entry_points
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
@@ -25,27 +27,46 @@ _READERS = {
     ".xml": "morse.assets.mjcf:read_mjcf",
 }
 
-#: the suffixes, the preferred one first
-SUFFIXES = tuple(_READERS)
 #: suffixes of files that contain only meshes
 MESH_SUFFIXES = tuple(suffix for suffix, reader in _READERS.items() if reader.startswith("morse.assets.meshfiles"))
 
 
 class UnsupportedFormatError(ValueError):
-    """There is no reader for this kind of file."""
+    """There is no reader for this kind of file, or the package that brings the reader is broken."""
+
+
+def suffixes() -> tuple[str, ...]:
+    """The suffixes of the files that can be read, the preferred one first.
+
+    Those of installed packages, which the entry points ``morse.formats`` name without a dot, come last.
+    """
+    return tuple(dict.fromkeys((*_READERS, *(f".{point.name.lower()}" for point in entry_points("morse.formats")))))
 
 
 def reader_of(path: Path) -> Callable[[Path], Library]:
     """The function that reads a file.
 
     Raises:
-        UnsupportedFormatError: there is no reader for its suffix.
+        UnsupportedFormatError: there is no reader for its suffix, or the package that brings the reader is broken.
     """
     entry = _READERS.get(path.suffix.lower())
     if entry is None:
-        raise UnsupportedFormatError(
-            f"'{path}': cannot read files of type '{path.suffix or 'without suffix'}'; "
-            f"supported: {', '.join(SUFFIXES)}. Open it in Blender and save it as .blend"
-        )
+        return _installed_reader(path)
     module, function = entry.split(":")
     return cast("Callable[[Path], Library]", getattr(import_module(module), function))
+
+
+def _installed_reader(path: Path) -> Callable[[Path], Library]:
+    for point in entry_points("morse.formats"):
+        if f".{point.name.lower()}" == path.suffix.lower():
+            try:
+                return cast("Callable[[Path], Library]", point.load())
+            except Exception as error:  # the package is third-party code
+                raise UnsupportedFormatError(
+                    f"'{path}': the reader of an installed package ({point.value}) cannot be loaded: "
+                    f"{type(error).__name__}: {error}"
+                ) from None
+    raise UnsupportedFormatError(
+        f"'{path}': cannot read files of type '{path.suffix or 'without suffix'}'; "
+        f"supported: {', '.join(suffixes())}. Open it in Blender and save it as .blend"
+    )

@@ -12,7 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.assets.formats import SUFFIXES
+from morse.assets.formats import suffixes
 from morse.core.classes.plugins import entry_points
 from morse.system import variables
 
@@ -103,12 +103,12 @@ def find(name: str, category: str = "") -> Path:
 
 
 def _candidates(name: str, category: str) -> Iterator[Path]:
-    has_suffix = Path(name).suffix.lower() in SUFFIXES
+    has_suffix = Path(name).suffix.lower() in suffixes()
     if has_suffix:
         yield Path(name).expanduser()
         names = [name]
     else:
-        names = [name + suffix for suffix in SUFFIXES]
+        names = [name + suffix for suffix in suffixes()]
         yield from (directory / category / full for directory in component_dirs() for full in names)
     for directory in resource_dirs():
         yield from (directory / full for full in names)
@@ -145,8 +145,9 @@ def available(category: str = "") -> list[str]:
 
 def _models_below(directory: Path, *, keep_suffix: bool) -> Iterator[str]:
     if directory.is_dir():
+        readable = suffixes()
         # the search is limited, because a search path may contain a large tree such as a home directory
         for path in itertools.islice(directory.rglob("*"), _MAX_ENTRIES):
-            if path.suffix.lower() in SUFFIXES and not path.name.startswith((".", "@")):
+            if path.suffix.lower() in readable and not path.name.startswith((".", "@")):
                 relative = path.relative_to(directory)
                 yield (relative if keep_suffix else relative.with_suffix("")).as_posix()

@@ -104,5 +104,6 @@ def _explain(kind: str, package: str, name: str, class_: str, directory: Path) -
             "",
             f"What it does:          {source / f'{kind}s' / f'{name}.py'}",
             f"How scripts see it:    {source / 'builder' / f'{kind}s' / f'{name}.py'} (seldom has to be changed)",
+            f"Does it follow the rules? morse check component {source / f'{kind}s' / f'{name}.py'}",
         ]
     typer.echo("\n".join(lines))

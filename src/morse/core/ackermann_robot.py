@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.core.declarations import add_property
+from morse.core.declarations import add_property, add_state
 from morse.core.parts.ackermann_steering import AckermannSteering
 from morse.core.robot import Robot
 from morse.helpers.controller import PIDController
@@ -51,6 +51,9 @@ class PhysicsAckermannRobot(Robot):
         "Largest sum of errors of the yaw rate",
         low=0.0,
     )
+
+    add_state("_speed_control", PIDController, "Controller of the speed: sum of errors, last error")
+    add_state("_rate_control", PIDController, "Controller of the yaw rate: sum of errors, last error")
 
     _max_steering_angle: float
     _vel_p_gain: float

@@ -7,6 +7,8 @@ import time
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from morse.core.classes.fixed import ReadOnly
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -33,30 +35,18 @@ class Clock:
         period: simulated seconds per tick.
     """
 
-    __slots__ = (
-        "_mean",
-        "_origin",
-        "_rate",
-        "_samples",
-        "_square",
-        "_stamped",
-        "_start",
-        "_wall",
-        "frequency",
-        "period",
-        "strategy",
-        "tick",
-        "time",
-    )
+    tick: int
+    time: float
+    frequency: float
+    period: float
 
     def __init__(self, frequency: float, strategy: TimeStrategies, *, absolute: bool = False) -> None:
-        self.frequency = frequency
+        own = self._own = self.__dict__
+        own["frequency"], own["period"] = frequency, 1.0 / frequency
         self._rate = Fraction(frequency).limit_denominator(10**6)
-        self.period = 1.0 / frequency
         self.strategy = strategy
         self._origin = time.time() if absolute else 0.0
-        self.tick = 0
-        self.time = self._origin
+        own["tick"], own["time"] = 0, self._origin
         self._stamped = (-1, 0)
         self._wall: float | None = None
         self._start: float | None = None
@@ -66,8 +56,9 @@ class Clock:
 
     def advance(self) -> None:
         """Begin the next tick."""
-        self.tick += 1
-        self.time = self._origin + self.tick / self.frequency
+        own = self._own
+        own["tick"] = tick = self.tick + 1
+        own["time"] = self._origin + tick / self.frequency
 
     def stamp(self, seconds: float | None = None) -> int:
         """Return simulated time in whole nanoseconds, computed from the tick: the same value throughout a tick.
@@ -121,8 +112,7 @@ class Clock:
         """Set the tick, and the time of tick 0 unless it is None, after another state was restored."""
         if origin is not None:
             self._origin, self._stamped = origin, (-1, 0)
-        self.tick = tick
-        self.time = self._origin + tick / self.frequency
+        self._own.update(tick=tick, time=self._origin + tick / self.frequency)
         self._wall = self._start = None
 
     def restart(self) -> None:
@@ -161,3 +151,7 @@ class Clock:
             "mean_frame_by_sec": rate,
             "variance_frame_by_sec": rate_variance if math.isfinite(rate_variance) else 0.0,
         }
+
+
+for _name in ("tick", "time", "frequency", "period"):
+    setattr(Clock, _name, ReadOnly(_name, "the clock belongs to the simulation"))

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from weakref import WeakSet
 
+from morse.core.classes.fixed import check_class
 from morse.core.clients.arrivals import Arrivals
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.time_share import TimeShares
@@ -49,6 +50,7 @@ class Controls(NamedTuple):
     robot: str | None = None
 
 
+_CALLBACKS = frozenset(("stopping", "paused", "paced"))
 _NOTHING_HELD = Controls()
 
 
@@ -117,6 +119,12 @@ class Context:
         self.journal = Journal(self.clock, self.guard)
         self.arrivals = Arrivals() if self.network is None else self.network.arrivals
         _alive.add(self)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # a component that puts None in the place of a part would stop all others
+        if name not in _CALLBACKS:
+            check_class(self, name, value)
+        self.__dict__[name] = value
 
     def wait(self, seconds: float) -> None:
         """Block the simulation thread until something arrives from the network, or for about ``seconds``."""

@@ -56,6 +56,8 @@ class Guard:
         self.raises: Callable[[BaseException, str], bool] | None = None
         self.managers_off: set[str] = set()
         self.remarks: Callable[[Any], Iterable[str]] = _no_remarks
+        #: components that cannot be switched off: they go on raising, and nobody hears of it
+        self._deaf: dict[int, Any] = {}
 
     # -- calls -----------------------------------------------------------------------------
 
@@ -144,6 +146,8 @@ class Guard:
         Args:
             culprit: its modifier that has raised the error, if it was not the component itself.
         """
+        if id(component) in self._deaf and not is_a(error, ENDINGS):
+            return
         remarks = self.run(lambda: list(self.remarks(component)), _ignored) or []
         name = name_of(component)
         for text in remarks:
@@ -154,7 +158,7 @@ class Guard:
             who = f"the modifier {class_name(type(culprit))} of {name}"
             self.failed(culprit, who, f"{name} is deactivated, because its data are not modified", error)
         self._context.failed.add(name)
-        component.switch_off()
+        self.run(lambda: component.switch_off(), lambda _: self._deaf.update({id(component): component}))
 
     def close(self, component: Any, functions: MutableSequence[Any], function: Any, error: BaseException) -> None:
         """Close a stream of a component, and nothing else; if the component has lost its data, that is the fault."""

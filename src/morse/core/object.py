@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from morse.core import context as _context
 from morse.core.abstractobject import AbstractObject
 from morse.core.classes import describing
+from morse.core.classes.fixed import OfOneClass
 from morse.core.declarations import add_state, data_fields, levels, properties
 from morse.core.groups.group import OnDemand
 from morse.core.requests import Requesting
@@ -212,7 +213,7 @@ class Object(Requesting, AbstractObject):
 
     def switch_off(self) -> None:
         """Deactivate the component after an error, also if its class overrides `active` or does not observe it."""
-        self._active = False
+        vars(self)["_active"] = False
         if self.group is not None:
             self.group.is_changed = True
         for name in _OF_EACH_TICK:
@@ -296,6 +297,13 @@ class Object(Requesting, AbstractObject):
         self.position_3d.update(self.bge_object)
 
 
+#: the simulation needs them also after the component has failed
+_NEEDED = (
+    *("bge_object", "robot_parent", "context", "clock"),
+    *("input_functions", "output_functions", "input_modifiers", "output_modifiers"),
+)
+for _name in _NEEDED:
+    setattr(Object, _name, OfOneClass(_name))
 Object.local_data = OnDemand()  # type: ignore[assignment] # all but members of groups have an attribute of their own
 
 

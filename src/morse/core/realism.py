@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.declarations import fields_of_component
 from morse.core.guard import modify, publish
 from morse.core.noise import Noise
+from morse.core.streams.extent import check_fields
 from morse.core.streams.local_data import LocalData
 
 if TYPE_CHECKING:
@@ -62,6 +63,8 @@ class Realism:
         data.update(self._truth)
         sensor.sensor_setup()
         sensor.default_action()
+        if sensor._is_checked:
+            check_fields(sensor)
         self._truth = {name: copied(data[name]) for name in (data if self.delay else self._noises)}
         if not self._change(shown, sensor.clock.time):
             return
@@ -87,6 +90,8 @@ class Realism:
             sensor.add_noise(name, noise, shown[name])
         if sensor._reports:
             sensor.report()
+        if sensor._is_checked:
+            check_fields(sensor)
         return modify(sensor, sensor.output_modifiers)
 
     def release(self) -> None:

@@ -17,10 +17,11 @@ from morse.core.exceptions import (
     MorseServiceError,
 )
 from morse.core.journal import CANCEL, SERVICE
-from morse.core.reports.faults import ENDINGS, describe, name_of, summary
+from morse.core.reports.faults import ENDINGS, attribute, describe, name_of, summary
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted, short
 from morse.core.services import ServiceDeclaration
+from morse.core.streams.extent import TooLarge, check_result
 from morse.core.validation.arguments import Arguments
 
 if TYPE_CHECKING:
@@ -215,11 +216,16 @@ class RequestManager(ABC):
     title = "the service manager"
 
     def _ended(self, request_id: uuid.UUID, outcome: Any) -> None:
-        if self._running.pop(request_id, _GONE) is _GONE:
+        running = self._running.pop(request_id, _GONE)
+        if running is _GONE:
             return
         self._cancellations.pop(request_id, None)
         if not isinstance(outcome, tuple):
             outcome = (status.SUCCESS, outcome)
+        try:
+            check_result(running[0], outcome)
+        except TooLarge as error:
+            outcome = status.FAILED, str(error)
         self._arrivals.append((request_id, outcome))
 
     def hand_over(self, before: AbstractObject, after: AbstractObject) -> None:
@@ -274,7 +280,9 @@ def _result(service: Callable[..., Any], *arguments: Any) -> Any:
         RuntimeError: the service has raised an error that is no `Exception`, and that would end the managers.
     """
     try:
-        return service(*arguments)
+        result = service(*arguments)
+        check_result(attribute(service, "__self__"), result)
+        return result
     except (Exception, *ENDINGS):
         raise
     except BaseException as error:

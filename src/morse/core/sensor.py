@@ -9,6 +9,7 @@ from morse.core.guard import modify, publish
 from morse.core.noise import measured
 from morse.core.object import Object
 from morse.core.services import service
+from morse.core.streams.extent import check_fields
 from morse.scene.realism import is_numeric
 
 if TYPE_CHECKING:
@@ -48,10 +49,14 @@ class Sensor(Object):
     without_noise: ClassVar[tuple[str, ...]] = ()
     #: whether the class overrides `report`
     _reports: ClassVar[bool] = False
+    #: whether the class is the user's, so that its data may have any size
+    _is_checked: ClassVar[bool] = False
+    not_state: ClassVar[tuple[str, ...]] = ("_counted",)
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
         cls._reports = cls.report is not Sensor.report
+        cls._is_checked = not cls.__module__.startswith("morse.")
 
     capturing: bool | None = None
 
@@ -97,6 +102,8 @@ class Sensor(Object):
         self.default_action()
         if self._reports:
             self.report()
+        if self._is_checked:
+            check_fields(self)
         if self.output_modifiers and not modify(self, self.output_modifiers):
             return
         if self.output_functions:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -74,19 +75,22 @@ def _state(target: targets.Target) -> str:
 
 
 def _compile(target: targets.Target, level: int, folder: Path) -> None:
-    wanted = folder / target.file_name(level)
-    with tempfile.TemporaryDirectory(dir=folder) as temporary:
-        made = Path(temporary) / wanted.name
+    library = folder / target.file_name(level)
+    # elsewhere, because a process that is killed leaves the files behind, and everything in the folder is packaged
+    with tempfile.TemporaryDirectory() as temporary:
+        output = Path(temporary) / library.name
         position = () if target.system == "windows" else ("-fPIC",)
-        chosen = ("-target", target.zig, f"-mcpu={target.processor(level)}")
-        command = [sys.executable, "-m", "ziglang", "cc", *chosen, *EXACT, *_OPTIONS, *position, *WARNINGS]
-        command += ["-o", str(made), *map(str, sources())]
+        platform = ("-target", target.zig, f"-mcpu={target.processor(level)}")
+        command = [sys.executable, "-m", "ziglang", "cc", *platform, *EXACT, *_OPTIONS, *position, *WARNINGS]
+        command += ["-o", str(output), *map(str, sources())]
         caches = {"ZIG_GLOBAL_CACHE_DIR": temporary, "ZIG_LOCAL_CACHE_DIR": temporary}
-        done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **caches})
-        if done.returncode:
-            raise RuntimeError(f"The kernel could not be compiled for {target}:\n\n{done.stderr[-4000:]}")
+        process = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **caches})
+        if process.returncode:
+            raise RuntimeError(f"The kernel could not be compiled for {target}:\n\n{process.stderr[-4000:]}")
+        copy = folder / f".{library.name}.{os.getpid()}"
+        shutil.copyfile(output, copy)
         # another process may have the old file open
-        os.replace(made, wanted)
+        os.replace(copy, library)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -5,26 +5,22 @@ from __future__ import annotations
 import contextlib
 import signal
 from dataclasses import replace
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from morse.core.exceptions import MorseError
-from morse.core.sensor import Sensor
 from morse.launch.ending_signals import ending_signals
 from morse.launch.load import resolve
 from morse.launch.recorded_run import complete, guard, inputs_of
 from morse.launch.recorded_scenes import shown_scene
 from morse.recording.errors import RecordingError
-from morse.rosmsgs.names import Names
+from morse.recording.recorder import PRESENT
 from morse.simulation.recordings.recorded_timeline import RecordedTimeline
 from morse.simulation.recordings.timeline import Timeline
 from morse.simulation.simulation import Simulation
 from morse.viewer.replay_view import ReplayView
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
-    from morse.launch.recorded_scenes import ShownScene
     from morse.recording.recording import Recording
     from morse.scene import Scene
     from morse.simulation.recordings.input_recording import InputRecording
@@ -56,19 +52,19 @@ def playing(
         MorseError: the scene cannot be loaded, or does not match the inputs.
         OSError: the server of the page cannot be started.
     """
+    if recording.format != PRESENT:
+        raise recording.of_another_format()
     inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:
         shown = shown_scene(recording, inputs, scene, trust, stack, told, projects)
         options = replace(shown.options, view="web", view_port=port, open_browser=browser, speed=1.0)
-        naming = _Naming(shown)
         _close(shown.scene)
         resolve(shown.scene)
         simulation = stack.enter_context(Simulation(shown.scene, options))
         simulation.load()
         guard(simulation, described=shown.is_described, trust=trust)
         timeline = _timeline(simulation, recording, inputs, told, described=shown.is_described)
-        made = timeline.made.topics if isinstance(timeline, RecordedTimeline) else {}
-        view = ReplayView(simulation, timeline, recording, partial(naming.topic, simulation, made))
+        view = ReplayView(simulation, timeline, recording)
         simulation.view = view
         simulation.observers.append(view)
         yield view
@@ -105,29 +101,6 @@ def play(view: ReplayView) -> None:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-class _Naming:
-    """The options of a scene that name the topics of its recordings."""
-
-    def __init__(self, shown: ShownScene) -> None:
-        self._names = Names({"namespace": None, "frame_prefix": None, **shown.naming})
-        self._streams = shown.topics
-
-    def topic(self, simulation: Simulation, made: Mapping[str, Mapping[str, Any]], name: str) -> str | None:
-        """The topic of a sensor; None if there is no such sensor at present.
-
-        Args:
-            made: options that name the topics of sensors of objects that functions spawned.
-        """
-        sensor = simulation.context.components.get(name)
-        if not isinstance(sensor, Sensor):
-            return None
-        options = self._streams.get(name) or made.get(name, {})
-        try:
-            return self._names.topic(sensor, {"namespace": None, "topic": None, **options})
-        except MorseError:  # the options are those of a damaged file
-            return None
 
 
 def _close(scene: Scene) -> None:

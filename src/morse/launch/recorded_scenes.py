@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.journal import EDIT
 from morse.core.reports.quoting import quoted
 from morse.launch.load import described
 from morse.launch.recorded_run import options_of, plain_options
-from morse.middleware.ros2.mapping import MIDDLEWARE
 from morse.recording.errors import RecordingError
 from morse.recording.made.reading import RecordedMade
 from morse.simulation.recordings.recorded_timeline import RecordedTimeline
 
 if TYPE_CHECKING:
     import contextlib
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from morse.recording.recording import Recording
     from morse.scene import Scene
@@ -24,19 +23,15 @@ if TYPE_CHECKING:
 
 
 class ShownScene(NamedTuple):
-    """A scene, and what determines the topics of its sensors.
+    """A scene, and how it is run.
 
     Attributes:
         is_described: whether the recording describes the scene, so that no script was executed.
-        naming: options of the stream manager of ROS 2.
-        topics: options of the stream of ROS 2 of each sensor.
     """
 
     scene: Scene
     options: RunOptions
     is_described: bool
-    naming: Mapping[str, Any]
-    topics: Mapping[str, Mapping[str, Any]]
 
 
 def shown_scene(
@@ -62,8 +57,7 @@ def shown_scene(
         # what is simulated again needs the behaviour of each component
         made = RecordedMade(recording, tuple, exact=not RecordedTimeline.is_possible(recording, inputs))
         try:
-            found, naming = made.scene()
-            return ShownScene(found, plain_options(recording), True, naming, made.topics)
+            return ShownScene(made.scene(), plain_options(recording), True)
         except RecordingError as error:
             if RecordedTimeline.is_possible(recording, inputs):
                 raise
@@ -72,14 +66,7 @@ def shown_scene(
         options = options_of(recording, scene, trust, stack, told, projects)
     except RecordingError as error:
         raise RecordingError(f"{error}. {reason}") from None
-    read = described(options.script, options)
-    manager = MIDDLEWARE.stream_manager or ""
-    topics = {
-        declared.name: next((stream.options for stream in declared.streams if stream.manager == manager), {})
-        for declared in read.components
-        if declared.kind == "sensor"
-    }
-    return ShownScene(read, options, False, read.manager_options.get(manager, {}), topics)
+    return ShownScene(described(options.script, options), options, False)
 
 
 def _lack(recording: Recording, inputs: InputRecording) -> str:

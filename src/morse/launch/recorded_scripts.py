@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.assets.formats import SUFFIXES
+from morse.assets.formats import suffixes
 from morse.core.reports.quoting import escaped, shown
 from morse.recording.errors import RecordingError
 from morse.simulation.recordings.recorders import SCRIPT
@@ -127,7 +127,7 @@ def _refusal(recording: Recording, script: str, projects: Sequence[str]) -> str:
         is_there = False
     if not is_there:
         return "does not exist as a file there any more"
-    if Path(name).suffix.lower() in SUFFIXES:  # a model is no program
+    if Path(name).suffix.lower() in suffixes():  # a model is no program
         return ""
     kept = recording.attachment(SCRIPT)
     if kept is None:
@@ -171,7 +171,7 @@ def show_trusted(recorded: str, options: RunOptions, inside: bool, told: Callabl
 
 
 def _beginning(script: str) -> list[str]:
-    if Path(script).suffix.lower() in SUFFIXES:
+    if Path(script).suffix.lower() in suffixes():
         return ["a model, which is no program"]
     try:
         lines = Path(script).read_bytes().decode("utf-8", "replace").splitlines()

@@ -291,4 +291,5 @@ def _finish(simulation: Simulation | None, *, for_another: bool = False) -> None
         gc.unfreeze()
         return
     section("EXITING SIMULATION")
-    sys.stdout.flush()
+    if sys.stdout is not None:  # a component may have put anything there
+        sys.stdout.flush()

@@ -156,6 +156,14 @@ class Batch:
         self._readings.append(column)
         return column.array
 
+    def component(self, name: str) -> Any:
+        """Return a component of the first row, with its declarations.
+
+        Raises:
+            KeyError: there is no such component.
+        """
+        return _handle(self._simulations[0], name).component
+
     def _handles(self, name: str) -> list[Any]:
         return [_handle(simulation, name) for simulation in self._simulations]
 

@@ -34,11 +34,6 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from morse.core.declarations import Option
-
 #: middlewares that scripts may name although this installation does not have them, and their alternatives
 _OTHER_NAMES = {
     "pocolibs": "ros2",

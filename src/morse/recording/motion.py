@@ -14,7 +14,7 @@ from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from morse.core.context import Context
-    from morse.middleware.ros2.backends.backend import Backend
+    from morse.rosmsgs.topics.backend import Backend
 
 POSES, NODES, LOOKS = "/morse/poses", "/morse/nodes", "/morse/appearance"
 TOPICS = (POSES, NODES, LOOKS)

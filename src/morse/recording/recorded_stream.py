@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import partial
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from morse.core.kinds import GENERAL, Message, fields_of
 from morse.core.kinds.sources import as_slot
 from morse.core.sensor import Sensor
 from morse.core.streams.local_data import Later
-from morse.middleware.ros2.stream import Ros2Stream
 from morse.recording.fields import CLASS, COMPONENT, DECLARED, FIELDS, FIELDS_TYPE
 from morse.recording.fields.blocks import encode_block
 from morse.recording.fields.columns import Columns
@@ -20,6 +20,7 @@ from morse.recording.fields.messages import UNFIT, Batch, Line, messages_of
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.names import cleaned
 from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.topics.stream import TopicStream
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -28,16 +29,16 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind
     from morse.core.object import Object
-    from morse.middleware.ros2.stream import Sending
     from morse.recording.fields.columns import Rows
     from morse.recording.fields.values import Keeper
     from morse.recording.streams import RecordedStreams
+    from morse.rosmsgs.topics.stream import Sending
 
     #: names of fields and types of their values
     _Key = tuple[tuple[str, ...], tuple[type, ...]]
 
 
-class RecordedStream(Ros2Stream):
+class RecordedStream(TopicStream):
     """Keeps the data fields of a sensor, and the parts of its messages that do not follow from these."""
 
     manager: RecordedStreams
@@ -94,8 +95,10 @@ class RecordedStream(Ros2Stream):
         names = self._chosen.get(key)
         if names is None:
             names = self._chosen[key] = tuple(self._choose(data))
-        values = tuple([data[name] for name in names])
-        return values, (names, tuple(map(type, values)))
+        chosen = [dict.__getitem__(data, name) for name in names]
+        # an array that is made here is nobody else's
+        values = tuple([value.make() if type(value) is Later else value for value in chosen])
+        return values, (names, tuple(map(type, chosen)))
 
     def _choose(self, data: dict[str, Any]) -> Iterator[str]:
         declared = fields_of(self.component_instance)
@@ -105,18 +108,23 @@ class RecordedStream(Ros2Stream):
                 yield name
 
     def _form(self, names: tuple[str, ...], kinds: tuple[type, ...]) -> tuple[Columns, list[Line]]:
+        component = self.component_instance
+        sources = [source for bound, line, _ in self._recorded if line.outlet.by_rows for _, source in bound.sources]
+        properties = tuple(dict.fromkeys(name for source in sources for name in source.properties))
         live: list[Callable[[], Any]] = []
+        if properties:
+            live.append(partial(_tuple_getter(properties), component))
         lines = []
         for bound, line, number in self._recorded:
             outlet, frame = line.outlet, self.frame_id(line.outlet.frame or bound.frame)
             made = Line(number, line.topic, outlet, frame, bound)
-            if outlet.by_rows and bound.component is self.component_instance:
+            if outlet.by_rows and bound.component is component:
                 places: list[int | None] = []
                 for index, (slot, source) in enumerate(bound.sources):
                     is_live = bound.is_live(slot, source)
                     places.append(len(live) if is_live else None)
                     live += [partial(self._slot, bound, index)] * is_live
-                made = made._replace(slots=places)
+                made = made._replace(properties=properties, slots=places)
             elif outlet.takes_long:
                 made = made._replace(message=len(live))
                 live.append(partial(self._message, bound))
@@ -184,6 +192,11 @@ class RecordedStream(Ros2Stream):
         for row in late:
             stamps[row] = clock.stamp_at(times[row], int(rows.ticks[row]))
         return stamps
+
+
+def _tuple_getter(names: tuple[str, ...]) -> Callable[[Any], tuple[Any, ...]]:
+    get = attrgetter(*names)
+    return get if len(names) > 1 else lambda component: (get(component),)
 
 
 def _own(value: Any) -> Any:

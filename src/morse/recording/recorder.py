@@ -30,6 +30,8 @@ logger = logging.getLogger(__name__)
 
 #: names of metadata tables
 BEGINNING, END = "morse", "morse end"
+#: the fact that is the format of a recording, and the present format; those without that fact have the format 1
+FORMAT, PRESENT = "format", 2
 MEDIA_TYPE = "application/octet-stream"
 
 
@@ -101,7 +103,7 @@ class Recorder(Observer):
 
     def _start(self, beginning: Beginning, sensors: Collection[str] | None) -> None:
         disk, context = self._disk, self._context
-        disk.other(lambda file: file.metadata(BEGINNING, beginning.facts))
+        disk.other(lambda file: file.metadata(BEGINNING, {FORMAT: str(PRESENT), **beginning.facts}))
         for name, data in beginning.files.items():
             disk.other(partial(McapWriter.attachment, name=name, media_type=MEDIA_TYPE, data=data))
         self._tape = Tape(context, disk)

@@ -11,7 +11,8 @@ from morse.recording.fields import FIELDS
 from morse.recording.inputs import TOPIC as INPUTS
 from morse.recording.inputs import LostInput, exact_entry
 from morse.recording.mcap.reader import McapFile
-from morse.recording.recorder import BEGINNING, END
+from morse.recording.recorder import BEGINNING, END, FORMAT, PRESENT
+from morse.version import __version__
 
 if TYPE_CHECKING:
     import os
@@ -39,6 +40,19 @@ class Recording(McapFile):
             raise RecordingError(f"{self.path} is an MCAP file, but no recording of a run of MORSE")
         self.facts = self.metadata[BEGINNING]
         self.end = self.metadata.get(END, {})
+        #: number of the format
+        self.format = self.number(FORMAT) if FORMAT in self.facts else 1
+        if self.format > PRESENT:
+            self.close()
+            raise self.of_another_format()
+
+    def of_another_format(self) -> RecordingError:
+        """The error for a recording of another format than the present one."""
+        version = self.facts.get("morse", "")[:40] or "unknown"
+        return RecordingError(
+            f"{self.path} has the format {self.format} of recordings; MORSE {__version__} reads the format {PRESENT}: "
+            f"use the version that wrote it, {version}"
+        )
 
     def number(self, name: str) -> int:
         """A fact that is an integer of 0 or more.

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from morse.core.exceptions import MorseError
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
-from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.recording.disk import CHUNK
 from morse.recording.fields.kept_poses import KeptPoses
 from morse.recording.fields.values import Keeper
 from morse.recording.mcap.chunks import Messages
 from morse.recording.motion import Motion
 from morse.rosmsgs.definitions import definition
+from morse.rosmsgs.options import ROS2_MANAGER, TOPIC_OPTIONS
+from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
+from morse.rosmsgs.topics.manager import TopicManager
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _STREAM = "morse.recording.recorded_stream.RecordedStream"
-_ROS2 = Ros2DatastreamManager.classpath
 #: options of ros2 for recordings, independent of the options of the scene
 _ALWAYS = {"clock": True, "tf": True, "rosout": True}
 #: option that is left out: frames are recorded in each tick
@@ -198,7 +198,7 @@ def _profile(qos: Qos) -> str:
     )
 
 
-class RecordedStreams(Ros2DatastreamManager):
+class RecordedStreams(TopicManager):
     """The messages of all sensors, simulated time and the tree of frames, as published by the middleware ros2.
 
     A sensor with a stream of ros2 in the scene has the same topic in the recording.
@@ -219,8 +219,10 @@ class RecordedStreams(Ros2DatastreamManager):
         self._names = names
         self._refused: set[str] = set()
         self.keeper = Keeper()
-        given = context.scene.manager_options.get(_ROS2, {})
-        super().__init__({**{name: given[name] for name in given if name != _RATE}, **_ALWAYS}, context)
+        given = context.scene.manager_options.get(ROS2_MANAGER, {})
+        super().__init__(
+            {**{name: given[name] for name in given if name in TOPIC_OPTIONS and name != _RATE}, **_ALWAYS}, context
+        )
         records_sensors = names is None or bool(names)
         #: the poses of all moving nodes; None for only inputs and the log
         self.motion = Motion(context, tape) if records_sensors else None
@@ -257,7 +259,7 @@ class RecordedStreams(Ros2DatastreamManager):
             component = components.get(name)
             if component is None or (known and known[0].component_instance is component):
                 continue
-            options = next((dict(s.options) for s in declared.streams if s.manager == _ROS2), {})
+            options = next((dict(s.options) for s in declared.streams if s.manager == ROS2_MANAGER), {})
             self._add(component, options)
 
     def _add(self, component: Any, options: dict[str, Any]) -> None:
@@ -266,7 +268,7 @@ class RecordedStreams(Ros2DatastreamManager):
         for more in ({}, {"tf": False}):
             before = len(component.output_functions)
             try:
-                self.connect(component, StreamDeclaration(_ROS2, _STREAM, "OUT", {**options, **more}))
+                self.connect(component, StreamDeclaration(ROS2_MANAGER, _STREAM, "OUT", {**options, **more}))
                 return
             except MorseError as error:
                 refusal = error
@@ -277,6 +279,12 @@ class RecordedStreams(Ros2DatastreamManager):
         if component.name() not in self._refused:
             self._refused.add(component.name())
             logger.warning("%s is not recorded: %s", component.name(), refusal)
+
+    def closed(self, stream: Any) -> None:
+        """See `TopicManager.closed`; what the stream has kept was written before."""
+        super().closed(stream)
+        if self.tape is not None and stream in self.tape.kept:
+            self.tape.kept.remove(stream)
 
     def flush(self) -> None:
         """The end of a tick."""

@@ -6,10 +6,12 @@ from typing import Any
 
 import msgspec
 
+from morse.core.streams.extent import listed
+
 
 def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # numpy
-        return value.tolist()
+        return listed(value)
     if isinstance(value, (set, frozenset)):
         return sorted(value, key=str)  # the order of a set differs between processes
     if hasattr(value, "__iter__"):  # vectors and matrices

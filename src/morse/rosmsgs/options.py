@@ -1,4 +1,4 @@
-"""The options of the messages of a component."""
+"""The options of topics and messages."""
 
 from __future__ import annotations
 
@@ -24,3 +24,21 @@ MESSAGE_OPTIONS: Mapping[str, Option] = {
     "depth16": Option(bool, False, "depth images in whole millimetres, 16UC1; 0 where there is no depth"),
     "points": Option(bool, False, "for laser scanners: a cloud on points, too"),
 }
+#: options of ``add_stream``
+STREAM_OPTIONS: Mapping[str, Option] = {
+    **MESSAGE_OPTIONS,
+    "qos": Option(str, "default", "sensor: best effort", choices=("default", "sensor")),
+}
+#: options of the topics of a simulation
+TOPIC_OPTIONS: Mapping[str, Option] = {
+    "clock": Option(bool, True, "publish simulated time as /clock"),
+    "tf": Option(bool, True, "publish /tf and /tf_static"),
+    "tf_rate": Option(float, None, "messages on /tf per simulated second; default: one in each tick", low=0.1),
+    "description": Option(bool, True, "publish robot_description, a URDF, for each robot"),
+    "rosout": Option(bool, True, "publish the log of the simulation as /rosout"),
+    "localization": Option(bool, False, "another node publishes the transform from map to odom"),
+    "namespace": Option(str, None, "namespace of all topics, replaces the name of the robot; empty for none"),
+    "frame_prefix": Option(str, None, "prefix of the names of frames, replaces the name of the robot and a slash"),
+}
+#: class path of the manager of ROS 2, whose topics recordings have as well
+ROS2_MANAGER = "morse.middleware.ros2.datastream.Ros2DatastreamManager"

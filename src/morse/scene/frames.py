@@ -34,11 +34,6 @@ class RigidFrame:
         """The rotation as w, x, y, z."""
         return self.rotation.to_quaternion()
 
-    @property
-    def is_unstretched(self) -> bool:
-        """Whether the mesh keeps its size."""
-        return all(abs(self.stretch[i][j] - (i == j)) < 1e-9 for i in range(3) for j in range(3))
-
 
 @dataclass(frozen=True, slots=True)
 class _Known:

@@ -13,11 +13,13 @@ from morse.core.limits import ANGLE
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.streams.local_data import Later, LocalData
-from morse.helpers.components import add_data, add_kind, add_level, add_property, prop
+from morse.helpers.components import add_data, add_kind, add_level, add_property, computed, prop
 from morse.helpers.fans import fan
 from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from morse.core.groups.group import Group
@@ -39,26 +41,27 @@ def _is_deep(scanner: LaserScanner) -> bool:
     return not _is_flat(scanner)
 
 
-def _once_round(scanner: LaserScanner) -> slice:
-    """Return all rays of a flat fan, without the last ray if it equals the first."""
-    return slice(0, -1) if scanner.scan_window == 360.0 and len(scanner.rays) > 1 else slice(None)
+def _once_round(values: Any, scan_window: float) -> NDArray[np.float64]:
+    """Return the values (..., N) of all rays of a flat fan, without the last ray if it equals the first."""
+    array = np.asarray(values)
+    return array[..., :-1] if scan_window == 360.0 and array.shape[-1] > 1 else array
 
 
-def _ranges(scanner: LaserScanner) -> NDArray[np.float64]:
-    """Return the distances (N,), m; infinite for no hit."""
-    ranges = np.asarray(scanner.local_data["range_list"])[_once_round(scanner)]
-    return np.where(ranges >= scanner.laser_range, np.inf, ranges)
+def _ranges(data: Mapping[str, Any], laser_range: float, scan_window: float) -> NDArray[np.float64]:
+    """Return the distances (..., N), m; infinite for no hit."""
+    ranges = _once_round(data["range_list"], scan_window)
+    return np.where(ranges >= laser_range, np.inf, ranges)
 
 
-def _remissions(scanner: LaserScanner) -> NDArray[np.float64] | None:
-    """Return the remissions (N,) of all rays; None if they are not measured."""
-    data = scanner.local_data
-    return np.asarray(data["remission_list"])[_once_round(scanner)] if "remission_list" in data else None
+def _remissions(data: Mapping[str, Any], scan_window: float) -> NDArray[np.float64] | None:
+    """Return the remissions (..., N) of all rays; None if they are not measured."""
+    return _once_round(data["remission_list"], scan_window) if "remission_list" in data else None
 
 
 def _nearest(scanner: LaserScanner) -> float:
     """The smallest distance, m."""
-    return float(np.min(_ranges(scanner), initial=np.inf))
+    ranges = _ranges(scanner.local_data, scanner.laser_range, scanner.scan_window)
+    return float(np.min(ranges, initial=np.inf))
 
 
 def _hits(scanner: LaserScanner) -> NDArray[np.bool_]:
@@ -86,8 +89,8 @@ def _layer(scanner: LaserScanner) -> NDArray[np.intp]:
 _SEPARATION: dict[str, Any] = {"unit": "deg", "low": -180.0, "high": 180.0}
 _OFFSET: dict[str, Any] = {"unit": "deg", "low": -360.0, "high": 360.0}
 _SCAN: dict[str, Any] = {
-    "ranges": _ranges,
-    "intensities": _remissions,
+    "ranges": computed(_ranges, "laser_range", "scan_window", by_rows=True),
+    "intensities": computed(_remissions, "scan_window", by_rows=True),
     "angle_min": prop("scan_window", scale=-0.5),
     "angle_increment": prop("resolution"),
     "range_min": 0.0,

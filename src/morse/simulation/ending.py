@@ -62,8 +62,9 @@ class Ending:
             self._who, self.interrupts = who, False
             if self._thread is None:
                 self._is_over.clear()
-                self._thread = threading.Thread(target=self._watch, name="morse end", daemon=True)
-                self._thread.start()
+                watch = threading.Thread(target=self._watch, name="morse end", daemon=True)
+                watch.start()  # it may fail: a process may have no thread left
+                self._thread = watch
         try:
             try:
                 function()

@@ -60,7 +60,9 @@ class PublishedData:
             if key in self._told:
                 continue
             self._told.add(key)
-            logger.warning("%s (%s): %s", sensor.name(), type(sensor).__name__, text)
+            # a sensor may publish any number of them
+            line = f"{sensor.name()} ({type(sensor).__name__}): {text}"
+            self._simulation.context.complaints.warn(line, line)
 
 
 def _is_definite(field: DataField) -> bool:

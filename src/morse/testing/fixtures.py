@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from morse.testing.process import SimulationProcess
-from morse.testing.scripts import script_of_function
+from morse.testing.scripts import script_of_function, script_of_text
 from pymorse import Morse
 
 if TYPE_CHECKING:
@@ -39,17 +39,20 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def simulate(tmp_path: Path) -> Iterator[Simulate]:
-    """Runs a scene when it is called: ``simulate(scene, *options, sockets=True, strict=True, on_failure="raise")``.
+    """Runs a scene when it is called: ``simulate(scene, *options, sockets=True)``.
 
-    The scene is a function of a module, or the path of a scene script; the options are those of ``morse run``. The
-    simulation runs in a separate process on its own ports, and the result is a `pymorse.Morse`. With ``sockets=False``
-    it runs in the process of the test, without any port, and the result is the simulation, which has the same methods.
-    Its time passes only while the test requests it, by ``step``, ``get``, ``sleep`` or the result of a service, and the
-    only options are ``--seed`` and ``--speed``. ``step`` then raises the error of a component that fails; with
-    ``on_failure="deactivate"`` the component is deactivated and the error is only logged, as without tests.
+    The scene is a function of a module, the path of a scene script, or the text of one: a text has several lines, and
+    may leave out ``from morse.builder import *`` and ``env = Environment("empty")``. The options are those of
+    ``morse run``. The simulation runs in a separate process on its own ports, and the result is a `pymorse.Morse`. With
+    ``sockets=False`` it runs in the process of the test, without any port, and the result is the
+    `morse.simulation.simulation.Simulation`, which has the same methods. Its time passes only while the test requests
+    it, by ``step``, ``get``, ``sleep`` or the result of a service, and the only options are ``--seed`` and ``--speed``.
+    ``seed=3`` is the same as ``"--seed", "3"``.
 
-    Every simulation ends with the test, which fails if the simulation reported an error. Unless ``strict`` is False, a
-    command with an unknown field or a wrong type is an error.
+    Every simulation ends with the test, which fails if the simulation reported an error. In the process of the test,
+    ``step`` raises the error of a component that fails. With ``on_failure="deactivate"``, errors are only logged and
+    the component is deactivated, as without tests. Unless ``strict`` is False, a command with an unknown field or a
+    wrong type is an error.
     """
     with contextlib.ExitStack() as endings:
         errors: list[str] = []
@@ -60,21 +63,26 @@ def simulate(tmp_path: Path) -> Iterator[Simulate]:
             scene: Callable[[], Any] | str | Path,
             *options: str,
             sockets: bool = True,
+            seed: int | None = None,
             strict: bool = True,
             on_failure: str = "raise",
         ) -> Any:
             nonlocal number
+            name = f"scene{number}"
             number += 1
+            if isinstance(scene, str) and "\n" in scene:
+                text, scene = scene, tmp_path / f"{name}.py"
+                scene.write_text(script_of_text(text, elsewhere=sockets), encoding="utf-8")
+            if seed is not None:
+                options = (*options, f"--seed={seed}")
+            complaints = errors if on_failure == "raise" else []
             if not sockets:
-                return _load(scene, options, strict, on_failure, endings, errors)
-            name = f"scene{number - 1}"
+                return _load(scene, options, strict, on_failure, endings, complaints)
             if callable(scene):
-                script = tmp_path / f"{name}.py"
-                script.write_text(script_of_function(scene), encoding="utf-8")
-            else:
-                script = Path(scene)
+                function, scene = scene, tmp_path / f"{name}.py"
+                scene.write_text(script_of_function(function), encoding="utf-8")
             words = ["--headless", *(["--strict"] if strict else []), *options]
-            return _start(script, tmp_path / f"{name}.log", words, endings, errors)
+            return _start(Path(scene), tmp_path / f"{name}.log", words, endings, complaints)
 
         yield start
 

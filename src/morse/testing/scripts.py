@@ -91,3 +91,15 @@ def script_of_function(function: Callable[[], Any]) -> str:
         "spec.loader.exec_module(module)\n"
         f"module.{function.__qualname__}()\n"
     )
+
+
+def script_of_text(text: str, *, elsewhere: bool = False) -> str:
+    """Return a scene script from a text that may lack the import of the builder, and the environment.
+
+    Args:
+        elsewhere: whether another process runs it, which needs the import path of this one.
+    """
+    paths = f"import sys; sys.path += [path for path in {sys.path!r} if path not in sys.path]\n" if elsewhere else ""
+    begin = "" if "from morse.builder import *" in text else "from morse.builder import *\n"
+    end = "" if "Environment(" in text else '\nenv = Environment("empty")\n'
+    return paths + begin + textwrap.dedent(text) + end

@@ -8,12 +8,12 @@ from collections import deque
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
 from morse.recording.inputs import TOPIC as INPUTS
 from morse.recording.made.writing import TOPIC as MADE
 from morse.recording.motion import TOPICS as MOTION
 from morse.recording.streams import LEFT_OUT
 from morse.rosmsgs.cdr import CdrError, decode
+from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

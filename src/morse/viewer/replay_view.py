@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from morse.recording.fields.reading import RecordedFields
 from morse.simulation.recordings.recorded_timeline import RecordedTimeline
 from morse.viewer import page_messages as page
 from morse.viewer.feeds.recorded_pictures import RecordedPicturesFeed
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from morse.recording.mcap.reader import Channel
     from morse.recording.recording import Recording
     from morse.simulation.recordings.timeline import Timeline
     from morse.simulation.simulation import Simulation
@@ -54,8 +53,6 @@ class ReplayView(View):
         simulation: the simulation of the scene.
         timeline: the recorded run.
         recording: the file of the run.
-        topic: returns the topic of a sensor in the file by the name of the sensor; None for a sensor that does not
-            exist at present.
     """
 
     changeable = False
@@ -65,7 +62,6 @@ class ReplayView(View):
         simulation: Simulation,
         timeline: Timeline | RecordedTimeline,
         recording: Recording,
-        topic: Callable[[str], str | None],
     ) -> None:
         self._timeline = timeline
         self._start = simulation.clock.time
@@ -78,11 +74,11 @@ class ReplayView(View):
         self._network = simulation.context.network
         self._history: Any = _NoHistory()
         self._recorded = timeline if isinstance(timeline, RecordedTimeline) else None
+        fields = RecordedFields(recording)
         if self._recorded is not None:
-            channels = partial(_channels_of, recording, topic)
-            self._feeds[0] = RecordedValuesFeed(simulation.context, self._server, self._recorded, channels)
+            self._feeds[0] = RecordedValuesFeed(simulation.context, self._server, self._recorded, fields)
         self._pictures = RecordedPicturesFeed(
-            simulation.context, self._server, recording, topic, self._time, looks=self._recorded is not None
+            simulation.context, self._server, fields, self._time, looks=self._recorded is not None
         )
         pacer = simulation.pacer
         refused = dict.fromkeys(self._handlers, self._refuse)
@@ -220,14 +216,3 @@ class ReplayView(View):
             self._play(0)
         while not self._ended and (rest := until - time.monotonic()) > 0.0:
             self._simulation.context.wait(rest)
-
-
-def _channels_of(recording: Recording, topic_of: Callable[[str], str | None], name: str) -> list[Channel]:
-    topic = topic_of(name)
-    if topic is None:
-        return []
-    return [
-        channel
-        for channel in recording.channels.values()
-        if channel.topic == topic or channel.topic.startswith(f"{topic}/")
-    ]

@@ -11,6 +11,7 @@ from typing import Any
 
 import msgspec
 
+from morse.core.streams.extent import listed
 from morse.core.streams.local_data import LocalData
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils import Euler, Matrix, Quaternion, Vector
@@ -49,7 +50,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, (set, frozenset)):
         return sorted(value, key=str)  # the order of a set differs between processes
     if hasattr(value, "tolist"):  # numpy arrays and numbers
-        return value.tolist()
+        return listed(value)
     raise TypeError(f"{type(value).__name__} {value!r:.80} cannot be written as JSON")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
+from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from morse.rosmsgs.qos import Qos

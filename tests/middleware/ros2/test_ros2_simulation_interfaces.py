@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from desk import Desk
 
-from morse.middleware.ros2.backends.backend import ServiceServer
+from morse.rosmsgs.topics.backend import ServiceServer
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -228,7 +228,7 @@ def test_nothing_is_imported_unless_a_scene_asks_for_it(tmp_path: Path) -> None:
         f"text = open({str(scene)!r}).read().replace('\"ros2\"', '\"socket\"')\n"
         f"open({str(scene)!r}, 'w').write(text)\n"
         f"with morse.load({str(scene)!r}, sockets=True) as sim: sim.step()\n"
-        "print([name for name in ('rclpy', 'cyclonedds', 'morse.middleware.ros2.datastream') if name in sys.modules])\n"
+        "print([name for name in ('rclpy', 'cyclonedds', 'morse.rosmsgs.topics.manager') if name in sys.modules])\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False)
     assert done.stdout.splitlines()[-1:] == ["[]"], done.stderr

@@ -46,10 +46,15 @@ class Computed(NamedTuple):
     """A function of the data of the component.
 
     Attributes:
-        function: takes the data fields by name, and uses nothing else: it may be called later, in any thread.
+        function: takes the data fields by name and the properties, and uses nothing else: it may be called later, in
+            any thread.
+        properties: names of attributes of the component, in Python.
+        by_rows: whether the function also takes the data of many ticks, whose fields have a first axis of rows.
     """
 
-    function: Callable[[Mapping[str, Any]], Any]
+    function: Callable[..., Any]
+    properties: tuple[str, ...] = ()
+    by_rows: bool = False
 
 
 class Each(NamedTuple):
@@ -96,9 +101,15 @@ def scaled(field: str, factor: float) -> Scaled:
     return Scaled(field, factor)
 
 
-def computed(function: Callable[[Mapping[str, Any]], Any]) -> Computed:
-    """Return a source for a function of the data fields, which uses nothing else of the component."""
-    return Computed(function)
+def computed(function: Callable[..., Any], *properties: str, by_rows: bool = False) -> Computed:
+    """Return a source for a function of the data fields, which uses nothing else of the component.
+
+    Args:
+        function: takes the data fields by name, and the properties.
+        properties: names of properties in Python, whose values are the other arguments.
+        by_rows: whether the function also takes the data of many ticks, whose fields have a first axis of rows.
+    """
+    return Computed(function, properties, by_rows)
 
 
 def each(attribute: str, among: str = "") -> Each:

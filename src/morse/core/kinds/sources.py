@@ -34,6 +34,8 @@ class Source:
     frame = ""
     #: whether `get` uses nothing of the component but ``local_data``
     is_of_data = False
+    #: attributes of the component that `get` uses besides ``local_data``, if it uses only these
+    properties: tuple[str, ...] = ()
 
     @property
     def is_present(self) -> bool:
@@ -44,8 +46,12 @@ class Source:
         """The value, in the unit of the slot; None if there is no value at present."""
         raise NotImplementedError
 
-    def rows(self, columns: Mapping[str, Any]) -> Any:
-        """The values of many messages, with a first axis of rows, from columns of the fields of ``local_data``.
+    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+        """The values of many messages, with a first axis of rows.
+
+        Args:
+            columns: of the fields of ``local_data``.
+            component: an object with the `properties` of the component.
 
         Raises:
             TypeError: the values have to be read one by one.
@@ -76,7 +82,7 @@ class Constant(Source):
         """The constant."""
         return self._value
 
-    def rows(self, columns: Mapping[str, Any]) -> Any:
+    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
         """The constant."""
         return self._value
 
@@ -86,11 +92,16 @@ class FromProperty(Source):
 
     def __init__(self, source: Prop, factor: float, offset: float) -> None:
         self._name, self._factor, self._offset = source.name, factor * source.scale, offset
+        self.properties = (source.name,)
 
     def get(self, component: Any) -> Any:
         """The property, in the unit of the slot."""
         value = getattr(component, self._name)
         return value if isinstance(value, (str, bool)) else value * self._factor + self._offset
+
+    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+        """The property, in the unit of the slot."""
+        return self.get(component)
 
 
 class FromFunction(Source):
@@ -107,14 +118,21 @@ class FromFunction(Source):
 class FromData(Source):
     """A function of the data; its frame is the frame of the field with the name of the slot, if there is one."""
 
-    is_of_data = True
+    def __init__(self, source: Computed, frame: str) -> None:
+        self._function, self.properties, self._by_rows = source
+        self.frame = frame
+        self.is_of_data = not self.properties
 
-    def __init__(self, function: Callable[[Any], Any], frame: str) -> None:
-        self._function, self.frame = function, frame
+    def _call(self, data: Any, component: Any) -> Any:
+        return self._function(data, *[getattr(component, name) for name in self.properties])
 
     def get(self, component: Any) -> Any:
         """The return value of the function."""
-        return self._function(component.local_data)
+        return self._call(component.local_data, component)
+
+    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+        """The return value of the function."""
+        return self._call(columns, component) if self._by_rows else super().rows(columns, component)
 
 
 class FromField(Source):
@@ -141,7 +159,7 @@ class FromField(Source):
             else (value * self._factor + self._offset)
         )
 
-    def rows(self, columns: Mapping[str, Any]) -> Any:
+    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
         """The column of the field, in the unit of the slot."""
         column = columns[self._name]
         return column if self._plain else numeric(column) * self._factor + self._offset
@@ -168,7 +186,7 @@ class Stack(Source):
         data = component.local_data
         return [0.0 if name is None else data[name] * a + b for name, (a, b) in self._parts]
 
-    def rows(self, columns: Mapping[str, Any]) -> Any:
+    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
         """The columns side by side."""
         import numpy as np
 
@@ -243,7 +261,7 @@ class FromEuler(Source):
         roll, pitch, yaw = angles
         return quaternion_of(roll * factor, pitch * factor, yaw * factor)
 
-    def rows(self, columns: Mapping[str, Any]) -> Any:
+    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
         """The quaternions (R, 4)."""
         import numpy as np
 
@@ -313,7 +331,7 @@ def source_of(slot: Slot, given: Any, fields: Mapping[str, DataField], units: Ma
         _check_shape(slot, given.field, field)
         return FromField(given.field, field, given.factor, 0.0)
     if isinstance(given, Computed):
-        return FromData(given.function, fields[slot.name].frame if slot.name in fields else "")
+        return FromData(given, fields[slot.name].frame if slot.name in fields else "")
     if isinstance(given, Mapped):
         _field(given.field, fields)
         unknown = [word for word in given.words.values() if slot.choices and word not in slot.choices]

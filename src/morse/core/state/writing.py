@@ -48,6 +48,8 @@ if TYPE_CHECKING:
 AS_IS = ["as is"]
 #: maximum nesting depth of lists, dictionaries and objects; `Reader` accepts a little more
 DEEPEST = 150
+#: largest array: a number that is broadcast stands for any number of bytes
+_MOST_BYTES = 1 << 30
 _PLAIN = frozenset((type(None), bool, float, bytes))
 _LARGEST = 2**63
 _DICTS: dict[type, str] = {dict: "dict", OrderedDict: "ordered dict", LocalData: "local data", Counter: "counter"}
@@ -247,6 +249,8 @@ class Writer:
             if value.dtype.names is not None:
                 return self._cannot_be_saved(value, "array of structures that hold objects")
             return ["objects", list(value.shape), [self.value(item) for item in value.ravel().tolist()]]
+        if value.nbytes > _MOST_BYTES:
+            return self._cannot_be_saved(value, f"an array of {value.nbytes:,} bytes; at most {_MOST_BYTES:,}")
         kind, root = arrays.type_of(value.dtype), arrays.root_of(value)
         # a small view of a large array without other references is saved without its root
         shared = root is not value and (id(root) in self._numbers or root.nbytes == value.nbytes)

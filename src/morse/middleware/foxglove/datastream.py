@@ -6,24 +6,24 @@ from typing import Any
 
 from morse.middleware.foxglove.hub import FoxgloveHub
 from morse.middleware.foxglove.mapping import MANAGER_OPTIONS
-from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.middleware.rosbridge import json_form
 from morse.middleware.web.hub import hub_of
 from morse.middleware.web.topics import WebTopics
+from morse.rosmsgs.topics.manager import TopicManager
 
 
 class FoxgloveTopics(WebTopics):
     """Topics whose messages are CDR; clients may also send JSON."""
 
     def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
-        """See `morse.middleware.ros2.backends.backend.Backend.decode`."""
+        """See `morse.rosmsgs.topics.backend.Backend.decode`."""
         # the first byte of CDR is 0, that of JSON never
         if data[:1] == b"\0":
             return super().decode(type_name, data)
         return json_form.decode(type_name, data)
 
 
-class FoxgloveDatastreamManager(Ros2DatastreamManager):
+class FoxgloveDatastreamManager(TopicManager):
     """The topics, messages and frames of ROS 2, for Foxglove.
 
     Options of ``env.configure_stream_manager('foxglove', ...)`` are in `morse.middleware.foxglove.mapping`.

@@ -12,8 +12,8 @@ from morse.middleware.ros.node import RospyBackend
 from morse.middleware.ros.old_names import class_path
 from morse.middleware.ros.rosout import LogTopicOfRos1
 from morse.middleware.ros.transforms import TransformsOf14
-from morse.middleware.ros2.datastream import TF, Ros2DatastreamManager
 from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.topics.manager import TF, TopicManager
 
 if TYPE_CHECKING:
     from typing import Any
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
     from morse.middleware.ros.own_classes import ROSPublisher, ROSSubscriber
-    from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
+    from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
     from morse.scene import StreamDeclaration
 
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _OWN = Qos(10)
 
 
-class ROSDatastreamManager(Ros2DatastreamManager):
+class ROSDatastreamManager(TopicManager):
     """Topics of ROS 1: the messages and frames of MORSE 1.4, and those of ROS 2 for all other components.
 
     Options of ``env.configure_stream_manager('ros', ...)`` are in `morse.middleware.ros.mapping`.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
-from morse.middleware.ros2.mapping import STREAM_OPTIONS as ROS2_OPTIONS
+from morse.rosmsgs.options import STREAM_OPTIONS as ROS2_OPTIONS
 
 INSTALL = "sudo apt install python3-rospy python3-rosmaster python3-sensor-msgs python3-nav-msgs python3-tf2-msgs"
 

@@ -16,7 +16,7 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros.mapping import INSTALL
 from morse.middleware.ros.master import MasterWatch
 from morse.middleware.ros.messages import message, message_class, plain
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
+from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from morse.core.object import Object
     from morse.middleware.ros.datastream import ROSDatastreamManager
-    from morse.middleware.ros2.backends.backend import Publisher, Subscription
+    from morse.rosmsgs.topics.backend import Publisher, Subscription
 
 _SECOND = 1e9
 #: value of `ROSPublisher.default_frame_id`: the frame has the name of the topic

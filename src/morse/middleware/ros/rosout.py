@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.middleware.ros2.rosout import LogTopic, text_of
 from morse.rosmsgs.parts import header_at
 from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.topics.rosout import LogTopic, text_of
 
 if TYPE_CHECKING:
     import logging

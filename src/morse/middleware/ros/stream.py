@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from morse.middleware.ros.kinds import Ros1Topics
 from morse.middleware.ros.mapping import STREAM_OPTIONS
-from morse.middleware.ros2.stream import Ros2Stream, Sending
 from morse.rosmsgs.kinds.states import joint_state
 from morse.rosmsgs.poses import pose_of
+from morse.rosmsgs.topics.stream import Sending, TopicStream
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,7 +25,7 @@ _OF_1_4 = {"pose": "/map", "odometry": "/odom", "imu": "/imu", "scan": "/base_la
 _CHILD = "/base_footprint"
 
 
-class RosStream(Ros2Stream):
+class RosStream(TopicStream):
     """Sends the messages of a component with the frame names of 1.4 or of REP 105."""
 
     options = STREAM_OPTIONS
@@ -43,11 +43,11 @@ class RosStream(Ros2Stream):
         return _OF_1_4.get(kind, topic)
 
     def child_frame_id(self) -> str:
-        """See `Ros2Stream.child_frame_id`."""
+        """See `TopicStream.child_frame_id`."""
         return str(self.kwargs["child_frame_id"] or _CHILD) if self._is_of_1_4() else super().child_frame_id()
 
     def ports(self, bound: BoundKind) -> list[Any]:
-        """See `Ros2Stream.ports`; the option ``topic_suffix`` replaces ``image``."""
+        """See `TopicStream.ports`; the option ``topic_suffix`` replaces ``image``."""
         suffix = self.kwargs["topic_suffix"]
         found = super().ports(bound)
         if self._merges_joints():

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast
 
-from morse.middleware.ros2.transforms import Transforms
+from morse.rosmsgs.topics.transforms import Transforms
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.middleware.ros.stream import Frame, RosStream
-    from morse.middleware.ros2.transforms import RobotFrames
+    from morse.rosmsgs.topics.transforms import RobotFrames
 
 
 class TransformsOf14(Transforms):

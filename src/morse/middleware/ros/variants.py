@@ -31,7 +31,7 @@ class PosePublisher(RosStream):
     """``geometry_msgs/Pose``, without stamp and frame."""
 
     def ports(self, bound: BoundKind) -> list[Any]:
-        """See `Ros2Stream.ports`."""
+        """See `TopicStream.ports`."""
         if bound.kind.name != "pose" or not bound.has("orientation"):
             return super().ports(bound)
         return [Outlet("geometry_msgs/msg/Pose", lambda m, f: pose_message(m))]
@@ -41,7 +41,7 @@ class PoseWithCovarianceStampedPublisher(RosStream):
     """A pose with the covariance of its noise; all zeros if it is unknown."""
 
     def ports(self, bound: BoundKind) -> list[Any]:
-        """See `Ros2Stream.ports`."""
+        """See `TopicStream.ports`."""
         if bound.kind.name != "pose" or bound.has("covariance") or not bound.has("orientation"):
             return super().ports(bound)
         return [
@@ -56,7 +56,7 @@ class _OnlyTransforms(RosStream):
     """No messages of its own."""
 
     def ports(self, bound: BoundKind) -> list[Any]:
-        """See `Ros2Stream.ports`."""
+        """See `TopicStream.ports`."""
         return []
 
 
@@ -100,7 +100,7 @@ class TwistPublisher(RosStream):
     """The velocity of an accelerometer as ``TwistStamped``, without the angular velocity, which is not measured."""
 
     def ports(self, bound: BoundKind) -> list[Any]:
-        """See `Ros2Stream.ports`."""
+        """See `TopicStream.ports`."""
         if bound.kind.name != "accel":
             return super().ports(bound)
         data = self.component_instance.local_data
@@ -127,7 +127,7 @@ class RangePublisher(RosStream):
     """The shortest distance of a laser scanner as ``Range``."""
 
     def ports(self, bound: BoundKind) -> list[Any]:
-        """See `Ros2Stream.ports`."""
+        """See `TopicStream.ports`."""
         if bound.kind.name != "scan":
             return super().ports(bound)
         scanner: Any = self.component_instance
@@ -148,7 +148,7 @@ class Pose2DReader(RosStream):
     """A target from ``Pose2D``; the height and the orientation are kept."""
 
     def ports(self, bound: BoundKind) -> list[Any]:
-        """See `Ros2Stream.ports`."""
+        """See `TopicStream.ports`."""
         if bound.kind.name != "pose":
             return super().ports(bound)
         data = self.component_instance.local_data
@@ -159,7 +159,7 @@ class SemanticCameraPublisherLisp(RosStream):
     """The recognised objects as a list of Lisp, see `as_lisp`."""
 
     def ports(self, bound: BoundKind) -> list[Any]:
-        """See `Ros2Stream.ports`."""
+        """See `TopicStream.ports`."""
         if bound.kind.name != "detections":
             return super().ports(bound)
         data = self.component_instance.local_data

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
-    from morse.middleware.ros2.backends.backend import Backend
     from morse.middleware.ros2.feedback import Feedback
+    from morse.rosmsgs.topics.backend import Backend
 
 #: constants of action_msgs/GoalStatus
 _UNKNOWN, _EXECUTING, _SUCCEEDED, _CANCELED, _ABORTED = 0, 2, 4, 5, 6

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -16,9 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.context import Context
-    from morse.middleware.ros2.backends.backend import Backend
-
-logger = logging.getLogger(__name__)
+    from morse.rosmsgs.topics.backend import Backend
 
 _joined: WeakKeyDictionary[Context, Backend] = WeakKeyDictionary()
 
@@ -47,13 +44,6 @@ def join(context: Context, options: Mapping[str, Any]) -> Backend:
     made.users = 1
     _joined[context] = made
     return made
-
-
-def announce(backend: Backend, title: str) -> None:
-    """Log once what a backend has opened."""
-    if not backend.announced:
-        backend.announced = True
-        logger.info("%s: %s, %s", title, backend.name, backend.opens)
 
 
 def _domain(options: Mapping[str, Any]) -> int:

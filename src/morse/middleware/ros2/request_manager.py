@@ -11,11 +11,12 @@ from morse.core.exceptions import MorseError
 from morse.core.status import FAILED, SUCCESS
 from morse.middleware.ros2.actions import ActionServer
 from morse.middleware.ros2.calls import Call
-from morse.middleware.ros2.domain import announce, join, options_of
+from morse.middleware.ros2.domain import join, options_of
 from morse.middleware.ros2.feedback import Feedback
 from morse.middleware.ros2.simulation_interfaces import SimulationInterfaces
 from morse.rosmsgs.cdr import CdrError
 from morse.rosmsgs.names import Names, cleaned
+from morse.rosmsgs.topics.backend import announce
 
 if TYPE_CHECKING:
     import uuid
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
-    from morse.middleware.ros2.backends.backend import Backend, ServiceServer
+    from morse.rosmsgs.topics.backend import Backend, ServiceServer
 
 logger = logging.getLogger(__name__)
 

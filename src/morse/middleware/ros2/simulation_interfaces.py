@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
-    from morse.middleware.ros2.backends.backend import Backend, ServiceServer
+    from morse.rosmsgs.topics.backend import Backend, ServiceServer
 
     _Reply = Callable[[dict[str, Any]], object]
 

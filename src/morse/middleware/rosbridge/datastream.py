@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.middleware.rosbridge import json_form
 from morse.middleware.rosbridge.hub import RosbridgeHub
 from morse.middleware.rosbridge.mapping import MANAGER_OPTIONS
 from morse.middleware.web.hub import hub_of
 from morse.middleware.web.topics import WebTopics
+from morse.rosmsgs.topics.manager import TopicManager
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,15 +19,15 @@ class RosbridgeTopics(WebTopics):
     """Topics with messages in JSON."""
 
     def encode(self, type_name: str, message: Mapping[str, Any]) -> bytes:
-        """See `morse.middleware.ros2.backends.backend.Backend.encode`."""
+        """See `morse.rosmsgs.topics.backend.Backend.encode`."""
         return json_form.encode(type_name, message)
 
     def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
-        """See `morse.middleware.ros2.backends.backend.Backend.decode`."""
+        """See `morse.rosmsgs.topics.backend.Backend.decode`."""
         return json_form.decode(type_name, data)
 
 
-class RosbridgeDatastreamManager(Ros2DatastreamManager):
+class RosbridgeDatastreamManager(TopicManager):
     """The topics, messages and frames of ROS 2, as JSON over WebSocket.
 
     Options of ``env.configure_stream_manager('rosbridge', ...)`` are in `morse.middleware.rosbridge.mapping`.

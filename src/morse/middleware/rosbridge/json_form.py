@@ -13,6 +13,7 @@ import numpy as np
 
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short, shown
+from morse.core.streams.extent import listed
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def _list_writer(field: MessageField) -> Callable[[Any], list[Any]]:
     def write(value: Any) -> list[Any]:
         if value is None:
             return [single(None)] * field.size
-        items = value.tolist() if hasattr(value, "tolist") else list(value)
+        items = listed(value) if hasattr(value, "tolist") else list(value)
         if field.size not in (SEQUENCE, len(items)):
             raise ValueError(f"field '{field.name}' has {field.size} items, not {len(items)}")
         return items if field.type in PRIMITIVES else [single(item) for item in items]

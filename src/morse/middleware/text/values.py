@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from morse.core.streams.extent import listed
+
 
 def written(value: Any) -> str:
     """The value on one line; arrays as lists, a set in a fixed order."""
@@ -12,7 +14,7 @@ def written(value: Any) -> str:
 
 def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # numpy
-        return value.tolist()
+        return listed(value)
     if isinstance(value, dict):
         return {name: _plain(inner) for name, inner in value.items()}
     if type(value) in (list, tuple):

@@ -9,7 +9,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 from morse.core.clients.complaints import Complaints
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
+from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from morse.core.context import Context

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.streams.extent import listed
 from morse.wire.encoding import plain
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def _list(values: Any, depth: int) -> tuple[int, bytes]:
     if isinstance(values, np.ndarray):
         if values.ndim == 1 and values.dtype.kind == "f":
             return LIST | FLOAT64, _SIZE.pack(len(values)) + values.astype("<f8").tobytes()
-        values = values.tolist()
+        values = listed(values)
     items = [_item(value, depth + 1) for value in values]
     count = _SIZE.pack(len(items))
     tags = {tag for tag, _ in items}

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: number of values of a row in the flat list
 _STRIDE = 3
+#: number of rows after which their size is determined again
+_LOOK = 16
 
 
 class Rows(NamedTuple):
@@ -46,7 +48,7 @@ class Columns:
         live: return values that do not follow from the fields.
 
     Attributes:
-        size: approximate size of a row, bytes; the values of other types than numbers are not included.
+        size: approximate size of a row, bytes.
     """
 
     def __init__(
@@ -64,6 +66,7 @@ class Columns:
         self._live = list(live)
         self._is_plain = not (self._others or self._live)
         self.size = self._dtype.itemsize
+        self._kept = 0
         # each operation on a list is atomic: the simulation appends, and only the thread of the recording removes
         self._rows: list[Any] = []
 
@@ -80,7 +83,10 @@ class Columns:
         others = [values[index] if way is None else way(values[index]) for index, way in self._others]
         others += [live() for live in self._live]
         self._rows += (tick, packed, others)
-        return self.size + sum(map(_size, others))
+        self._kept += 1
+        if self._kept % _LOOK == 1:
+            self.size = self._dtype.itemsize + sum(map(_size, others))
+        return self.size
 
     def take(self, until: int) -> Rows | None:
         """Return the rows up to a tick, and forget them; None if there are none."""

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.context import Context
-    from morse.middleware.ros2.transforms import Transforms
     from morse.recording.fields.messages import Batch
     from morse.recording.motion import Motion
     from morse.recording.streams import Tape
+    from morse.rosmsgs.topics.transforms import Transforms
 
 #: number of values of a tick in the flat list
 _STRIDE = 5

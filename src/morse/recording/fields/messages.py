@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -33,6 +34,7 @@ class Line(NamedTuple):
         outlet: makes its messages.
         frame: frame of its messages.
         bound: the kind.
+        properties: names of the attributes of the component whose values are the first ones in `Rows.live`.
         slots: of each slot of the kind, the place of its values in `Rows.live`; None if it follows from the fields.
         message: place in `Rows.live` of messages of the kind, if these are kept; else None.
         ready: place in `Rows.live` of encoded messages, if the tick encodes them; else None.
@@ -43,6 +45,7 @@ class Line(NamedTuple):
     outlet: Outlet
     frame: str
     bound: BoundKind
+    properties: Sequence[str] = ()
     slots: Sequence[int | None] = ()
     message: int | None = None
     ready: int | None = None
@@ -88,6 +91,8 @@ def messages_of(
 def _alike(line: Line, rows: Rows) -> list[NDArray[np.intp]]:
     """The rows whose messages differ only in numbers."""
     live = [rows.live[place] for place in line.slots if place is not None]
+    if line.properties:
+        live.append(rows.live[0])
     names = {name for _, source in line.bound.sources for name in source.fields}
     others = [rows.columns[str(name)] for name in sorted(map(str, names)) if type(rows.columns.get(str(name))) is tuple]
     if not live and not others:
@@ -112,8 +117,11 @@ def _form(value: Any) -> Any:
 
 def _together(line: Line, rows: Rows, stamps: NDArray[np.int64], chosen: NDArray[np.intp]) -> Batch:
     columns = _Chosen(rows.columns, chosen)
+    component = _attributes(line, rows, int(chosen[0]))
     values = [
-        source.rows(columns) if place is None else _stacked([rows.live[place][row] for row in chosen.tolist()])
+        source.rows(columns, component)
+        if place is None
+        else _stacked([rows.live[place][row] for row in chosen.tolist()])
         for (_, source), place in zip(line.bound.sources, line.slots, strict=True)
     ]
     message = line.bound.message_of_rows(values, stamps[chosen])
@@ -130,6 +138,9 @@ class _Chosen(dict[str, Any]):
     def __init__(self, columns: Mapping[str, Any], chosen: NDArray[np.intp]) -> None:
         super().__init__()
         self._columns, self._chosen = columns, chosen
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
 
     def __missing__(self, name: str) -> Any:
         column = self._columns[name]
@@ -159,7 +170,8 @@ def _stacked(values: Sequence[Any]) -> Any:
 
 
 def _message(line: Line, rows: Rows, stamp: int, row: int) -> Message:
-    holder = _Holder({name: _at(column, row) for name, column in rows.columns.items()})
+    holder = _attributes(line, rows, row)
+    holder.local_data = {name: _at(column, row) for name, column in rows.columns.items()}
     values = [
         source.get(holder) if place is None else rows.live[place][row]
         for (_, source), place in zip(line.bound.sources, line.slots, strict=True)
@@ -167,9 +179,9 @@ def _message(line: Line, rows: Rows, stamp: int, row: int) -> Message:
     return line.bound.message_of(values, stamp)
 
 
-class _Holder:
-    def __init__(self, data: dict[str, Any]) -> None:
-        self.local_data = data
+def _attributes(line: Line, rows: Rows, row: int) -> SimpleNamespace:
+    """The attributes of the component in a tick."""
+    return SimpleNamespace(**dict(zip(line.properties, rows.live[0][row], strict=True)) if line.properties else {})
 
 
 def _at(column: Any, row: int) -> Any:

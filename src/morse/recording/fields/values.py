@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.core.state import NoReferences, Reader, Writer
+from morse.core.streams.local_data import Later
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,6 +36,7 @@ class Keeper:
             **dict.fromkeys((float, int, bool, str, np.float64), _itself),
             np.ndarray: self._array,
             list: self._list,
+            Later: self._made,
         }
 
     def kept(self, value: Any) -> Any:
@@ -60,6 +62,10 @@ class Keeper:
         copy = value.copy()
         copy.flags.writeable = False
         return copy
+
+    def _made(self, value: Any) -> Any:
+        """A value that was made for the recording."""
+        return value if type(value) is np.ndarray and value.dtype.kind in "biuf" else self.kept(value)
 
     def _list(self, value: list[Any]) -> Any:
         return value[:] if _CONSTANT.issuperset(map(type, value)) else self.written(value)

@@ -116,7 +116,6 @@ class ComponentForm(msgspec.Struct, forbid_unknown_fields=True):
 
     Attributes:
         classes: class paths: of its class, and of the classes from which that is derived.
-        topic: options of its stream of ROS 2, which name its topic.
         modifiers: class paths and options.
         wheels: names of the nodes of the wheels of a robot; None for a component without wheels.
         realism: see `morse.scene.realism.RealismModel`.
@@ -129,7 +128,6 @@ class ComponentForm(msgspec.Struct, forbid_unknown_fields=True):
     classes: list[str]
     frequency: float | None
     level: str | None
-    topic: dict[str, Any]
     modifiers: list[tuple[str, dict[str, Any]]]
     wheels: list[str] | None
     realism: RealismModel | None
@@ -151,11 +149,9 @@ class SceneForm(msgspec.Struct, forbid_unknown_fields=True):
 
     Attributes:
         zones: name of the node and type of each zone.
-        naming: options of the stream manager of ROS 2, which name the topics.
     """
 
     environment: str
     settings: Settings
     properties: dict[str, Any]
     zones: list[tuple[str, str]]
-    naming: dict[str, Any]

@@ -13,7 +13,6 @@ import numpy as np
 from morse.core.classes.classpath import load_class
 from morse.core.declarations import fields_of_component
 from morse.core.exceptions import MorseError
-from morse.middleware.ros2.mapping import MIDDLEWARE
 from morse.recording.made import form
 from morse.scene.settings import Settings
 
@@ -167,7 +166,6 @@ class Packing:
         return known
 
     def _component(self, declared: ComponentDeclaration) -> form.ComponentForm:
-        topics = [stream.options for stream in declared.streams if stream.manager == MIDDLEWARE.stream_manager]
         return form.ComponentForm(
             self._places[declared.node],
             self._places[declared.robot],
@@ -175,7 +173,6 @@ class Packing:
             _classes(declared.classpath, self._objects.get(declared.name)),
             declared.frequency,
             declared.level,
-            _plain_items(topics[0] if topics else {}),
             [(modifier.classpath, _plain_items(modifier.options)) for modifier in declared.modifiers],
             declared.options.get("wheels"),  # type: ignore[arg-type]
             declared.options.get("realism"),  # type: ignore[arg-type]
@@ -195,7 +192,6 @@ def scene_to_bytes(scene: Scene) -> bytes:
             msgspec.convert(_plain(asdict(scene.settings)), Settings),
             _plain_items(scene.properties),
             [(zone.node.name, zone.type) for zone in scene.zones],
-            _plain_items(scene.manager_options.get(MIDDLEWARE.stream_manager or "", {})),
         )
     )
 

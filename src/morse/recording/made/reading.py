@@ -73,9 +73,6 @@ class RecordedMade:
         exact: whether an object is refused that is not complete, with the classes of all its components.
         all_kinds: whether objects are described as well whose input names a kind, which creates the same object.
 
-    Attributes:
-        topics: options that name the topics of the components of created objects, by the name of the component.
-
     Raises:
         RecordingError: the names are damaged.
     """
@@ -91,7 +88,6 @@ class RecordedMade:
         self._recording, self._modules, self._exact = recording, modules, exact
         self._blocks: dict[str, bytes] = {}
         self._size = 0
-        self.topics: dict[str, dict[str, Any]] = {}
         self._said: set[str] = set()
         self._descriptions: dict[int, dict[str, Description]] = {}
         try:
@@ -111,8 +107,8 @@ class RecordedMade:
         """Whether a recording describes the scene; those of the inputs alone, and of earlier versions, do not."""
         return SCENE in recording.attachments and OBJECTS in recording.attachments
 
-    def scene(self) -> tuple[Scene, dict[str, Any]]:
-        """Return the scene at the launch, and the options of ROS 2 that name the topics.
+    def scene(self) -> Scene:
+        """Return the scene at the launch.
 
         Raises:
             RecordingError: the description is damaged.
@@ -122,7 +118,6 @@ class RecordedMade:
             raise RecordingError(f"the class of {quoted(unlike[0])} is not a part of MORSE")
         for name in made.omitted:
             self._say_once(f"{quoted(name)} is not shown: its class is not a part of MORSE")
-        self.topics |= made.topics
         return unpacked_scene(self._attached(SCENE), made)
 
     @property
@@ -168,7 +163,6 @@ class RecordedMade:
             raise
         for name in made.omitted:
             self._say_once(f"{quoted(name)} is not shown: its class is not a part of MORSE or of this project")
-        self.topics |= made.topics
         return Newcomer(made.roots, made.components)
 
     def _say_once(self, text: str) -> None:

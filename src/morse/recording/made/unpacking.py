@@ -58,7 +58,6 @@ class Unpacking:
 
     Attributes:
         roots, components: of the object.
-        topics: options that name the topics of a component, by its name.
         omitted: names of components without such a class.
         replaced: names of components with a class from which their own class is derived, or without a modifier.
 
@@ -68,7 +67,6 @@ class Unpacking:
 
     def __init__(self, data: bytes, block: Callable[[str], bytes], class_of: Callable[[list[str]], str | None]) -> None:
         self._block, self._class_of = block, class_of
-        self.topics: dict[str, dict[str, Any]] = {}
         self.omitted: list[str] = []
         self.replaced: list[str] = []
         try:
@@ -176,7 +174,6 @@ class Unpacking:
         if classpath is None:
             self.omitted.append(node.name)
             return None
-        self.topics[node.name] = one.topic
         unlike = classpath != one.classes[0]
         if one.panel is not None and classpath in STAND_INS:
             _check(len(one.panel.fields) <= _MOST_FIELDS, f"{len(one.panel.fields)} fields")
@@ -197,8 +194,8 @@ class Unpacking:
         )
 
 
-def unpacked_scene(data: bytes, objects: Unpacking) -> tuple[Scene, dict[str, Any]]:
-    """The scene of some objects, and the options that name the topics.
+def unpacked_scene(data: bytes, objects: Unpacking) -> Scene:
+    """The scene of some objects.
 
     Args:
         data: from `morse.recording.made.packing.scene_to_bytes`.
@@ -217,7 +214,7 @@ def unpacked_scene(data: bytes, objects: Unpacking) -> tuple[Scene, dict[str, An
         zones = [Zone(nodes[name], kind) for name, kind in found.zones]
     except _DAMAGED as error:
         raise RecordingError(f"the description of the scene is damaged: {error}") from None
-    scene = Scene(
+    return Scene(
         environment=found.environment[:_LONGEST_NAME],
         roots=objects.roots,
         components=objects.components,
@@ -225,7 +222,6 @@ def unpacked_scene(data: bytes, objects: Unpacking) -> tuple[Scene, dict[str, An
         settings=settings,
         properties=found.properties,
     )
-    return scene, found.naming
 
 
 def _numbers(value: Any) -> Iterator[float]:

@@ -22,7 +22,7 @@ from morse.recording.inputs import TYPE as INPUTS_TYPE
 from morse.recording.inputs import as_message
 from morse.recording.mcap.records import Message
 from morse.recording.mcap.writer import McapWriter
-from morse.recording.recorder import BEGINNING, END, MEDIA_TYPE, Beginning, Recorder
+from morse.recording.recorder import BEGINNING, END, FORMAT, MEDIA_TYPE, PRESENT, Beginning, Recorder
 from morse.rosmsgs.definitions import definition
 from morse.simulation.recordings.input_recording import entry_to_bytes, waiting_to_bytes
 from morse.simulation.states.own_state import InputsState
@@ -93,7 +93,9 @@ def write_inputs(
     """
     beginning = _beginning(simulation, ())
     writer = McapWriter(file)
-    writer.metadata(BEGINNING, {**beginning.facts, "seed": str(seed), "tick": str(start.tick if start else 0)})
+    writer.metadata(
+        BEGINNING, {FORMAT: str(PRESENT), **beginning.facts, "seed": str(seed), "tick": str(start.tick if start else 0)}
+    )
     for name, data in beginning.files.items():
         if name != STATE:
             writer.attachment(name, MEDIA_TYPE, data)

@@ -9,7 +9,7 @@ from morse.core.context import acting
 from morse.core.modifier import AbstractModifier
 from morse.core.object import Object
 from morse.core.overlay import MorseOverlay
-from morse.core.reports.faults import describe
+from morse.core.reports.faults import ENDINGS, describe
 from morse.core.state import NoReferences, Reader, StateError, Writer
 from morse.simulation.states.own_state import ClockState, ControlsState, InputsState, check_population
 from morse.simulation.states.state import State
@@ -149,7 +149,9 @@ class Saving:
                     holder.set_state(read)
                 except StateError as error:
                     raise StateError(f"{name}: {error}") from None
-                except Exception as error:
+                except ENDINGS:
+                    raise
+                except BaseException as error:
                     raise StateError(f"{name}: {describe(error)}") from error
 
     def _own_holders(self) -> Iterator[tuple[str, Any]]:
@@ -182,7 +184,9 @@ class Saving:
 def _state_of(name: str, holder: Any) -> Any:
     try:
         return holder.get_state()
-    except Exception as error:
+    except ENDINGS:
+        raise
+    except BaseException as error:  # of a component of the user
         raise StateError(f"{name} cannot be saved: {describe(error)}") from error
 
 

@@ -13,7 +13,7 @@ from morse.core.colors.image_colors import as_pixels, depth_levels, is_picture, 
 from morse.viewer.view_messages import Picture, Sighting
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from numpy.typing import NDArray
 
@@ -65,12 +65,17 @@ class PicturesFeed:
 
     def shot(self, _name: str, component: Any) -> Shot | None:
         """The last image of a camera."""
-        image = component.local_data.get("image")
-        if not is_picture(image):
-            return None
-        data = component.local_data
-        top_first = image if getattr(component, "vertical_flip", True) else image[::-1]
-        return Shot(top_first, image, float(data.get("timestamp", 0.0)), data.get("objects", ()))
+        return shot_of(component, component.local_data)
+
+
+def shot_of(component: Any, data: Mapping[str, Any]) -> Shot | None:
+    """The image in the data of a camera; None if there is none."""
+    image = data.get("image")
+    if not is_picture(image):
+        return None
+    top_first = image if getattr(component, "vertical_flip", True) else image[::-1]
+    time = data.get("timestamp", 0.0)
+    return Shot(top_first, image, time if isinstance(time, float) else 0.0, data.get("objects", ()))
 
 
 def picture_of(name: str, component: Any, shot: Shot) -> Picture:

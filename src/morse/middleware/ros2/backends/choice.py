@@ -12,7 +12,7 @@ from morse.middleware.ros2.mapping import BACKENDS, INSTALL
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.middleware.ros2.backends.backend import Backend
+    from morse.rosmsgs.topics.backend import Backend
 
 _CLASSES = {
     "rclpy": "morse.middleware.ros2.backends.ros_client.RclpyBackend",

@@ -24,9 +24,9 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
 from morse.middleware.ros2.backends.cyclone_types import sample_type
 from morse.middleware.ros2.backends.loopback import Confined, confined, described
+from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

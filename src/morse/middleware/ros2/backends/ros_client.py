@@ -16,8 +16,8 @@ from rclpy.context import Context
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros2.backends.backend import Backend, Publisher, ServiceServer, Subscription
 from morse.middleware.ros2.backends.loopback import Confined, confined, described
+from morse.rosmsgs.topics.backend import Backend, Publisher, ServiceServer, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

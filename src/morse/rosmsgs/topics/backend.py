@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.rosmsgs.qos import Qos
+
+logger = logging.getLogger(__name__)
 
 
 class Publisher(ABC):
@@ -158,3 +161,10 @@ class Backend(ABC):
         self.users -= 1
         if self.users <= 0:
             self.close()
+
+
+def announce(backend: Backend, title: str) -> None:
+    """Log once what a backend has opened."""
+    if not backend.announced:
+        backend.announced = True
+        logger.info("%s: %s, %s", title, backend.name, backend.opens)

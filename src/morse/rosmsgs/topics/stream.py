@@ -10,9 +10,9 @@ from zlib import crc32
 import numpy as np
 
 from morse.core.streams.kind_stream import KindStream
-from morse.middleware.ros2.mapping import STREAM_OPTIONS
 from morse.rosmsgs.cdr import CdrError, encode_stamped
 from morse.rosmsgs.component import ComponentMessages, kinds_of
+from morse.rosmsgs.options import STREAM_OPTIONS
 from morse.rosmsgs.poses import pose_of, product, quaternion_of
 from morse.rosmsgs.sizes import check_size
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind, Message
     from morse.helpers.transformation import Transformation3d
-    from morse.middleware.ros2.backends.backend import Publisher, Subscription
-    from morse.middleware.ros2.datastream import Ros2DatastreamManager
-    from morse.middleware.ros2.together import Together
     from morse.rosmsgs.outlets import Inlet, Outlet
+    from morse.rosmsgs.topics.backend import Publisher, Subscription
+    from morse.rosmsgs.topics.manager import TopicManager
+    from morse.rosmsgs.topics.together import Together
 
 #: number of actions without a message after which a stream checks for senders of another type
 _PATIENCE = 120
@@ -46,11 +46,11 @@ class _Hearing(NamedTuple):
     subscription: Subscription
 
 
-class Ros2Stream(KindStream, ComponentMessages):
+class TopicStream(KindStream, ComponentMessages):
     """Sends the messages of a component on their topics, or writes received messages into the component."""
 
     options = STREAM_OPTIONS
-    manager: Ros2DatastreamManager
+    manager: TopicManager
 
     def initialize(self) -> None:
         """Open the topics.

@@ -15,9 +15,9 @@ from morse.rosmsgs.urdf import Carried, describe
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
-    from morse.middleware.ros2.backends.backend import Publisher
-    from morse.middleware.ros2.stream import Ros2Stream
     from morse.rosmsgs.moving import Joint
+    from morse.rosmsgs.topics.backend import Publisher
+    from morse.rosmsgs.topics.stream import TopicStream
 
 logger = logging.getLogger(__name__)
 
@@ -30,7 +30,7 @@ class _Robot:
 
     def __init__(self, robot: Any) -> None:
         self.robot = robot
-        self.streams: list[Ros2Stream] = []
+        self.streams: list[TopicStream] = []
         self.measured: list[tuple[Any, BoundKind]] = []
         self.states: Publisher | None = None
         self.description: Publisher | None = None
@@ -45,16 +45,17 @@ class Robots:
         manager: publishes the topics.
 
     Attributes:
+        changed: names of robots that are described again by `publish`.
         stating: robots with a topic of joint states.
     """
 
     def __init__(self, manager: Any) -> None:
         self._manager = manager
         self._robots: dict[str, _Robot] = {}
-        self._changed: set[str] = set()
+        self.changed: set[str] = set()
         self.stating: list[_Robot] = []
 
-    def add(self, stream: Ros2Stream) -> None:
+    def add(self, stream: TopicStream) -> None:
         """Add the stream of a sensor."""
         name = stream.robot.name()
         known = self._robots.get(name)
@@ -65,9 +66,9 @@ class Robots:
             self._robots[name] = known
         known.streams.append(stream)
         known.measured += [(stream.component_instance, bound) for bound in stream.kinds if bound.kind.name == "joints"]
-        self._changed.add(name)
+        self.changed.add(name)
 
-    def remove(self, stream: Ros2Stream) -> None:
+    def remove(self, stream: TopicStream) -> None:
         """Remove a stream."""
         known = self._robots.get(stream.robot.name())
         if known is None or stream not in known.streams:
@@ -79,7 +80,7 @@ class Robots:
         """Components were deleted: close the topics of deleted robots."""
         for name in [name for name, known in self._robots.items() if not known.streams]:
             known = self._robots.pop(name)
-            self._changed.add(name)
+            self.changed.add(name)
             for publisher in (known.states, known.description):
                 if publisher is not None:
                     publisher.close()
@@ -87,8 +88,8 @@ class Robots:
 
     def publish(self) -> None:
         """Send the changes of a tick."""
-        if self._changed:
-            changed, self._changed = self._changed, set()
+        if self.changed:
+            changed, self.changed = self.changed, set()
             for name in sorted(changed & self._robots.keys()):
                 self._describe(self._robots[name])
             self.stating = [known for known in self._robots.values() if known.states is not None]

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.groups.group import Group, Kept
     from morse.core.kinds import BoundKind
-    from morse.middleware.ros2.sending import Sender
-    from morse.middleware.ros2.stream import Ros2Stream, Sending
+    from morse.rosmsgs.topics.sending import Sender
+    from morse.rosmsgs.topics.stream import Sending, TopicStream
 
 
 class _Line(NamedTuple):
@@ -27,7 +27,7 @@ class _Line(NamedTuple):
     """
 
     row: int
-    stream: Ros2Stream
+    stream: TopicStream
     bound: BoundKind
     topics: Sequence[tuple[Sending, str]]
 
@@ -43,8 +43,8 @@ class Together:
 
     def __init__(self, context: Context, sender: Sender, wants_frames: Callable[[], bool]) -> None:
         self._context, self._sender, self._wants_frames = context, sender, wants_frames
-        self._streams: dict[Any, list[Ros2Stream]] = {}
-        self._plans: WeakKeyDictionary[Group, tuple[list[int], list[_Line], list[Ros2Stream]]] = WeakKeyDictionary()
+        self._streams: dict[Any, list[TopicStream]] = {}
+        self._plans: WeakKeyDictionary[Group, tuple[list[int], list[_Line], list[TopicStream]]] = WeakKeyDictionary()
         self._displacements = -1
         context.group_taps.append(self._measured)
 
@@ -55,7 +55,7 @@ class Together:
 
     # -- streams -----------------------------------------------------------------------------
 
-    def takes(self, stream: Ros2Stream, sending: Sequence[tuple[BoundKind, Sequence[Sending]]]) -> bool:
+    def takes(self, stream: TopicStream, sending: Sequence[tuple[BoundKind, Sequence[Sending]]]) -> bool:
         """Whether the messages of a stream follow from the data of its sensor; the stream is then silent in a group."""
         component = stream.component_instance
         lines = [line for _, lines in sending for line in lines]
@@ -70,7 +70,7 @@ class Together:
             self._streams.setdefault(component, []).append(stream)
         return taken
 
-    def remove(self, stream: Ros2Stream) -> None:
+    def remove(self, stream: TopicStream) -> None:
         """Remove a stream."""
         component = stream.component_instance
         left = [one for one in self._streams.pop(component, ()) if one is not stream]
@@ -104,11 +104,11 @@ class Together:
             self._sender.finish()  # the messages that wait are those of sensors in their former places
             self._plans.clear()
 
-    def _plan(self, group: Group) -> tuple[list[int], list[_Line], list[Ros2Stream]]:
+    def _plan(self, group: Group) -> tuple[list[int], list[_Line], list[TopicStream]]:
         written = group.written()
         rows: list[int] = []
         lines: list[_Line] = []
-        others: list[Ros2Stream] = []
+        others: list[TopicStream] = []
         for row, member in enumerate(group.members):
             for stream in self._streams.get(member, ()):
                 if not stream.is_ready(written):

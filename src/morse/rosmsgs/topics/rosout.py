@@ -10,7 +10,7 @@ from morse.rosmsgs.parts import time
 from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
-    from morse.middleware.ros2.backends.backend import Publisher
+    from morse.rosmsgs.topics.backend import Publisher
 
 #: levels of rcl_interfaces/Log are those of logging
 _STEP, _LEAST, _MOST = 10, 10, 50

@@ -1,0 +1,39 @@
+"""Attributes that the simulation still needs after a component has failed.
+
+Their descriptors have no ``__get__``: reading such an attribute takes no longer than reading any other.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from morse.core.reports.faults import class_name
+
+
+class OfOneClass:
+    """An attribute that keeps the class of its first value, apart from None."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __set__(self, part: object, value: Any) -> None:
+        check_class(part, self._name, value)
+        vars(part)[self._name] = value
+
+
+class ReadOnly:
+    """An attribute that only its own object changes, by its dictionary."""
+
+    def __init__(self, name: str, mend: str) -> None:
+        self._name, self._mend = name, mend
+
+    def __set__(self, part: object, value: Any) -> None:
+        raise AttributeError(f"'{self._name}' cannot be set: {self._mend}")
+
+
+def check_class(part: object, name: str, value: Any) -> None:
+    """Raise `TypeError` for a value of another class than that of the present value of an attribute."""
+    before = vars(part).get(name)
+    if before is not None and type(value) is not type(before):
+        kind, meant = class_name(type(value)), class_name(type(before))
+        raise TypeError(f"'{name}' is of the class {meant}, and cannot become {kind}: the simulation needs it")

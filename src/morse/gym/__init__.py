@@ -1,0 +1,25 @@
+"""Tasks of reinforcement learning for Gymnasium and PettingZoo; with the extra ``gym``."""
+
+try:
+    import gymnasium as _gymnasium
+except ImportError:
+    raise ImportError("morse.gym needs Gymnasium: pip install 'morse-simulator[gym]'") from None
+
+from morse.gym.env import TaskEnv
+from morse.gym.registration import register
+from morse.gym.task import Command, Read, Task, Touch
+from morse.gym.vector import TaskVectorEnv, vector
+
+__all__ = ["Command", "Read", "Task", "TaskEnv", "TaskVectorEnv", "Touch", "parallel", "register", "vector"]
+
+
+def __getattr__(name: str) -> object:
+    if name == "parallel":  # it needs PettingZoo
+        from morse.gym.agents import parallel
+
+        return parallel
+    raise AttributeError(f"module 'morse.gym' has no attribute '{name}'")
+
+
+if "morse/Reach-v0" not in _gymnasium.registry:
+    register("morse/Reach-v0", "morse.gym.reach:Reach")

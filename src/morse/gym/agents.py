@@ -1,0 +1,103 @@
+"""A task for the robots of one world, as a parallel environment of PettingZoo."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+try:
+    from pettingzoo import ParallelEnv
+except ImportError:
+    raise ImportError("morse.gym.parallel needs PettingZoo: pip install 'morse-simulator[gym]'") from None
+
+import numpy as np
+
+from morse.gym.env import check_render_mode
+from morse.gym.episodes import Episodes, row_of
+from morse.gym.team import Team
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.gym.task import Task
+
+
+class TeamEnv(ParallelEnv[str, Any, Any]):
+    """Robots of one world as agents; the rows of the task are the agents.
+
+    An agent whose episode has ended gets the action nearest to 0, until all have ended.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"name": "morse_v0", "render_modes": ["rgb_array"], "render_fps": 10}
+
+    def __init__(self, task: Task | type[Task], agents: Sequence[str], render_mode: str | None = None) -> None:
+        check_render_mode(render_mode)
+        self.render_mode = render_mode
+        self.possible_agents: list[str] = list(agents)
+        self.agents: list[str] = []
+        self._episodes = Episodes(task, lambda one: Team(one.scene, agents))
+        self._seeds = np.random.default_rng(0)
+        self.observation_spaces = dict.fromkeys(self.possible_agents, self._episodes.observation_space)
+        self.action_spaces = dict.fromkeys(self.possible_agents, self._episodes.action_space)
+
+    def observation_space(self, agent: str) -> Any:
+        """Return the space of the observations of an agent."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Any:
+        """Return the space of the actions of an agent."""
+        return self.action_spaces[agent]
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
+        """Begin an episode of all agents."""
+        if seed is not None:
+            self._seeds = np.random.default_rng(seed)
+        count = len(self.possible_agents)
+        self._episodes.begin(list(range(count)), self._seeds.integers(2**31, size=count).tolist())
+        self.agents = list(self.possible_agents)
+        infos = {agent: dict(self._episodes.drawn[row]) for row, agent in enumerate(self.agents)}
+        return self._observations(), infos
+
+    def _observations(self) -> dict[str, Any]:
+        observations = self._episodes.observations()
+        return {agent: row_of(observations, self.possible_agents.index(agent)) for agent in self.agents}
+
+    def step(self, actions: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any]:
+        """Do an action of each agent."""
+        space = self._episodes.action_space
+        given = np.array([np.clip(np.zeros(space.shape), space.low, space.high)] * len(self.possible_agents))
+        rows = {agent: self.possible_agents.index(agent) for agent in self.agents}
+        for agent, row in rows.items():
+            given[row] = actions[agent]
+        rewards, ended, late, values = self._episodes.step(given)
+        observations = self._observations()
+        result = (
+            observations,
+            {agent: float(rewards[row]) for agent, row in rows.items()},
+            {agent: bool(ended[row]) for agent, row in rows.items()},
+            {agent: bool(late[row]) for agent, row in rows.items()},
+            {agent: {name: value[row] for name, value in values.items()} for agent, row in rows.items()},
+        )
+        self.agents = [agent for agent, row in rows.items() if not (ended[row] or late[row])]
+        return result
+
+    def render(self) -> Any:
+        """Return a picture (H, W, 3), if ``render_mode`` is ``rgb_array``."""
+        return None if self.render_mode is None else self._episodes.picture()
+
+    def close(self) -> None:
+        """End the simulation."""
+        self._episodes.close()
+
+
+def parallel(task: Task | type[Task], agents: Sequence[str], render_mode: str | None = None) -> TeamEnv:
+    """Return a parallel environment of PettingZoo, whose agents are robots of one world.
+
+    In the names of components of the task, ``{agent}`` stands for the robot: ``Read("{agent}.laser", "range_list")``.
+
+    Args:
+        agents: names of the robots.
+
+    Raises:
+        KeyError: the scene has no such robot.
+    """
+    return TeamEnv(task, agents, render_mode)

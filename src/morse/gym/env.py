@@ -1,0 +1,70 @@
+"""A task as an environment of Gymnasium."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import gymnasium
+import numpy as np
+
+from morse.gym.episodes import Episodes, row_of
+from morse.many.batch import batch
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.gym.task import Task
+
+#: rate of pictures for films, Hz
+_RATE = 10
+
+
+class TaskEnv(gymnasium.Env[Any, Any]):
+    """One simulation of a task; ``gymnasium.make`` creates it.
+
+    Args:
+        task: a task, or its class.
+        render_mode: ``rgb_array`` for `render`.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": _RATE}
+
+    def __init__(self, task: Task | type[Task], render_mode: str | None = None) -> None:
+        check_render_mode(render_mode)
+        self.render_mode = render_mode
+        self._episodes = Episodes(task, lambda one: batch(one.scene, 1))
+        self.observation_space, self.action_space = self._episodes.observation_space, self._episodes.action_space
+
+    @property
+    def task(self) -> Task:
+        """The task."""
+        return self._episodes.task
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode."""
+        super().reset(seed=seed)
+        if seed is None:
+            self._episodes.generators[0] = self.np_random
+        self._episodes.begin([0], None if seed is None else [seed])
+        self._np_random = self._episodes.generators[0]
+        return row_of(self._episodes.observations(), 0), dict(self._episodes.drawn[0])
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Do an action."""
+        rewards, ended, late, infos = self._episodes.step(np.asarray(action)[None])
+        info = {name: values[0] for name, values in infos.items()}
+        return row_of(self._episodes.observations(), 0), float(rewards[0]), bool(ended[0]), bool(late[0]), info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return a picture (H, W, 3), if ``render_mode`` is ``rgb_array``."""
+        return None if self.render_mode is None else self._episodes.picture()
+
+    def close(self) -> None:
+        """End the simulation."""
+        self._episodes.close()
+
+
+def check_render_mode(mode: str | None) -> None:
+    """Raise ValueError for an unknown mode."""
+    if mode not in (None, "rgb_array"):
+        raise ValueError(f"render_mode is 'rgb_array' or None, not {mode!r}")

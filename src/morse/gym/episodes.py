@@ -1,0 +1,175 @@
+"""Episodes of a task in the rows of a batch."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from gymnasium import spaces
+
+from morse.gym.spaces import action_space, fitted, space_of
+from morse.gym.task import Command, Read, Task, Touch
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+#: name of an observation that is no dictionary
+_NAME = "observation"
+
+
+class Episodes:
+    """Runs a task in all rows.
+
+    Attributes:
+        many: the batch.
+        observation_space, action_space: of one row.
+        generators: a generator of random numbers for each row.
+
+    Args:
+        task: a task, or its class.
+        load: loads the batch of a task.
+
+    Raises:
+        TypeError: the task lacks an attribute, or has one of a wrong type.
+    """
+
+    def __init__(self, task: Task | type[Task], load: Callable[[Task], Any]) -> None:
+        self.task = task = task() if isinstance(task, type) else task
+        if not isinstance(task, Task):
+            raise TypeError(f"a task is a morse.gym.Task, not {task!r:.80}")
+        for name in ("scene", "action", _NAME):
+            if getattr(task, name, None) is None:
+                raise TypeError(f"{type(task).__name__} has no attribute '{name}'; see morse.gym.Task")
+        if not isinstance(task.action, Command):
+            raise TypeError(f"action is a morse.gym.Command, not {task.action!r:.80}")
+        self.many = many = load(task)
+        task.many = many
+        self._rows = len(many)
+        self.generators = [np.random.default_rng(row) for row in range(self._rows)]
+        try:
+            self._drive = many.command(task.action.component, *task.action.ranges)
+            self.action_space = action_space(task.action)
+            self._actions = np.zeros((self._rows, len(task.action.ranges)), np.float32)
+            self._data: dict[str, NDArray[Any]] = {}
+            task.values = {}
+            named = task.observation if isinstance(task.observation, dict) else {_NAME: task.observation}
+            own = {name: self._bind(name, part) for name, part in {**task.data, **named}.items()}
+            parts = {name: own[name] for name in named}
+            self.observation_space: Any = spaces.Dict(parts) if isinstance(task.observation, dict) else parts[_NAME]
+        except BaseException:
+            many.close()
+            raise
+        self._age = np.zeros(self._rows, np.int64)
+        self.drawn: list[dict[str, float]] = [{} for _ in range(self._rows)]
+        self._now: dict[str, NDArray[Any]] = {}
+
+    def _bind(self, name: str, part: Any) -> spaces.Space[Any]:
+        many = self.many
+        if isinstance(part, Read):
+            values = self._data[name] = many.read(part.component, *part.fields)
+            return space_of(part, many.component(part.component), values)
+        if isinstance(part, Touch):
+            self._data[name] = many.contacts(part.robot)
+            return spaces.Box(0.0, 1.0, (1,), np.float32)
+        if isinstance(part, spaces.Space) and part.shape is not None:
+            self.task.values[name] = np.zeros((self._rows, *part.shape), part.dtype)
+            return part
+        raise TypeError(f"'{name}' is a Read, a Touch or a space of Gymnasium with a shape, not {part!r:.80}")
+
+    # -- episodes --------------------------------------------------------------------------
+
+    def begin(self, rows: Sequence[int], seeds: Sequence[int] | None = None) -> None:
+        """Begin episodes in some rows.
+
+        Args:
+            seeds: seeds of the rows; None to go on with their generators.
+        """
+        if not len(rows):
+            return
+        task, many = self.task, self.many
+        if seeds is not None:
+            for row, seed in zip(rows, seeds, strict=True):
+                self.generators[row] = np.random.default_rng(seed)
+        rngs = [self.generators[row] for row in rows]
+        if seeds is not None or task.restarts or task.vary:
+            many.restart(list(rows), [int(rng.integers(2**31)) for rng in rngs])
+        for row, rng in zip(rows, rngs, strict=True):
+            self.drawn[row] = self._draw(row, rng)
+        task.start(list(rows), rngs)
+        many.measure(list(rows))
+        self._age[list(rows)] = 0
+        self._actions[list(rows)] = 0.0
+        self._now = self._look()
+
+    def _draw(self, row: int, rng: np.random.Generator) -> dict[str, float]:
+        drawn: dict[str, float] = {}
+        for name, parameters in self.task.vary.items():
+            values = {what: float(distribution.draw(rng)) for what, distribution in parameters.items()}
+            self.many.vary(name, rows=[row], **values)
+            drawn |= {f"{name}.{what}": value for what, value in values.items()}
+        return drawn
+
+    def step(
+        self, actions: NDArray[Any]
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, NDArray[Any]]]:
+        """Do an action in all rows.
+
+        Returns:
+            (N,) rewards, terminated, truncated, and arrays of infos by name.
+
+        Raises:
+            ValueError: the actions have another shape.
+        """
+        task, space = self.task, self.action_space
+        given = np.asarray(actions, np.float32)
+        if given.shape != self._actions.shape:
+            raise ValueError(f"actions have the shape {self._actions.shape}, not {given.shape}")
+        self._actions = np.clip(given, space.low, space.high)
+        self._drive[:] = self._actions.reshape(self._drive.shape)
+        self.many.step(task.ticks, measure=True)
+        self._age += 1
+        before, self._now = self._now, self._look()
+        reward, ended, infos = task.reward(before, self._now)
+        late = np.zeros(self._rows, bool) if task.limit is None else self._age >= task.limit
+        terminated = np.broadcast_to(np.asarray(ended, bool), (self._rows,)).copy()
+        rewards = np.broadcast_to(np.asarray(reward, np.float64), (self._rows,)).copy()
+        return rewards, terminated, late & ~terminated, dict(infos)
+
+    def _look(self) -> dict[str, NDArray[Any]]:
+        data = {name: np.array(values) for name, values in self._data.items()}
+        return data | {name: values.copy() for name, values in self.task.values.items()} | {"action": self._actions}
+
+    def observations(self) -> Any:
+        """Return the observations of all rows, in the types of the space; they are not changed later."""
+        seen, space = self.task.observe(self._now), self.observation_space
+        if isinstance(space, spaces.Dict):
+            return {name: fitted(seen[name], part) for name, part in space.spaces.items()}
+        return fitted(seen, space)
+
+    # -- pictures, the end -----------------------------------------------------------------
+
+    def picture(self, row: int = 0) -> NDArray[np.uint8]:
+        """Return (H, W, 3) the image of the camera of the task, or a view of the scene."""
+        simulation = self.many[row]
+        if self.task.camera:
+            robot, *parts = self.task.camera.split(".")
+            handle = simulation[robot]
+            for part in parts:
+                handle = handle.parts[part]
+            image: NDArray[np.uint8] = np.ascontiguousarray(handle.data["image"][..., :3])
+            return image
+        view: NDArray[np.uint8] = simulation.picture(320, 240)
+        return view
+
+    def close(self) -> None:
+        """End the simulations."""
+        self.many.close()
+
+
+def row_of(values: Any, row: int) -> Any:
+    """Return the values of a row, of an array or a dictionary of arrays."""
+    if isinstance(values, dict):
+        return {name: array[row] for name, array in values.items()}
+    return values[row]

@@ -1,0 +1,134 @@
+"""Drive to a goal among boxes: a task to begin with."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from gymnasium import spaces
+
+from morse.gym.task import Command, Read, Task, Touch
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+#: half of the side of the arena, m; number of boxes; half of the side of a box, m
+_HALF, _BOXES, _BOX = 5.0, 12, 0.3
+#: sectors of the scan, and the distance beyond which all is free, m
+_SECTORS, _FAR = 36, 3.0
+#: distance at which the goal is reached, m
+_REACHED = 0.3
+
+
+def boxes(layout: int) -> NDArray[np.float64]:
+    """Return (12, 2) the centres of the boxes of a layout, m: none within 1 m of the centre or of another box."""
+    rng, centres = np.random.default_rng(layout), np.empty((0, 2))
+    while len(centres) < _BOXES:
+        spot = rng.uniform(-4.4, 4.4, 2)
+        if math.hypot(*spot) > 1.0 and (len(centres) == 0 or np.hypot(*(centres - spot).T).min() > 1.2):
+            centres = np.vstack([centres, spot])
+    return centres
+
+
+def arena(layout: int) -> Callable[[], None]:
+    """Return the scene of a layout: a robot with a scanner in the middle of an arena."""
+
+    def scene() -> None:
+        from morse.builder import Cube, Cylinder, Environment, MotionVW, Pose, Robot, Sick
+
+        def block(name: str, x: float, y: float, half_x: float, half_y: float) -> None:
+            cube = Cube(name)
+            cube.scale, cube.location = (half_x, half_y, 0.5), (x, y, 0.5)
+            cube._bpy_object.game.physics_type = "STATIC"
+
+        edge = _HALF + 0.1
+        for number, (x, y) in enumerate([(edge, 0.0), (-edge, 0.0), (0.0, edge), (0.0, -edge)]):
+            block(f"Wall{number}", x, y, *((0.1, edge) if x else (edge, 0.1)))
+        for number, (x, y) in enumerate(boxes(layout).tolist()):
+            block(f"Box{number}", x, y, _BOX, _BOX)
+        robot, body = Robot(name="robot"), Cylinder("body")
+        robot.properties(GroundRobot=True)
+        body.scale, body.location = (0.2, 0.2, 0.15), (0.0, 0.0, 0.15)
+        game = body._bpy_object.game
+        game.physics_type, game.collision_bounds_type, game.use_collision_bounds = "RIGID_BODY", "CYLINDER", True
+        robot.append(body)
+        robot.set_rigid_body()
+        robot.set_mass(10.0)
+        laser = Sick("laser")
+        laser.translate(0.0, 0.0, 0.2)
+        laser.frequency(10)
+        laser.level("range")
+        for part in (MotionVW("motion"), Pose("pose"), laser):
+            robot.append(part)
+        Environment("empty")
+
+    scene.__name__ = f"arena {layout}"
+    return scene
+
+
+class Reach(Task):
+    """Drive to a goal 1.5 to 4 m away, around boxes; a collision ends the episode.
+
+    The observation is (40,): the nearest distance in 36 sectors of the scan, from -1 (touching) to 1 (3 m or more); the
+    distance to the goal / 5 m; cosine and sine of its bearing; the last yaw rate, rad/s.
+
+    Args:
+        layouts: numbers of the arenas, which the rows use in turn.
+    """
+
+    ticks, limit, restarts = 6, 150, False
+    action = Command("robot.motion", v=(0.0, 1.0), w=(-1.5, 1.5))
+    observation = spaces.Box(-2.0, 4.0, (_SECTORS + 4,), np.float32)
+    data: ClassVar[dict[str, Read | Touch]] = {
+        "scan": Read("robot.laser", "range_list"),
+        "pose": Read("robot.pose", "x", "y", "yaw"),
+        "hit": Touch("robot"),
+    }
+
+    def __init__(self, layouts: Sequence[int] = tuple(range(64))) -> None:
+        self._layouts = list(layouts)
+        self.scene = [arena(layout) for layout in self._layouts]
+        self._boxes = [boxes(layout) for layout in self._layouts]
+
+    def start(self, rows: Sequence[int], rngs: Sequence[np.random.Generator]) -> None:
+        """Place the robot and choose a goal, both in free space."""
+        if "goal" not in self.values:
+            self.values["goal"] = np.zeros((len(self.many), 2))
+        poses = []
+        for row, rng in zip(rows, rngs, strict=True):
+            obstacles = self._boxes[(self.first_row + row) % len(self._boxes)]
+            here, goal = _free(rng, obstacles), _free(rng, obstacles)
+            while not 1.5 < math.hypot(*(here - goal)) < 4.0:
+                here, goal = _free(rng, obstacles), _free(rng, obstacles)
+            poses.append([*here, rng.uniform(-math.pi, math.pi)])
+            self.values["goal"][row] = goal
+        self.many.place(rows, "robot", poses)
+
+    def observe(self, data: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
+        """See the class."""
+        scan, pose = data["scan"], data["pose"]
+        near = scan[:, 1:].reshape(len(scan), _SECTORS, -1).min(axis=2)
+        ahead = data["goal"] - pose[:, :2]
+        bearing = np.arctan2(ahead[:, 1], ahead[:, 0]) - pose[:, 2]
+        parts = [np.hypot(*ahead.T) / 5.0, np.cos(bearing), np.sin(bearing), data["action"][:, 1]]
+        return np.column_stack([np.minimum(near, _FAR) / (0.5 * _FAR) - 1.0, *parts]).astype(np.float32)
+
+    def reward(
+        self, before: dict[str, NDArray[Any]], now: dict[str, NDArray[Any]]
+    ) -> tuple[NDArray[Any], NDArray[Any], dict[str, NDArray[Any]]]:
+        """The way towards the goal, m; +5 at the goal, -5 for a collision."""
+        was, far = (np.hypot(*(data["goal"] - data["pose"][:, :2]).T) for data in (before, now))
+        reached = far < _REACHED
+        crashed = now["hit"].astype(bool) & ~reached
+        reward = 2.0 * (was - far) - 0.01 + 5.0 * reached - 5.0 * crashed
+        return reward, reached | crashed, {"is_success": reached}
+
+
+def _free(rng: np.random.Generator, obstacles: NDArray[np.float64]) -> NDArray[np.float64]:
+    while True:
+        spot = rng.uniform(-4.4, 4.4, 2)
+        if np.hypot(*(obstacles - spot).T).min() > 0.85:
+            return spot

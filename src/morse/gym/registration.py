@@ -1,0 +1,47 @@
+"""Tasks as environments that ``gymnasium.make`` and ``gymnasium.make_vec`` know by name."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+
+from morse.gym.env import TaskEnv
+from morse.gym.vector import vector
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.gym.task import Task
+
+
+def register(name: str, task: type[Task] | str, **options: Any) -> None:
+    """Register a task: ``gymnasium.make(name)``, ``gymnasium.make_vec(name, num_envs=64, workers=8)``.
+
+    Args:
+        name: such as ``my_lab/Reach-v0``.
+        task: the class, or ``module:class``.
+        options: further arguments of `gymnasium.register`.
+    """
+    gymnasium.register(
+        name,
+        entry_point=partial(_make, TaskEnv, task),
+        vector_entry_point=partial(_make, vector, task),
+        **options,
+    )
+
+
+def _make(create: Callable[..., Any], task: type[Task] | str, **options: Any) -> Any:
+    if isinstance(task, str):
+        from importlib import import_module
+
+        module, _, name = task.partition(":")
+        task = getattr(import_module(module), name)
+    return create(task, **options)
+
+
+def register_all() -> None:
+    """Register the tasks of MORSE: Gymnasium calls it when it is imported, in the namespace ``morse``."""
+    if "morse/Reach-v0" not in gymnasium.registry:
+        register("Reach-v0", "morse.gym.reach:Reach")

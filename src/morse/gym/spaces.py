@@ -1,0 +1,68 @@
+"""Spaces of observations and actions, from declared data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from gymnasium import spaces
+
+from morse.core.declarations import fields_of_component
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.gym.task import Command, Read
+
+
+def space_of(read: Read, component: Any, values: NDArray[Any]) -> spaces.Box:
+    """Return the space of data: uint8 for pictures, else float32 within the declared ranges.
+
+    Args:
+        values: (N, ...) the present data.
+
+    Raises:
+        TypeError: the data are not numbers.
+    """
+    if values.dtype.kind not in "biuf":
+        raise TypeError(f"{', '.join(read.fields)} of {read.component} is not made of numbers: it cannot be observed")
+    shape = values.shape[1:] or (1,)
+    if values.dtype == np.uint8:
+        return spaces.Box(0, 255, shape, np.uint8)
+    declared = fields_of_component(component)
+    low, high = np.full(shape, -np.inf, np.float32), np.full(shape, np.inf, np.float32)
+    if len(read.fields) == 1:
+        limits(declared.get(read.fields[0]), low, high, ...)
+    elif shape == (len(read.fields),):
+        for index, name in enumerate(read.fields):
+            limits(declared.get(name), low, high, index)
+    return spaces.Box(low, high, dtype=np.float32)
+
+
+def limits(field: Any, low: NDArray[Any], high: NDArray[Any], index: Any) -> None:
+    """Set the range of a declared field."""
+    if field is None:
+        return
+    if field.low is not None and "-inf" not in field.allow:
+        low[index] = field.low
+    if field.high is not None and "inf" not in field.allow:
+        high[index] = field.high
+    if field.angle:
+        low[index], high[index] = np.float32(-np.pi), np.float32(np.pi)
+
+
+def action_space(command: Command) -> spaces.Box:
+    """Return the space of the actions."""
+    low, high = np.array(list(command.ranges.values()), np.float32).T
+    return spaces.Box(low, high, dtype=np.float32)
+
+
+def fitted(values: NDArray[Any], space: spaces.Space[Any]) -> NDArray[Any]:
+    """Return values of all rows in the type, the shape and the range of a space."""
+    array = np.array(values, getattr(space, "dtype", None))
+    shape = space.shape
+    if shape is not None and array.shape[1:] != shape:
+        array = array.reshape(len(array), *shape)
+    if isinstance(space, spaces.Box) and array.dtype.kind == "f":
+        np.clip(array, space.low, space.high, out=array)  # float32 may round beyond a limit
+    return array

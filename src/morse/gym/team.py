@@ -1,0 +1,121 @@
+"""The robots of one world as rows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.reports.hints import nearest
+from morse.launch.load import load
+from morse.many.commands import CommandColumn
+from morse.many.layout import Layout
+from morse.many.readings import ContactColumn, DataColumn
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+AGENT = "{agent}"
+
+
+class Team:
+    """One simulation whose rows are its robots; it has the methods of `morse.many.batch.Batch` that a task needs.
+
+    ``{agent}`` in a name stands for the robot of the row.
+
+    Raises:
+        KeyError: the scene has no such robot.
+    """
+
+    def __init__(self, scene: Any, agents: Sequence[str], seed: int = 0) -> None:
+        self.agents = list(agents)
+        self._scene = scene
+        self._simulation = load(scene, seed=seed)
+        self._commands: list[CommandColumn] = []
+        self._readings: list[DataColumn | ContactColumn] = []
+        try:
+            self._handles(AGENT)
+        except BaseException:
+            self.close()
+            raise
+
+    def __len__(self) -> int:
+        return len(self.agents)
+
+    def __getitem__(self, row: int) -> Any:
+        return self._simulation
+
+    def component(self, name: str) -> Any:
+        """Return the component of the first robot."""
+        return self._handles(name)[0].component
+
+    def _handles(self, name: str, simulation: Any = None) -> list[Any]:
+        handles = []
+        for agent in self.agents:
+            robot, *parts = name.replace(AGENT, agent).split(".")
+            handle = (simulation or self._simulation)[robot]
+            for part in parts:
+                if part not in handle.parts:
+                    raise KeyError(f"{handle.fqn} has no '{part}'{nearest(part, list(handle.parts))}")
+                handle = handle.parts[part]
+            handles.append(handle)
+        return handles
+
+    def command(self, component: str, *fields: str) -> Any:
+        """See `morse.many.batch.Batch.command`."""
+        handles = self._handles(component)
+        column = CommandColumn(Layout(component, fields, handles[0].component.local_data), handles)
+        self._commands.append(column)
+        return column.array
+
+    def read(self, component: str, *fields: str) -> NDArray[Any]:
+        """See `morse.many.batch.Batch.read`."""
+        with load(self._scene, seed=self._simulation.seed()) as probe:
+            probe.step(1, measure=True)
+            layout = Layout(component, fields, self._handles(component, probe)[0].component.local_data)
+        self._readings.append(DataColumn(layout, self._handles(component)))
+        return self._readings[-1].array
+
+    def contacts(self, robot: str) -> Any:
+        """See `morse.many.batch.Batch.contacts`."""
+        self._readings.append(ContactColumn(self._handles(robot)))
+        return self._readings[-1].array
+
+    def step(self, ticks: int, *, measure: bool) -> None:
+        """See `morse.many.batch.Batch.step`."""
+        for column, (rows, _) in [(column, column.check()) for column in self._commands]:
+            column.publish(rows)
+        self._simulation.step(ticks, measure=measure)
+        self._update()
+
+    def measure(self, rows: Sequence[int]) -> None:
+        """Let all sensors measure now."""
+        self._simulation.measure()
+        self._update()
+
+    def restart(self, rows: Sequence[int], seeds: Sequence[int]) -> None:
+        """Restart the world, with the seed of its first row."""
+        self._simulation.restart(seeds[0])
+        for column in self._commands:
+            column.forget(range(len(self)))
+        for reading in self._readings:
+            reading.begin(range(len(self)))
+
+    def place(self, rows: Sequence[int], name: str, poses: Any) -> None:
+        """See `morse.many.batch.Batch.place`."""
+        for row, pose in zip(rows, poses, strict=True):
+            self._simulation.place(name.replace(AGENT, self.agents[row]), pose)
+
+    def vary(self, name: str, *, rows: Sequence[int], **values: float) -> None:
+        """See `morse.many.batch.Batch.vary`."""
+        for row in rows:
+            for what, value in values.items():
+                getattr(self._simulation, f"set_{what}")(name.replace(AGENT, self.agents[row]), value)
+
+    def _update(self) -> None:
+        for reading in self._readings:
+            reading.update(range(len(self)))
+
+    def close(self) -> None:
+        """End the simulation."""
+        self._simulation.close()

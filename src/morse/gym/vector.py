@@ -1,0 +1,147 @@
+"""A task as a vector of environments, in one process or in several."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from morse.gym.env import check_render_mode
+from morse.gym.episodes import Episodes, row_of
+from morse.many.batch import batch
+from morse.many.rows import seeds_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.gym.task import Task
+
+
+class Rows:
+    """Rows of a task that begin a new episode in the step in which the last one ends.
+
+    Args:
+        first: number of the first row in the whole vector.
+    """
+
+    def __init__(self, task: Task | type[Task], count: int, first: int = 0) -> None:
+        self.episodes = Episodes(task, lambda one: batch(_turned(one.scene, first), count, seed=first))
+        self.episodes.task.first_row = first
+        self.count = count
+
+    def reset(self, seeds: Sequence[int] | None, mask: Any = None) -> tuple[Any, dict[str, Any]]:
+        """Begin episodes in all rows, or in those of a mask."""
+        rows = list(range(self.count)) if mask is None else np.flatnonzero(mask).tolist()
+        self.episodes.begin(rows, None if seeds is None else [seeds[row] for row in rows])
+        return self.episodes.observations(), _drawn(self.episodes, rows, self.count)
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Do an action in all rows; see `TaskVectorEnv.step`."""
+        episodes = self.episodes
+        rewards, ended, late, values = episodes.step(actions)
+        infos: dict[str, Any] = {}
+        for name, value in values.items():
+            infos[name] = np.broadcast_to(np.asarray(value), (self.count, *np.shape(value)[1:])).copy()
+            infos[f"_{name}"] = np.ones(self.count, bool)
+        done = ended | late
+        observations = episodes.observations()
+        if done.any():
+            rows = np.flatnonzero(done).tolist()
+            final = np.full(self.count, None, object)
+            for row in rows:
+                final[row] = row_of(observations, row)
+            last = {name: value.copy() for name, value in infos.items()}
+            infos |= {"final_obs": final, "_final_obs": done.copy(), "final_info": last, "_final_info": done.copy()}
+            episodes.begin(rows)
+            observations = episodes.observations()
+            infos |= _drawn(episodes, rows, self.count)
+        return observations, rewards, ended, late, infos
+
+
+def _turned(scene: Any, first: int) -> Any:
+    """The scenes for the rows from ``first`` on: rows use a list of scenes in turn."""
+    if not isinstance(scene, (list, tuple)):
+        return scene
+    start = first % len(scene)
+    return [*scene[start:], *scene[:start]]
+
+
+def _drawn(episodes: Episodes, rows: Sequence[int], count: int) -> dict[str, Any]:
+    infos: dict[str, Any] = {}
+    for name in episodes.drawn[rows[0]] if rows else ():
+        values, there = np.zeros(count), np.zeros(count, bool)
+        for row in rows:
+            values[row], there[row] = episodes.drawn[row][name], True
+        infos |= {name: values, f"_{name}": there}
+    return infos
+
+
+class TaskVectorEnv(VectorEnv[Any, Any, Any]):
+    """N simulations of a task in this process; ``gymnasium.make_vec`` creates it.
+
+    An episode that ends begins anew in the same step (``AutoresetMode.SAME_STEP``): the observation is that of the new
+    episode, ``infos["final_obs"][k]`` the last one of the old episode.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {
+        "autoreset_mode": AutoresetMode.SAME_STEP,
+        "render_modes": ["rgb_array"],
+        "render_fps": 10,
+    }
+
+    def __init__(self, task: Task | type[Task], num_envs: int = 1, render_mode: str | None = None) -> None:
+        check_render_mode(render_mode)
+        self.render_mode, self.num_envs = render_mode, num_envs
+        self._rows = Rows(task, num_envs)
+        episodes = self._rows.episodes
+        self.single_observation_space, self.single_action_space = episodes.observation_space, episodes.action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def reset(
+        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode in each row; the seed of row ``k`` is ``seed + k``.
+
+        Args:
+            options: ``reset_mask``, (N,) booleans: only these rows.
+        """
+        seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
+        return self._rows.reset(seeds, (options or {}).get("reset_mask"))
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Do an action in each row: (N, ...) observations, (N,) rewards, terminated, truncated, and infos."""
+        return self._rows.step(actions)
+
+    def render(self) -> Any:
+        """Return a picture (H, W, 3) of each row, if ``render_mode`` is ``rgb_array``."""
+        if self.render_mode is None:
+            return None
+        return tuple(self._rows.episodes.picture(row) for row in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """End the simulations."""
+        self._rows.episodes.close()
+
+
+def vector(task: Task | type[Task], num_envs: int, *, workers: int = 0, render_mode: str | None = None) -> Any:
+    """Return a vector of environments.
+
+    Row ``k`` gives the same bits with any number of workers.
+
+    Args:
+        task: a task, or its class; with workers a class at the top of a module.
+        num_envs: number of simulations, N.
+        workers: number of processes, each with a part of the rows; 0 for this process.
+        render_mode: ``rgb_array`` for `render`, which returns a picture of each row.
+
+    Raises:
+        ValueError: there are more workers than rows.
+    """
+    if workers:
+        from morse.gym.workers import WorkersVectorEnv
+
+        return WorkersVectorEnv(task, num_envs, workers, render_mode)
+    return TaskVectorEnv(task, num_envs, render_mode)

@@ -1,0 +1,250 @@
+"""A vector of environments in several processes, each of which has a part of the rows."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import multiprocessing
+import os
+from multiprocessing import resource_tracker
+from multiprocessing.shared_memory import SharedMemory
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from morse.core.reports.faults import describe
+from morse.gym.env import check_render_mode
+from morse.gym.vector import Rows
+from morse.many.pool import ONE_THREAD, can_fork
+from morse.many.rows import seeds_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from multiprocessing.connection import Connection
+
+    from morse.gym.task import Task
+
+
+class _Shared:
+    """The arrays of all rows in memory that the processes share.
+
+    Attributes:
+        parts: observations by name; the name is empty if they are no dictionary.
+    """
+
+    def __init__(self, observation: Any, action: Any, rows: int, name: str | None = None) -> None:
+        named = observation.spaces if isinstance(observation, spaces.Dict) else {"": observation}
+        fields = {f"observation {key}": (space.shape, space.dtype) for key, space in named.items()}
+        fields |= {"action": (action.shape, action.dtype), "reward": ((), np.float64)}
+        fields |= {"ended": ((), np.bool_), "late": ((), np.bool_)}
+        sizes = {
+            key: rows * int(np.prod(shape, dtype=int)) * np.dtype(dtype).itemsize
+            for key, (shape, dtype) in fields.items()
+        }
+        places, total = {}, 0
+        for key, size in sizes.items():
+            places[key] = total
+            total += -(-size // 64) * 64
+        self.memory = SharedMemory(name, create=name is None, size=max(total, 1))
+        self._arrays = {
+            key: np.ndarray((rows, *shape), dtype, self.memory.buf, places[key])
+            for key, (shape, dtype) in fields.items()
+        }
+        self.parts = {key: self._arrays[f"observation {key}"] for key in named}
+        self.action, self.reward = self._arrays["action"], self._arrays["reward"]
+        self.ended, self.late = self._arrays["ended"], self._arrays["late"]
+
+    def put(self, rows: slice, observations: Any) -> None:
+        """Set observations of some rows."""
+        for name, array in self.parts.items():
+            array[rows] = observations[name] if name else observations
+
+    def observations(self) -> Any:
+        """Return a copy of the observations of all rows."""
+        copies = {name: array.copy() for name, array in self.parts.items()}
+        return copies.get("", copies)
+
+    def close(self, *, unlink: bool) -> None:
+        """Release the memory."""
+        self.parts.clear()
+        self._arrays.clear()
+        del self.action, self.reward, self.ended, self.late
+        self.memory.close()
+        if unlink:
+            self.memory.unlink()
+
+
+def _kind_of_start() -> str:
+    """How processes are started: as copies where that is possible, so that a program needs no ``__main__`` guard."""
+    return "fork" if can_fork() else "spawn"
+
+
+def _work(connection: Connection, task: Any, first: int, count: int, inherited: Sequence[Connection]) -> None:
+    """Serve one part of the rows until the connection is closed.
+
+    Args:
+        inherited: ends of connections that only the other process is to have, so that its end is noticed.
+    """
+    for one in inherited:
+        one.close()
+    os.environ.update(ONE_THREAD)
+    rows: Rows | None = None
+    shared: _Shared | None = None
+    place = slice(first, first + count)
+    with contextlib.suppress(EOFError, ConnectionError, KeyboardInterrupt):
+        while True:
+            order, content = connection.recv()
+            try:
+                answer: Any = None
+                if order == "open":
+                    rows = Rows(task, count, first)
+                    answer = rows.episodes.observation_space, rows.episodes.action_space
+                elif order == "share":
+                    shared = _Shared(*content)
+                elif rows is not None and shared is not None:
+                    if order == "reset":
+                        observations, answer = rows.reset(*content)
+                    elif order == "step":
+                        observations, reward, ended, late, answer = rows.step(shared.action[place])
+                        shared.reward[place], shared.ended[place], shared.late[place] = reward, ended, late
+                    else:
+                        answer = [rows.episodes.picture(row) for row in range(count)]
+                    if order != "render":
+                        shared.put(place, observations)
+                connection.send((True, answer))
+            except Exception as error:
+                connection.send(
+                    (False, f"in the process of the rows {first} to {first + count - 1}: {describe(error)}")
+                )
+    if shared is not None:
+        shared.close(unlink=False)
+    if rows is not None:
+        rows.episodes.close()
+
+
+class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
+    """N simulations of a task in several processes; see `morse.gym.vector`."""
+
+    metadata: ClassVar[dict[str, Any]] = {
+        "autoreset_mode": AutoresetMode.SAME_STEP,
+        "render_modes": ["rgb_array"],
+        "render_fps": 10,
+    }
+
+    def __init__(self, task: Task | type[Task], num_envs: int, workers: int, render_mode: str | None = None) -> None:
+        check_render_mode(render_mode)
+        if not 1 <= workers <= num_envs:
+            raise ValueError(f"{num_envs} rows need 1 to {num_envs} workers, not {workers}")
+        self.render_mode, self.num_envs = render_mode, num_envs
+        self._shared: _Shared | None = None
+        self._connections: list[Connection] = []
+        self._processes: list[Any] = []
+        edges = [num_envs * worker // workers for worker in range(workers + 1)]
+        self._places = [slice(a, b) for a, b in itertools.pairwise(edges)]
+        kind = _kind_of_start()
+        context: Any = multiprocessing.get_context(kind)
+        # before the processes start, which else have trackers of their own that remove the memory when they end
+        resource_tracker.ensure_running()
+        try:
+            for place in self._places:
+                ours, theirs = context.Pipe()
+                inherited = [*self._connections, ours] if kind == "fork" else []
+                process = context.Process(
+                    target=_work, args=(theirs, task, place.start, place.stop - place.start, inherited), daemon=True
+                )
+                process.start()
+                theirs.close()
+                self._connections.append(ours)
+                self._processes.append(process)
+            self.single_observation_space, self.single_action_space = self._ask("open", [None] * workers)[0]
+            self._shared = _Shared(self.single_observation_space, self.single_action_space, num_envs)
+            about = (self.single_observation_space, self.single_action_space, num_envs, self._shared.memory.name)
+            self._ask("share", [about] * workers)
+        except BaseException:
+            self.close_extras()
+            raise
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def _ask(self, order: str, contents: Sequence[Any]) -> list[Any]:
+        """Give all processes an order, and return their answers.
+
+        Raises:
+            RuntimeError: a process has failed or has ended; the message says where.
+        """
+        answers: list[Any] = []
+        problems: list[str] = []
+        for connection, content in zip(self._connections, contents, strict=True):
+            with contextlib.suppress(ConnectionError):
+                connection.send((order, content))
+        for place, connection in zip(self._places, self._connections, strict=True):
+            try:
+                good, answer = connection.recv()
+            except (EOFError, ConnectionError):
+                good, answer = False, f"the process of the rows {place.start} to {place.stop - 1} has ended"
+            (answers if good else problems).append(answer)
+        if problems:
+            raise RuntimeError("\n".join(problems))
+        return answers
+
+    def reset(
+        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode in each row; see `morse.gym.TaskVectorEnv.reset`."""
+        assert self._shared is not None
+        seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
+        mask = (options or {}).get("reset_mask")
+        contents = [
+            (None if seeds is None else seeds[place], None if mask is None else np.asarray(mask)[place])
+            for place in self._places
+        ]
+        infos = self._ask("reset", contents)
+        return self._shared.observations(), self._together(infos)
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Do an action in each row; see `morse.gym.TaskVectorEnv.step`."""
+        shared = self._shared
+        assert shared is not None
+        given = np.asarray(actions)
+        if given.shape != shared.action.shape:
+            raise ValueError(f"actions have the shape {shared.action.shape}, not {given.shape}")
+        shared.action[:] = given
+        infos = self._together(self._ask("step", [None] * len(self._places)))
+        return shared.observations(), shared.reward.copy(), shared.ended.copy(), shared.late.copy(), infos
+
+    def _together(self, parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+        """The infos of all rows."""
+        infos: dict[str, Any] = {}
+        for place, part in zip(self._places, parts, strict=True):
+            for name, value in part.items():
+                if isinstance(value, dict):
+                    parts_of_it = [one.get(name, {}) for one in parts]
+                    infos[name] = self._together(parts_of_it)
+                    continue
+                if name not in infos:
+                    empty: Any = None if value.dtype == object else 0
+                    infos[name] = np.full((self.num_envs, *value.shape[1:]), empty, value.dtype)
+                infos[name][place] = value
+        return infos
+
+    def render(self) -> Any:
+        """Return a picture (H, W, 3) of each row, if ``render_mode`` is ``rgb_array``."""
+        if self.render_mode is None:
+            return None
+        return tuple(picture for part in self._ask("render", [None] * len(self._places)) for picture in part)
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """End the processes."""
+        for connection in self._connections:
+            connection.close()
+        for process in self._processes:
+            process.join(10.0)
+            if process.is_alive():
+                process.kill()
+                process.join()
+        if self._shared is not None:
+            self._shared.close(unlink=True)
+            self._shared = None

@@ -1,0 +1,1 @@
+"""The topics of all components, on a backend that transports or stores their messages."""

@@ -1,0 +1,159 @@
+"""Environments of Gymnasium and PettingZoo: the checkers of these libraries, seeds, processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gym_tasks import LookAround, Meet, Picture
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+
+import morse.gym
+from morse.gym.reach import Reach
+
+
+@pytest.mark.parametrize("task", [Reach, LookAround, Picture])
+def test_gymnasium_checks_it(task):
+    env = morse.gym.TaskEnv(task, render_mode="rgb_array")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*symmetric and normalized.*")
+        check_env(env, skip_render_check=task is Reach)  # a view of the scene takes long
+    env.close()
+
+
+@pytest.mark.parametrize("task", [Reach, LookAround, Picture])
+def test_stable_baselines_checks_it(task):
+    try:
+        from stable_baselines3.common.env_checker import check_env as check
+    except ImportError:
+        return  # it brings torch, of some gigabytes, which MORSE does not install
+    env = morse.gym.TaskEnv(task)
+    check(env)
+    env.close()
+
+
+def test_spaces_come_from_declarations():
+    env = morse.gym.TaskEnv(LookAround)
+    space = env.observation_space
+    assert space["image"] == gymnasium.spaces.Box(0, 255, (36, 40, 3), np.uint8)
+    assert space["pose"].shape == (3,)
+    assert space["pose"].high[2] == np.float32(np.pi)
+    assert env.action_space == gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
+    env.close()
+
+
+def test_made_by_name():
+    env = gymnasium.make("morse/Reach-v0")
+    first, _ = env.reset(seed=4)
+    again, _ = env.reset(seed=4)
+    other, _ = env.reset(seed=5)
+    assert (first == again).all()
+    assert (first != other).any()
+    env.close()
+    many = gymnasium.make_vec("morse/Reach-v0", num_envs=3)
+    assert many.num_envs == 3
+    assert many.metadata["autoreset_mode"] == AutoresetMode.SAME_STEP
+    many.close()
+
+
+def test_rows_are_as_alone_with_any_number_of_workers():
+    count, rng = 5, np.random.default_rng(0)
+    vectors = [morse.gym.vector(Reach, count), morse.gym.vector(Reach, count, workers=2)]
+    try:
+        firsts = [env.reset(seed=7)[0] for env in vectors]
+        assert (firsts[0] == firsts[1]).all()
+        ended = 0
+        for _ in range(60):
+            actions = rng.uniform([0.0, -1.5], [1.0, 1.5], (count, 2))
+            (one, *ones, first_infos), (two, *twos, infos) = [env.step(actions) for env in vectors]
+            assert (one == two).all()
+            for a, b in zip(ones, twos, strict=True):
+                assert (a == b).all()
+            assert set(first_infos) == set(infos)
+            done = ones[1] | ones[2]
+            ended += done.sum()
+            if done.any():
+                assert (infos["_final_obs"] == done).all()
+                for row in np.flatnonzero(done):
+                    assert (infos["final_obs"][row] == first_infos["final_obs"][row]).all()
+                    assert (infos["final_obs"][row] != two[row]).any()
+        assert ended > 0
+    finally:
+        for env in vectors:
+            env.close()
+
+
+def test_truncation_is_not_termination():
+    env = morse.gym.vector(LookAround, 2)
+    env.reset(seed=1)
+    for number in range(LookAround.limit):
+        observations, _, ended, late, infos = env.step(np.zeros((2, 2)))
+        assert not ended.any()
+        assert late.all() == (number == LookAround.limit - 1)
+    assert infos["final_obs"][0]["image"].shape == (36, 40, 3)
+    assert observations["image"].shape == (2, 36, 40, 3)
+    assert env.observation_space.contains(observations)
+    env.close()
+
+
+def test_pettingzoo_checks_it():
+    from pettingzoo.test import parallel_api_test, parallel_seed_test
+
+    def make():
+        return morse.gym.parallel(Meet, agents=["r0", "r1"])
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        env = make()
+        parallel_api_test(env, num_cycles=60)
+        env.close()
+        parallel_seed_test(make, num_cycles=20)
+    with pytest.raises(KeyError, match=r"no robot 'r3'"):
+        morse.gym.parallel(Meet, agents=["r0", "r3"])
+
+
+def test_a_process_that_dies_is_named():
+    env = morse.gym.vector(Reach, 2, workers=2)
+    env.reset(seed=1)
+    os.kill(env._processes[1].pid, signal.SIGKILL)
+    env._processes[1].join(60.0)
+    with pytest.raises(RuntimeError, match="the process of the rows 1 to 1 has ended"):
+        env.step(np.zeros((2, 2)))
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"action": None}, "has no attribute 'action'"),
+        ({"scene": None}, "has no attribute 'scene'"),
+        ({"observation": 3}, "'observation' is a Read, a Touch or a space"),
+        ({"observation": morse.gym.Read("robot.camera", "imago")}, "no field 'imago'"),
+        ({"action": "robot.motion"}, "action is a morse.gym.Command"),
+    ],
+)
+def test_mistakes_in_a_task_are_named(change, message):
+    with pytest.raises((TypeError, KeyError), match=message):
+        morse.gym.TaskEnv(type("Wrong", (Picture,), change))
+
+
+def test_mistakes_of_a_caller_are_named():
+    with pytest.raises(ValueError, match="two finite numbers"):
+        morse.gym.Command("robot.motion", v=(1.0, 0.0))
+    with pytest.raises(ValueError, match="render_mode is 'rgb_array'"):
+        morse.gym.TaskEnv(Reach, render_mode="human")
+    with pytest.raises(ValueError, match="1 to 2 workers"):
+        morse.gym.vector(Reach, 2, workers=3)
+
+
+def test_a_missing_extra_is_named():
+    code = "import sys; sys.modules['gymnasium'] = None; import morse.gym"
+    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert "pip install 'morse-simulator[gym]'" in outcome.stderr.splitlines()[-1]
