@@ -320,3 +320,23 @@ def test_a_damaged_attachment_is_named_and_the_rest_is_shown(
     said = [one.getMessage() for one in caplog.records if "'visitor' is not shown" in one.getMessage()]
     assert len(said) == 1
     assert "damaged" in said[0]
+
+
+@pytest.mark.parametrize(
+    ("sensor", "name", "value"),
+    [
+        ("morse.sensors.video_camera.VideoCamera", "cam_width", 10**9),
+        ("morse.sensors.depth_camera.DepthCamera", "cam_height", 10**9),
+        ("morse.sensors.laserscanner.LaserScanner", "resolution", 1e-12),
+        ("morse.sensors.laserscanner.LaserScanner", "layers", "many"),
+    ],
+)
+def test_images_and_scans_of_a_file_have_the_limits_of_a_script(
+    packed: Packing, sensor: str, name: str, value: Any
+) -> None:
+    description = msgspec.msgpack.decode(packed.to_bytes())
+    component = next(one for one in description["components"] if one["kind"] == "sensor")
+    component["classes"] = [sensor]
+    description["nodes"][component["node"]]["properties"] = {name: value}
+    with pytest.raises(RecordingError, match=f"property '{name}'"):
+        unpacked(packed, msgspec.msgpack.encode(description))

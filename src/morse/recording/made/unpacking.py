@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
+from morse.core.classes.classpath import load_class
+from morse.core.declarations import properties
+from morse.core.validation.errors import PropertyError
+from morse.core.validation.properties import checked_value
 from morse.mathutils import Matrix
 from morse.recording.errors import RecordingError
 from morse.recording.made import form
@@ -178,6 +182,7 @@ class Unpacking:
         if one.panel is not None and classpath in STAND_INS:
             _check(len(one.panel.fields) <= _MOST_FIELDS, f"{len(one.panel.fields)} fields")
             node.properties[PANEL], classpath = one.panel, STAND_INS[classpath]
+        _check_properties(node, classpath)
         known = [(self._class_of([path]), options) for path, options in one.modifiers]
         if unlike or any(path is None for path, _ in known):
             self.replaced.append(node.name)
@@ -222,6 +227,16 @@ def unpacked_scene(data: bytes, objects: Unpacking) -> Scene:
         settings=settings,
         properties=found.properties,
     )
+
+
+def _check_properties(node: Node, classpath: str) -> None:
+    """Check the properties of a component as those of a script: its images and scans have a limit of size."""
+    for prop in properties(load_class(classpath)).values():
+        if prop.name in node.properties and node.properties[prop.name] != prop.default:
+            try:
+                checked_value(node.name[:80], prop, node.properties[prop.name], script=True)
+            except PropertyError as error:
+                raise ValueError(str(error)) from None
 
 
 def _numbers(value: Any) -> Iterator[float]:
