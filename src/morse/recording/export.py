@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from morse.core.reports.hints import nearest
 from morse.recording.errors import RecordingError
+from morse.recording.fields import FIELDS
+from morse.recording.fields.table import FieldsTable
 from morse.recording.tables import Table
 
 if TYPE_CHECKING:
@@ -52,7 +54,7 @@ class _Sink(Protocol):
 class _Csv:
     """RFC 4180, numbers with all their digits; lists as JSON."""
 
-    def __init__(self, path: Path, table: Table) -> None:
+    def __init__(self, path: Path, table: Table | FieldsTable) -> None:
         self._file = path.open("x", newline="", encoding="utf-8", errors="backslashreplace")
         self._writer = csv.writer(self._file)
         self._writer.writerow([name for name, _ in table.columns])
@@ -81,7 +83,7 @@ def _plain(value: Any) -> Any:
 class _Parquet:
     """With the types of the messages."""
 
-    def __init__(self, path: Path, table: Table) -> None:
+    def __init__(self, path: Path, table: Table | FieldsTable) -> None:
         import pyarrow
         from pyarrow import parquet
 
@@ -120,8 +122,13 @@ class _Parquet:
 class _Writing:
     """The file of one topic during the export."""
 
-    def __init__(self, folder: Path, channel: Channel, form: str, used: set[str]) -> None:
-        self.table = Table(channel.type, without_data=form == "csv")
+    def __init__(self, folder: Path, channel: Channel, form: str, used: set[str], source: str) -> None:
+        is_csv = form == "csv"
+        self.table: Table | FieldsTable = (
+            FieldsTable(channel, source, without_data=is_csv)
+            if channel.topic.startswith(f"{FIELDS}/")
+            else Table(channel.type, without_data=is_csv)
+        )
         self.path = folder / f"{_file_name(channel.topic, used)}.{form}"
         self.topic = channel.topic
         self.count = 0
@@ -208,7 +215,7 @@ def _some(
                 remarks.append(f"{channel.topic} is left out: its encoding is {channel.encoding!r:.40}, expected 'cdr'")
                 continue
             try:
-                open_[channel.number] = _Writing(target, channel, form, used)
+                open_[channel.number] = _Writing(target, channel, form, used, file.path)
             except RecordingError as error:
                 remarks.append(f"{channel.topic} is left out: {error}")
         for message in file.messages(open_.keys()):

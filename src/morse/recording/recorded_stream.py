@@ -15,7 +15,7 @@ from morse.core.sensor import Sensor
 from morse.core.streams.local_data import Later
 from morse.recording.fields import CLASS, COMPONENT, DECLARED, FIELDS, FIELDS_TYPE
 from morse.recording.fields.blocks import encode_block
-from morse.recording.fields.columns import Columns
+from morse.recording.fields.columns import Columns, runs_of
 from morse.recording.fields.messages import UNFIT, Batch, Line, messages_of
 from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.names import cleaned
@@ -171,12 +171,11 @@ class RecordedStream(TopicStream):
             until: number of the tick.
             times: returns the log times of ticks, ns.
         """
-        for columns, lines in list(self._layouts.values()):
-            rows = columns.take(until)
-            if rows is None:
-                continue
+        parts = [(rows, lines) for columns, lines in list(self._layouts.values()) if (rows := columns.take(until))]
+        for rows in runs_of([rows for rows, _ in parts]):
             block = encode_block(rows.ticks, times(rows.ticks), rows.columns)
             yield Batch(self._fields, rows.ticks[:1], [encode(FIELDS_TYPE, {"data": block})])
+        for rows, lines in parts:
             stamps = self._stamps(rows)
             for line in lines:
                 yield from messages_of(line, rows, stamps, self._leave_out)

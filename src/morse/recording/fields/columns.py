@@ -37,6 +37,23 @@ class Rows(NamedTuple):
     columns: Mapping[str, Any]
     live: Sequence[Sequence[Any]]
 
+    def some(self, chosen: slice) -> Rows:
+        """Some of the ticks."""
+        columns = {name: column[chosen] for name, column in self.columns.items()}
+        return Rows(self.ticks[chosen], columns, [values[chosen] for values in self.live])
+
+
+def runs_of(parts: Sequence[Rows]) -> list[Rows]:
+    """The rows in the order of their ticks: those of consecutive ticks of one part together."""
+    if len(parts) < 2:
+        return list(parts)
+    ticks = np.concatenate([rows.ticks for rows in parts])
+    owners = np.repeat(np.arange(len(parts)), [len(rows.ticks) for rows in parts])
+    places = np.concatenate([np.arange(len(rows.ticks)) for rows in parts])
+    order = np.argsort(ticks, kind="stable")
+    changes = np.flatnonzero(np.diff(owners[order])) + 1
+    return [parts[owners[run[0]]].some(slice(places[run[0]], places[run[-1]] + 1)) for run in np.split(order, changes)]
+
 
 class Columns:
     """Keeps the values of fields whose types stay the same.
