@@ -197,7 +197,7 @@ def test_a_script_that_was_changed_since_is_taken_from_the_recording(script: Pat
         with Recording(tmp_path / "run.mcap") as recording, pytest.raises(RecordingError, match="--trust"):
             resimulate(recording)
         with Recording(tmp_path / "run.mcap") as recording:
-            assert resimulate(recording, told=remarks.append, trust=True).departure is None
+            assert resimulate(recording, say=remarks.append, trust=True).departure is None
     assert len([one for one in remarks if "the recorded script is used" in one]) == 2
     # what is executed is shown
     assert len([one for one in remarks if "executes the script inside the recording" in one]) == 2

@@ -59,7 +59,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
         sim.spawn("visitor", visitor, (5.0, 0.0, 0.0))
         sim.step(30)
         found.truth = {name: dict(sim.context.components[name].local_data) for name in RECORDED}
-    with Recording(path) as recording, playing(recording, told=found.told.append, port=0, browser=False) as view:
+    with Recording(path) as recording, playing(recording, say=found.told.append, port=0, browser=False) as view:
         view.announce()
         names = [*RECORDED, "robot.gps", "robot.motion", "robot"]
         with Client(view.url, close_timeout=0.2) as client:

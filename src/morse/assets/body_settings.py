@@ -104,8 +104,8 @@ def settle(
         weaker["type"] = PhysicsType.RIGID_BODY
         if weaker["compound"] is None:
             weaker["compound"] = True
-    known = {key: value for key, value in weaker.items() if value is not None}
-    settled.body = replace(settled.body, **known)
+    known_values = {key: value for key, value in weaker.items() if value is not None}
+    settled.body = replace(settled.body, **known_values)
     return settled
 
 
@@ -142,19 +142,19 @@ class _Settings:
         value = self._properties.get(key)
         if value is None:
             return None
-        for known in choices:
-            if isinstance(value, str) and value.casefold() == known.casefold():
-                return known
-        close = difflib.get_close_matches(str(value).upper(), [known.upper() for known in choices], 1, 0.5)
-        hint = next((f"; did you mean '{known}'?" for known in choices if close and known.upper() == close[0]), "")
+        for name in choices:
+            if isinstance(value, str) and value.casefold() == name.casefold():
+                return name
+        close = difflib.get_close_matches(str(value).upper(), [name.upper() for name in choices], 1, 0.5)
+        hint = next((f"; did you mean '{name}'?" for name in choices if close and name.upper() == close[0]), "")
         self._warn(key, value, f"one of {', '.join(choices)}{hint}")
         return None
 
-    def _warn(self, key: str, value: object, expected: str) -> None:
-        given = repr(value)
-        given = given if len(given) <= 60 else given[:57] + "..."
+    def _warn(self, key: str, value: object, expects: str) -> None:
+        text = repr(value)
+        text = text if len(text) <= 60 else text[:57] + "..."
         self._warnings.append(
-            f"the object '{self._name}' has the custom property {key} = {given}, which is ignored: expected {expected}"
+            f"the object '{self._name}' has the custom property {key} = {text}, which is ignored: expected {expects}"
         )
 
 

@@ -42,11 +42,11 @@ class Cache:
                 return None
             # a pipe must not block, and a link must not lead to an endless file
             descriptor = os.open(file, os.O_RDONLY | _CAREFUL)
-            with open(descriptor, "rb") as opened:
+            with open(descriptor, "rb") as stream:
                 status = os.fstat(descriptor)
                 if not (stat.S_ISREG(status.st_mode) and _is_own(status) and status.st_size <= largest):
                     return None
-                data = opened.read(largest)
+                data = stream.read(largest)
         except OSError:
             return None
         with contextlib.suppress(OSError):
@@ -78,17 +78,17 @@ class Cache:
 
     def _tidy(self, folder: Path) -> None:
         with os.scandir(folder) as entries:
-            found = [(entry.stat().st_mtime_ns, entry.path) for entry in entries if entry.is_file()]
-        for _, path in sorted(found)[: max(len(found) - self._most, 0)]:
+            files = [(entry.stat().st_mtime_ns, entry.path) for entry in entries if entry.is_file()]
+        for _, path in sorted(files)[: max(len(files) - self._most, 0)]:
             with contextlib.suppress(FileNotFoundError):  # the file was deleted by another process
                 os.unlink(path)
 
     def _folder(self) -> Path | None:
-        given = variables.text("MORSE_CACHE")
-        if given == "off":
+        folder = variables.text("MORSE_CACHE")
+        if folder == "off":
             return None
         try:
-            return (Path(given) if given else _system_folder() / "morse") / self._kind
+            return (Path(folder) if folder else _system_folder() / "morse") / self._kind
         except RuntimeError:  # the user has no home directory
             return None
 

@@ -95,10 +95,10 @@ class _Resolving:
         if key not in self._known:
             # further meshes are divided into few parts when there are very many already
             limit = min(DEFAULT_LIMIT, max(_MOST_PARTS - self._parts, _FREE_PARTS))
-            shapes, found = _shapes_of_mesh(self._content(node), node.mesh, numbers, node.body.bounds, limit)
+            shapes, warnings = _shapes_of_mesh(self._content(node), node.mesh, numbers, node.body.bounds, limit)
             self._known[key] = list(shapes)
             self._parts += max(len(shapes) - _FREE_PARTS, 0)
-            self.warnings += [f"'{node.name}': {text}" for text in found]
+            self.warnings += [f"'{node.name}': {text}" for text in warnings]
         return self._known[key]
 
     def _content(self, node: Node) -> bytes:
@@ -132,17 +132,17 @@ def _shapes_of_mesh(
     """The shapes of a stretched mesh, in its rigid frame, and warnings."""
     # with another limit, a mesh has other shapes
     key = digest + (b"" if limit == DEFAULT_LIMIT else limit.to_bytes(4, "big")), stretch, bounds
-    found = _EARLIER.get(key)
-    if found is None:
+    shapes_and_warnings = _EARLIER.get(key)
+    if shapes_and_warnings is None:
         simple = bounds in _FITTED
-        found = None if simple else kept_shapes.get(key)
-        if found is None:
+        shapes_and_warnings = None if simple else kept_shapes.get(key)
+        if shapes_and_warnings is None:
             parts, warnings = _parts(mesh, np.reshape(stretch, (3, 3)), bounds, limit)
-            found = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
+            shapes_and_warnings = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
             if not simple:
-                kept_shapes.put(key, found)
-        _EARLIER.put(key, found)
-    return found
+                kept_shapes.put(key, shapes_and_warnings)
+        _EARLIER.put(key, shapes_and_warnings)
+    return shapes_and_warnings
 
 
 def _without_mesh(node: Node) -> list[CollisionShape]:

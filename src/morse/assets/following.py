@@ -128,20 +128,20 @@ class _Following:
             self._after.pop(name).detach()
 
     def _name_newcomers(self) -> None:
-        taken = set(self._present)
+        taken_names = set(self._present)
         for name, after in self._after.items():
             if name not in self._now:
                 count = 0
-                while after.name in taken:
+                while after.name in taken_names:
                     count += 1
                     after.name = f"{name}.{count:03d}"
-                taken.add(after.name)
+                taken_names.add(after.name)
 
     def _replace(self, now: Node, after: Node) -> None:
         """Replace a tree of the scene, unless it is unchanged."""
         within = {id(node) for node in after.walk()}
         new = {id(mine): self._after[name] for name, mine in self._now.items() if name in self._after}
-        going, moved, stack = set(), [], [now]
+        going, moved_nodes, stack = set(), [], [now]
         while stack:
             node = stack.pop()
             going.add(id(node))
@@ -151,14 +151,14 @@ class _Following:
                     stack.append(child)
                 else:
                     place = next(new[id(above)] for above in (node, *node.ancestors()) if id(above) in new)
-                    moved.append((child, place))
-        if _same_tree(now, after, {id(child) for child, _ in moved}):
+                    moved_nodes.append((child, place))
+        if _same_tree(now, after, {id(child) for child, _ in moved_nodes}):
             for name, mine in self._now.items():
                 if id(mine) in going:
                     self._after[name] = mine
             return
         self._revision.replaced.append((now, after))
-        self._revision.moved += moved
+        self._revision.moved += moved_nodes
 
     def _go(self) -> None:
         """Remove nodes that are no longer in the file and do not belong to a replaced tree."""
@@ -198,11 +198,11 @@ def _with_root(use: ModelUse, roots: Sequence[str]) -> ModelUse:
     if before in roots or (name in use.originals and not use.choice.whole):
         name = before
     names = {} if before == name else {before: name, name: before}
-    for known, original in use.originals.items():
-        original.name = names.get(known, known)
+    for node_copy, original in use.originals.items():
+        original.name = names.get(node_copy, node_copy)
     if not names:
         return use
-    nodes = {names.get(known, known): node for known, node in use.nodes.items()}
+    nodes = {names.get(node_copy, node_copy): node for node_copy, node in use.nodes.items()}
     return replace(use, nodes=nodes, originals={original.name: original for original in use.originals.values()})
 
 

@@ -23,8 +23,8 @@ def gather_under_root(library: Library) -> Node:
     Raises:
         AssetError: the file does not contain an object that could be a component.
     """
-    placed = [root for root in library.roots if root.name not in library.outside_scene]
-    loose = [part for root in placed or library.roots for part in _without_lights(root)]
+    scene_roots = [root for root in library.roots if root.name not in library.outside_scene]
+    loose = [part for root in scene_roots or library.roots for part in _without_lights(root)]
     if not loose:
         raise AssetError(library.path, "it contains no object that could be a component: add a mesh or an empty")
     root = _choose(loose, Path(library.path).stem)

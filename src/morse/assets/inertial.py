@@ -33,7 +33,7 @@ def inertial_of(mass: float, origin: Matrix, moments: Sequence[float] | None) ->
         moments: ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, kg m^2; None if the file does not contain them.
     """
     x, y, z = origin.translation
-    turned = np.array([list(row) for row in origin.to_3x3()])
+    rotation = np.array([list(row) for row in origin.to_3x3()])
     remark = ""
     ball = _ball(mass)
     if moments is None:
@@ -57,7 +57,7 @@ def inertial_of(mass: float, origin: Matrix, moments: Sequence[float] | None) ->
             )
             values[:2] += 0.5 * (values[2] - values[0] - values[1])
             inertia = matmul(matmul(axes, np.diag(values)), axes.T)
-    inertia = matmul(matmul(turned, inertia), turned.T)
+    inertia = matmul(matmul(rotation, inertia), rotation.T)
     a, b, c, d, e, f, g, h, i = (float(value) for value in inertia.ravel())
     return Inertial(mass, (x, y, z), (a, b, c, d, e, f, g, h, i)), remark
 

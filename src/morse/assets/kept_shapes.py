@@ -50,12 +50,12 @@ def get(key: Key) -> Found | None:
         return None
 
 
-def put(key: Key, found: Found) -> None:
+def put(key: Key, shapes_and_warnings: Found) -> None:
     """Store the shapes and warnings of a mesh."""
-    shapes, warnings = found
+    shapes, warnings = shapes_and_warnings
     poses = np.array([[*shape.position, *shape.rotation] for shape in shapes])
     points = [shape.vertices for shape in shapes if shape.vertices is not None]
-    kept = _Kept(
+    entry = _Kept(
         kinds=[shape.kind for shape in shapes],
         sizes=[shape.size for shape in shapes],
         poses=poses.tobytes(),
@@ -63,23 +63,23 @@ def put(key: Key, found: Found) -> None:
         vertices=np.concatenate(points).astype(np.float64).tobytes() if points else b"",
         warnings=warnings,
     )
-    data = _ENCODER.encode(kept)
+    data = _ENCODER.encode(entry)
     _CACHE.put(_name(key), hashlib.blake2b(data, digest_size=16).digest() + data)
 
 
 def _decoded(data: bytes) -> Found:
     if hashlib.blake2b(data[16:], digest_size=16).digest() != data[:16]:
         raise ValueError("the file is damaged")
-    kept = _DECODER.decode(data[16:])
-    poses: list[Any] = np.frombuffer(kept.poses).reshape(-1, 12).tolist()
-    vertices = np.frombuffer(kept.vertices).reshape(-1, 3).copy()
+    entry = _DECODER.decode(data[16:])
+    poses: list[Any] = np.frombuffer(entry.poses).reshape(-1, 12).tolist()
+    vertices = np.frombuffer(entry.vertices).reshape(-1, 3).copy()
     shapes: list[CollisionShape] = []
     start = 0
-    for kind, size, pose, count in zip(kept.kinds, kept.sizes, poses, kept.counts, strict=True):
+    for kind, size, pose, count in zip(entry.kinds, entry.sizes, poses, entry.counts, strict=True):
         points = vertices[start : start + count] if count else None
         start += count
         shapes.append(CollisionShape(kind, size, tuple(pose[:3]), tuple(pose[3:]), points))
-    return tuple(shapes), kept.warnings
+    return tuple(shapes), entry.warnings
 
 
 def _name(key: Key) -> str:

@@ -40,21 +40,21 @@ class KnownShapes:
     def get(self, key: Hashable) -> Found | None:
         """The result that was stored under the key; None if it was removed."""
         with self._lock:
-            found = self._results.get(key)
-            if found is not None:
+            entry = self._results.get(key)
+            if entry is not None:
                 self._results.move_to_end(key)
-            return found
+            return entry
 
-    def put(self, key: Hashable, found: Found) -> None:
+    def put(self, key: Hashable, entry: Found) -> None:
         """Store a result."""
         with self._lock:
             if key in self._results:
                 return
-            self._results[key] = found
-            self._size += _size(found)
+            self._results[key] = entry
+            self._size += _size(entry)
             while self._size > self._most:
-                _, dropped = self._results.popitem(last=False)
-                self._size -= _size(dropped)
+                _, oldest = self._results.popitem(last=False)
+                self._size -= _size(oldest)
 
 
 def content(mesh: Mesh) -> bytes:
@@ -70,8 +70,8 @@ def _add(digest: hashlib.blake2b, array: NDArray[np.generic]) -> None:
     digest.update(np.ascontiguousarray(array).tobytes())
 
 
-def _size(found: Found) -> int:
-    shapes, _ = found
+def _size(entry: Found) -> int:
+    shapes, _ = entry
     return _SHAPE_BYTES + sum(
         _SHAPE_BYTES + (0 if shape.vertices is None else shape.vertices.nbytes) for shape in shapes
     )

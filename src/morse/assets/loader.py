@@ -32,14 +32,14 @@ def load(path: str | Path) -> Library:
         ValueError: the file is damaged, or has too many triangles (the readers have their own subclasses).
     """
     path = Path(path).absolute()
-    read = reader_of(path)
+    reader = reader_of(path)
     with open_regular(path) as file:
         status = os.fstat(file.fileno())
     stamp = (status.st_mtime_ns, status.st_size)
     cached = _cache.get(path)
     if cached is not None and cached[0] == stamp:
         return cached[1]
-    library = read(path)
+    library = reader(path)
     meshes = {id(node.mesh): node.mesh for root in library.roots for node in root.walk() if node.mesh is not None}
     check_triangles(path, (len(mesh.triangles) for mesh in meshes.values()))
     for warning in library.warnings:

@@ -49,10 +49,10 @@ def _complete(body: Node) -> None:
     outlined = [node for node in undecided if node.body.bounds is not None]
     own = body.mesh is not None and body.shapes is None
     decided = any(node.body.collides and node.mesh is not None for node in parts)
-    chosen = outlined if outlined or decided or (own and not body.body.compound) else undecided
+    bodies = outlined if outlined or decided or (own and not body.body.compound) else undecided
     for node in parts:
         if node.body.type is PhysicsType.AUTO:
-            node.body.type = PhysicsType.RIGID_BODY if node in chosen else PhysicsType.NO_COLLISION
+            node.body.type = PhysicsType.RIGID_BODY if node in bodies else PhysicsType.NO_COLLISION
 
 
 def _parts(body: Node) -> Iterator[Node]:

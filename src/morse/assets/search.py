@@ -119,16 +119,16 @@ def _candidates(name: str, category: str) -> Iterator[Path]:
 
 
 def _not_found(name: str, category: str) -> str:
-    known = available(category)
-    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5) or difflib.get_close_matches(
-        name.rsplit("/", 1)[-1], known, n=3
+    candidates = available(category)
+    close = difflib.get_close_matches(name, candidates, n=3, cutoff=0.5) or difflib.get_close_matches(
+        name.rsplit("/", 1)[-1], candidates, n=3
     )
     kind = f" in '{category}'" if category else ""
     message = f"no model '{name if len(name) <= 80 else name[:77] + '...'}'{kind}"
     if close:
         message += f"; did you mean {' or '.join(repr(c) for c in close)}?"
-    elif known:
-        message += f"; there are: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"
+    elif candidates:
+        message += f"; there are: {', '.join(candidates[:12])}{', ...' if len(candidates) > 12 else ''}"
     searched = ", ".join(str(directory) for directory in [*component_dirs(), *resource_dirs()])
     return f"{message} (searched: {searched}; more directories: MORSE_RESOURCE_PATH)"
 

@@ -89,10 +89,10 @@ def _header(head: bytes) -> _Header:
 
 def _unpacked(data: bytes, header: _Header, size: int) -> bytearray:
     """The pixels of a run-length encoded image."""
-    channels, at, written = header.channels, header.start, 0
+    channels, at, position = header.channels, header.start, 0
     result = bytearray(size)
     for _ in range(_MAX_PACKETS):
-        if written >= size:
+        if position >= size:
             return result
         if at >= len(data):
             break
@@ -100,12 +100,12 @@ def _unpacked(data: bytes, header: _Header, size: int) -> bytearray:
         run = data[at] & 0x80
         length = channels if run else channels * count
         values = data[at + 1 : at + 1 + length]
-        if len(values) < length or written + channels * count > size:
+        if len(values) < length or position + channels * count > size:
             break
-        result[written : written + channels * count] = values * count if run else values
-        written += channels * count
+        result[position : position + channels * count] = values * count if run else values
+        position += channels * count
         at += 1 + length
-    if written >= size:
+    if position >= size:
         return result
     raise TargaError("its run-length encoding is damaged, or has too many packets")
 

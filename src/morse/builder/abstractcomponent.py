@@ -125,10 +125,10 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
 
     @name.setter
     def name(self, value: str) -> None:
-        checked = naming.check_given_name(value)
+        new_name = naming.check_given_name(value)
         if self._kind:
-            naming.check_address(checked)
-        self.basename = checked
+            naming.check_address(new_name)
+        self.basename = new_name
         self.name_strength = Strength.GIVEN
         self._bpy_object.name = value
 
@@ -165,8 +165,8 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         mount = self._bpy_object if child is None else self._named_child(child)
         frame = frames.frame_above(level)
         if frame is not None:
-            if (found := naming.name_in_frame(obj, self, frame)) is not None:
-                obj.suggest_name(found, Strength.VARIABLE)
+            if (name := naming.name_in_frame(obj, self, frame)) is not None:
+                obj.suggest_name(name, Strength.VARIABLE)
             naming.name_unparented(frame.f_locals, Strength.GUESSED)
         # an object of the model that is already below this one keeps its pose
         is_below = obj.parent is None and any(above is mount.node for above in obj.scene_node.ancestors())
@@ -181,11 +181,11 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         self.children.append(obj)
 
     def _named_child(self, name: str) -> SceneObject:
-        found = self.get_child(name)
-        if found is None:
-            known = [node.plain_name for node in self.scene_node.walk() if node is not self.scene_node]
-            raise MorseBuilderError(f"'{self.name}' has no child '{name}'{checks.suggestion(name, known)}")
-        return found
+        child = self.get_child(name)
+        if child is None:
+            candidates = [node.plain_name for node in self.scene_node.walk() if node is not self.scene_node]
+            raise MorseBuilderError(f"'{self.name}' has no child '{name}'{checks.suggestion(name, candidates)}")
+        return child
 
     def get_child(
         self, name: str, objects: Iterable[SceneObject] | None = None, recursive: bool = True
@@ -220,15 +220,15 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
 
         A property that the component does not declare is kept, with a warning.
         """
-        given: dict[str, Any] = kwargs
+        properties: dict[str, Any] = kwargs
         if "classpath" in kwargs:
             self.classpath = kwargs["classpath"]
         elif self._kind in ("sensor", "actuator") and (cls := self.component_class()) is not None:
-            given = check_declared(cls, kwargs)
-        for key, value in given.items():
+            properties = check_declared(cls, kwargs)
+        for key, value in properties.items():
             self.scene_node.properties[key] = checked_property(key, value)
-        if "frequency" in given:
-            self.frequency(given["frequency"])
+        if "frequency" in properties:
+            self.frequency(properties["frequency"])
 
     def property_value(self, name: str) -> Any:
         """Return the value of a property, or None if it is not set."""

@@ -54,8 +54,8 @@ def get_object(name: str) -> SceneObject:
     """
     node = workspace.current().find(checks.text(name, "bpymorse.get_object(name)"))
     if node is None:
-        known = workspace.current().names()
-        raise MorseBuilderNoComponentError(f"there is no object '{name}'{checks.suggestion(name, known)}")
+        names = workspace.current().names()
+        raise MorseBuilderNoComponentError(f"there is no object '{name}'{checks.suggestion(name, names)}")
     return SceneObject(node)
 
 
@@ -70,14 +70,14 @@ def get_material(name: str) -> ObjectMaterial:
     Raises:
         MorseBuilderNoComponentError: there is no such material.
     """
-    known = set()
+    names = set()
     for node in workspace.current().nodes():
         for index, material in enumerate(material_slots(node)):
             if material is not None:
                 if material.name == name:
                     return ObjectMaterial(node, index)
-                known.add(material.name)
-    raise MorseBuilderNoComponentError(f"there is no material '{name}'{checks.suggestion(name, known)}")
+                names.add(material.name)
+    raise MorseBuilderNoComponentError(f"there is no material '{name}'{checks.suggestion(name, names)}")
 
 
 def properties(obj: SceneObject, **kwargs: Any) -> None:
@@ -110,9 +110,9 @@ def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
         MorseBuilderNoComponentError: there is no object of such a name.
         MorseBuilderError: it is the body of a component.
     """
-    given = [objects] if isinstance(objects, (SceneObject, str)) else list(objects)
+    items = [objects] if isinstance(objects, (SceneObject, str)) else list(objects)
     bodies = {c.scene_node: c for c in workspace.current().components}
-    for item in given:
+    for item in items:
         node = (get_object(item) if isinstance(item, str) else _object(item, "bpymorse.delete(objects)")).node
         if node in bodies:
             raise MorseBuilderError(

@@ -86,8 +86,8 @@ class ComponentCreator(Component):
             )
         node = workspace.current().find(name)
         if node is None:
-            known = workspace.current().names()
-            raise MorseBuilderNoComponentError(f"there is no object '{name}'{checks.suggestion(name, known)}")
+            names = workspace.current().names()
+            raise MorseBuilderNoComponentError(f"there is no object '{name}'{checks.suggestion(name, names)}")
         return SceneObject(node)
 
     def _load_defaults(self, make_morseable: bool) -> None:

@@ -85,15 +85,15 @@ def installed_classes(module: str) -> dict[str, type[Component]]:
     Args:
         module: module of the new classes.
     """
-    found: dict[str, type[Component]] = {}
+    classes: dict[str, type[Component]] = {}
     for point in entry_points("morse.components"):
         try:
             for kind in _CREATORS | {"robots": DeclaredRobot}:
-                found |= derived_classes(f"{point.value}.{kind}", module)
+                classes |= derived_classes(f"{point.value}.{kind}", module)
         except Exception as error:
             # an error in a third-party package must not prevent the scene from being built
             logger.warning("the components of the installed package '%s' are left out: %r", point.value, error)
-    return found
+    return classes
 
 
 def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
@@ -148,8 +148,8 @@ def builder_class(cls: type[Any], product: str | None = None, module: str | None
     by_hand = _BY_HAND.get(_with_product(paths[0], product))
     if by_hand is not None:
         return by_hand
-    declared = cls.__dict__.get("_builder")
-    name = product or getattr(declared, "name", None) or cls.__name__
+    defaults = cls.__dict__.get("_builder")
+    name = product or getattr(defaults, "name", None) or cls.__name__
     doc = builder_defaults(cls, product).doc or cls.__dict__.get("_short_desc") or inspect.getdoc(cls) or ""
     bases: tuple[type[Component], ...]
     if kind == "robots":

@@ -101,8 +101,8 @@ def build(
         ScriptError: the script has an error.
     """
     global _loading
-    named = resource_paths or []
-    with _describing, search.project_dirs([*named, *nearby]), workspace.described() as described:
+    resource_names = resource_paths or []
+    with _describing, search.project_dirs([*resource_names, *nearby]), workspace.described() as described:
         before, _loading = _loading, True
         try:
             describe()
@@ -117,7 +117,7 @@ def build(
             raise explain(error, script) from error
         finally:
             _loading = before
-    scene.resource_paths, scene.nearby_paths = list(named), list(nearby)
+    scene.resource_paths, scene.nearby_paths = list(resource_names), list(nearby)
     return scene
 
 

@@ -33,7 +33,7 @@ def _open_closed_streams() -> None:
 
     Otherwise a file or socket that is opened later would get the descriptor of the standard output.
     """
-    closed = sys.stdout is None
+    is_closed = sys.stdout is None
     for descriptor in (0, 1, 2):
         try:
             os.fstat(descriptor)
@@ -44,5 +44,5 @@ def _open_closed_streams() -> None:
         if getattr(sys, name) is None:
             mode = "r" if name == "stdin" else "w"
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 (open as long as the process)
-    if closed:
+    if is_closed:
         print("* The standard output is closed: the log of the simulation is lost.", file=sys.stderr)

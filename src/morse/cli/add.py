@@ -48,9 +48,9 @@ def command(
         )
     if kind != "robot":
         values = replace(values, shortdesc=_ask_for_description(kind, safe_name))
-    written = write_component(directory, kind, values)
+    paths = write_component(directory, kind, values)
     say(f"Added the {kind} '{safe_name}' to '{package}':")
-    for path in written:
+    for path in paths:
         typer.echo(f"    {path}")
     _explain(kind, package, safe_name, class_, directory)
 

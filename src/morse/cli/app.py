@@ -65,9 +65,9 @@ class _Commands(typer.core.TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if args and args[0] not in _MODULES and not args[0].startswith("-"):
-            known = ", ".join(_MODULES)
+            names = ", ".join(_MODULES)
             raise CommandError(
-                f"There is no command '{args[0]}'.{nearest(args[0], _MODULES)} The commands are: {known}.", status=2
+                f"There is no command '{args[0]}'.{nearest(args[0], _MODULES)} The commands are: {names}.", status=2
             )
         return super().resolve_command(ctx, args)
 

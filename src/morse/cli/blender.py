@@ -16,9 +16,9 @@ def find() -> tuple[str | None, str]:
     Returns:
         The path of the program and its origin; or None and the reason.
     """
-    if given := variables.text("MORSE_BLENDER"):
-        path = shutil.which(given)
-        return (path, "$MORSE_BLENDER") if path else (None, f"MORSE_BLENDER is '{given}', which is not a program")
+    if program := variables.text("MORSE_BLENDER"):
+        path = shutil.which(program)
+        return (path, "$MORSE_BLENDER") if path else (None, f"MORSE_BLENDER is '{program}', which is not a program")
     path = shutil.which("blender")
     return (path, "PATH") if path else (None, "neither MORSE_BLENDER nor the PATH contains it")
 

@@ -61,13 +61,13 @@ def command(
     Console().print(_table(results))
     say(f"Available middlewares: {', '.join(registry.installed())}.")
     _say_places()
-    missing = [result for result in results if result.required and not result.found]
-    for result in missing:
+    problems = [result for result in results if result.required and not result.found]
+    for result in problems:
         say(f"Missing: {result.name} ({result.detail}). To install it: {result.install}")
     for result in results:
         if not result.found and not result.required and result.install:
             say(f"Optional: {result.name}, for {result.gives}. To install it: {result.install}")
-    if missing:
+    if problems:
         raise typer.Exit(1)
     say("All requirements of MORSE are met.")
     return 0

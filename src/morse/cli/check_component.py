@@ -36,7 +36,7 @@ def check_components(names: Sequence[str], robot: str | None) -> int:
     # imported on demand, because it loads the simulator
     from morse.verification.contract import SubjectError, check_component
 
-    passed = True
+    success = True
     for name in names:
         try:
             reports = check_component(name, robot)
@@ -44,8 +44,8 @@ def check_components(names: Sequence[str], robot: str | None) -> int:
             raise CommandError(f"{error}.") from None
         for report in reports:
             _print(report)
-            passed &= report.passed
-    return 0 if passed else 1
+            success &= report.passed
+    return 0 if success else 1
 
 
 def _print(report: Report) -> None:

@@ -29,11 +29,11 @@ def command(
             f"create -f {name}`, or remove it with `morse rm {name}`."
         )
     _make_room(directory, force)
-    written = write_environment(directory, Values(name))
+    paths = write_environment(directory, Values(name))
     sites.register(name, directory)
 
     say(f"Created the environment '{name}' in {directory}:")
-    for path in written:
+    for path in paths:
         typer.echo(f"    {path.relative_to(directory.parent)}")
     say(f"Start it with:           morse run {name}")
     say(f"Change the scene in:     {directory / 'default.py'}")

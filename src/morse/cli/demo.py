@@ -48,12 +48,12 @@ def command(
             raise CommandError("Which example? `morse demo` lists all examples.", status=2)
         _list()
         return 0
-    chosen = example(name)
+    demo = example(name)
     if copy is not None:
-        _copy(chosen, copy)
+        _copy(demo, copy)
         return 0
     options = RunOptions(
-        script=str(chosen.scene),
+        script=str(demo.scene),
         node_name=socket.gethostname(),
         view="none" if headless else "web",
         open_browser=browser,
@@ -63,7 +63,7 @@ def command(
     # imported on demand, so that the list does not load the simulator
     from morse.launch.run import run
 
-    own = _Client(chosen, ends_the_simulation=headless)
+    own = _Client(demo, ends_the_simulation=headless)
     try:
         status = run(options, own.start if client else None)
     finally:
@@ -72,18 +72,18 @@ def command(
 
 
 def _list() -> None:
-    found = examples()
-    width = max(map(len, found))
-    for each in found.values():
+    rows = examples()
+    width = max(map(len, rows))
+    for each in rows.values():
         typer.echo(f"{each.name:<{width}}  {each.what}")
     say("Run one: morse demo NAME. Copy it as a starting point: morse demo NAME --copy FOLDER")
 
 
-def _copy(chosen: Example, folder: Path) -> None:
-    target = folder / chosen.name
+def _copy(demo: Example, folder: Path) -> None:
+    target = folder / demo.name
     if target.exists():
         raise CommandError(f"'{target}' already exists: choose another folder.")
-    shutil.copytree(chosen.scene.parent, target, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(demo.scene.parent, target, ignore=shutil.ignore_patterns("__pycache__"))
     say(f"Run it:    morse run {target / 'scene.py'}")
     say(f"Drive it:  python3 {target / 'client.py'}")
 
@@ -95,8 +95,8 @@ class _Client:
         status: 1 if it failed, else 0.
     """
 
-    def __init__(self, chosen: Example, *, ends_the_simulation: bool) -> None:
-        self._file = chosen.client
+    def __init__(self, demo: Example, *, ends_the_simulation: bool) -> None:
+        self._file = demo.client
         self._ends = ends_the_simulation
         self._process: subprocess.Popen[bytes] | None = None
         self._ended = False

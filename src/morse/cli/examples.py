@@ -45,12 +45,12 @@ def example(name: str) -> Example:
     Raises:
         CommandError: there is no such example.
     """
-    found = examples()
-    if name not in found:
+    by_name = examples()
+    if name not in by_name:
         raise CommandError(
-            f"There is no example '{name}'.{nearest(name, found)} `morse demo` lists all examples.", status=2
+            f"There is no example '{name}'.{nearest(name, by_name)} `morse demo` lists all examples.", status=2
         )
-    return found[name]
+    return by_name[name]
 
 
 def _read(scene: Path) -> Example:

@@ -99,19 +99,19 @@ def command(
         )
         return _film(file, Path(output or f"{Path(file).stem}.gif"), what, scene or "", trust)
     folder = to or os.path.splitext(os.path.basename(file))[0]
-    chosen = [topic.strip() for topic in (topics or "").split(",") if topic.strip()]
+    selection = [topic.strip() for topic in (topics or "").split(",") if topic.strip()]
     if mcap:
-        return _complete(file, Path(output or f"{Path(file).stem}-complete.mcap"), chosen)
+        return _complete(file, Path(output or f"{Path(file).stem}-complete.mcap"), selection)
     try:
         with McapFile(file) as recording:
             if not recording.complete:
                 say("The recording is incomplete: its intact part is exported.")
-            written, remarks = export(recording, folder, "csv" if csv else "parquet", chosen)
+            paths, remarks = export(recording, folder, "csv" if csv else "parquet", selection)
     except MorseError as error:
         raise CommandError(str(error)) from None
     for remark in remarks:
         say(remark)
-    for one in written:
+    for one in paths:
         without = f", without {', '.join(one.left_out)} (--parquet exports them)" if one.left_out else ""
         say(f"{one.path}: {one.rows} rows of {one.topic}{without}")
     return 0
@@ -125,14 +125,14 @@ def _complete(file: str, path: Path, topics: list[str]) -> int:
 
     try:
         with McapFile(file) as recording:
-            written = rewrite(recording, path, selected(recording, topics))
+            summary = rewrite(recording, path, selected(recording, topics))
     except MorseError as error:
         raise CommandError(str(error)) from None
     except OSError as error:
         raise CommandError(f"{path} could not be written, or {file} could not be read: {error}") from None
-    if written.damaged:
-        say(f"{written.damaged} damaged chunks are left out.")
-    say(f"{path}: {written.messages} messages.")
+    if summary.damaged:
+        say(f"{summary.damaged} damaged chunks are left out.")
+    say(f"{path}: {summary.messages} messages.")
     return 0
 
 

@@ -83,20 +83,20 @@ def film(
 
     inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:
-        shown = shown_scene(recording, inputs, scene, trust, stack, say, projects)
-        simulation = stack.enter_context(start(shown.scene, shown.options))
-        guard(simulation, described=shown.is_described, trust=trust)
+        scene_view = shown_scene(recording, inputs, scene, trust, stack, say, projects)
+        simulation = stack.enter_context(start(scene_view.scene, scene_view.options))
+        guard(simulation, described=scene_view.is_described, trust=trust)
         if RecordedTimeline.is_possible(recording, inputs):
             timeline: RecordedTimeline | Timeline = RecordedTimeline(
-                simulation, recording, inputs, described=shown.is_described
+                simulation, recording, inputs, described=scene_view.is_described
             )
         else:
-            inputs = complete(recording, simulation, described=shown.is_described)
+            inputs = complete(recording, simulation, described=scene_view.is_described)
             timeline = Timeline(simulation, inputs, recording.length())
         frequency = simulation.clock.frequency
         first = round(what.begin * frequency)
         last = timeline.length if what.length is None else first + round(what.length * frequency)
-        made: Any = None
+        video: Any = None
         frames = absent = 0
         while (position := first + round(frames * frequency / what.rate)) < min(last, timeline.length):
             while not timeline.approach(position):
@@ -110,16 +110,16 @@ def film(
                 continue
             # a restart creates new components
             request = request_of(simulation, what.camera, what.places, what.size, what.fov, what.fine, color=True)
-            if made is None:
-                made = picture_files.film(path, shape_of(request, what.fine), what.rate)
-            made.add(drawn(request, "color", what.fine))
-        if made is None and absent:
+            if video is None:
+                video = picture_files.film(path, shape_of(request, what.fine), what.rate)
+            video.add(drawn(request, "color", what.fine))
+        if video is None and absent:
             timeline.approach(first)
             request_of(simulation, what.camera, what.places, what.size, what.fov, what.fine, color=True)
-        if made is None:
-            ended = timeline.length / frequency
-            raise CommandError(f"The recording ends after {ended:g} s, before the film begins.")
-        made.close()
+        if video is None:
+            end = timeline.length / frequency
+            raise CommandError(f"The recording ends after {end:g} s, before the film begins.")
+        video.close()
     drawn_frames = frames - absent
     without = f", without {absent / what.rate:g} s in which there is no {what.camera}" if absent else ""
     say(f"{path}: {drawn_frames} frames of {drawn_frames / what.rate:g} s{without}.")

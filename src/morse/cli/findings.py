@@ -100,24 +100,26 @@ def _module(module: str, distribution: str, gives: str, install: str, *, require
 
 
 def _kernel() -> Finding:
-    loaded = loading.library()
+    kernel_library = loading.library()
     return Finding(
         "native kernel",
-        loaded is not None,
-        Path(loaded._name).name if loaded is not None else "numpy is used",
+        kernel_library is not None,
+        Path(kernel_library._name).name if kernel_library is not None else "numpy is used",
         "laser scanners up to 100 times faster",
         "pip install --force-reinstall morse-simulator",
     )
 
 
 def _ros2() -> Finding:
-    found = available()
+    implementations = available()
     gives = "topics of ROS 2"
-    if "rclpy" in found:
+    if "rclpy" in implementations:
         gives = "topics, services and actions of ROS 2"
         if importlib.util.find_spec("simulation_interfaces") is not None:
-            found = [*found, "simulation_interfaces"]
-    return Finding("ROS 2", bool(found), ", ".join(found) or "neither rclpy nor cyclonedds", gives, INSTALL)
+            implementations = [*implementations, "simulation_interfaces"]
+    return Finding(
+        "ROS 2", bool(implementations), ", ".join(implementations) or "neither rclpy nor cyclonedds", gives, INSTALL
+    )
 
 
 def _ros1() -> Finding:
@@ -142,12 +144,12 @@ def _mavlink() -> Finding:
 
 
 def _data() -> Finding:
-    wanted = Path(MORSE_COMPONENTS, "environments", "sandbox.blend")
-    found = wanted.is_file()
-    detail = MORSE_COMPONENTS if found else f"{wanted} is missing"
+    file = Path(MORSE_COMPONENTS, "environments", "sandbox.blend")
+    exists = file.is_file()
+    detail = MORSE_COMPONENTS if exists else f"{file} is missing"
     return Finding(
         "MORSE data",
-        found,
+        exists,
         detail,
         "robots, environments, props",
         "pip install --force-reinstall morse-simulator",

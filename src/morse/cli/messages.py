@@ -41,6 +41,6 @@ def complain(message: str) -> None:
 
 def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str:
     """A hint such as `` Did you mean 'ranger_sim'?``, or an empty string if no candidate is similar to the word."""
-    known = {candidate.lower(): candidate for candidate in candidates}
-    matches = difflib.get_close_matches(word.lower(), known, n=1, cutoff=cutoff)
-    return f" Did you mean '{known[matches[0]]}'?" if matches else ""
+    by_folded = {candidate.lower(): candidate for candidate in candidates}
+    matches = difflib.get_close_matches(word.lower(), by_folded, n=1, cutoff=cutoff)
+    return f" Did you mean '{by_folded[matches[0]]}'?" if matches else ""

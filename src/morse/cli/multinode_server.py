@@ -34,17 +34,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (MorseError, OSError, OverflowError) as error:
         print(f"* {error}", file=sys.stderr)
         return 1
-    ended = threading.Event()
+    stop = threading.Event()
 
     def end(_number: int, _frame: Any) -> None:
-        ended.set()
+        stop.set()
 
     for number in ending_signals():
         signal.signal(number, end)
     network = Network()
     server = MultinodeServer(listener, network)
     logger.info("nodes may connect to %s:%d; Ctrl+C ends the server", options.host, port_of(listener))
-    ended.wait()
+    stop.wait()
     server.close()
     network.stop()
     return 0

@@ -87,11 +87,11 @@ def command(
             say(f"{path}: {time:g} s after the start.")
             return 0
         frames = max(1, round(film * rate))
-        made = picture_files.film(path, shape_of(request, fine), rate)
+        video = picture_files.film(path, shape_of(request, fine), rate)
         for number in range(frames):
-            made.add(drawn(request, show, fine))
+            video.add(drawn(request, show, fine))
             _run(simulation, time + (number + 1) / rate)
-        made.close()
+        video.close()
         say(f"{path}: {frames} frames of {film:g} s.")
         return 0
     except OSError as error:

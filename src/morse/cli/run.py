@@ -159,8 +159,8 @@ def command(
     if geometry is not None:
         say("The live view is a page in your browser: -g/--geometry has no effect on it.")
     words = list(scene or [])
-    named = words[: len(words) - len(resolved.arguments)]
-    check_arguments(named, resolved.arguments, resolved.script, resolved.source_paths, _options(context))
+    positionals = words[: len(words) - len(resolved.arguments)]
+    check_arguments(positionals, resolved.arguments, resolved.script, resolved.source_paths, _options(context))
     log.setup(colors=color_scheme(context.obj))
     return _simulate(options)
 
@@ -309,14 +309,14 @@ def _token(token: str | None) -> str | None:
     return token
 
 
-def _origins(given: list[str]) -> list[str]:
-    if not given:
+def _origins(origins: list[str]) -> list[str]:
+    if not origins:
         return []
     # imported only if this option is used
     from morse.core.clients.web_access import checked_origin
 
     try:
-        return [checked_origin(one) for one in given]
+        return [checked_origin(one) for one in origins]
     except ValueError as error:
         raise CommandError(f"--view-origin: {error}.", status=2) from None
 

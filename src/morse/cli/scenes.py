@@ -113,11 +113,11 @@ def _scenes_in(directory: Path) -> list[str]:
     return sorted(path.name for path in directory.iterdir() if path.suffix in _SCENE_SUFFIXES and path.is_file())
 
 
-def _unknown_scene(given: str, path: Path, sites: Sites) -> CommandError:
+def _unknown_scene(name: str, path: Path, sites: Sites) -> CommandError:
     files = _scenes_in(path.parent) if path.parent.is_dir() else []
-    hint = nearest(path.name, files) or nearest(given, sites.names())
+    hint = nearest(path.name, files) or nearest(name, sites.names())
     return CommandError(
-        f"'{given}' is neither a registered environment nor a file ({path} does not exist).{hint} {sites.known()}"
+        f"'{name}' is neither a registered environment nor a file ({path} does not exist).{hint} {sites.known()}"
     )
 
 

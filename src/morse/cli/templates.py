@@ -100,13 +100,13 @@ def write_component(directory: Path, kind: str, values: Values) -> list[Path]:
     model = _MODELS.get(kind)
     if model is not None and not (templates_directory() / model[0]).is_file():
         raise CommandError(f"The model {templates_directory() / model[0]} is missing: install MORSE again.")
-    written = [_write(directory, kind, template, values) for template in _TEMPLATES[kind]]
+    paths = [_write(directory, kind, template, values) for template in _TEMPLATES[kind]]
     if model is not None:
         target = directory / values.fill(model[1])
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(templates_directory() / model[0], target)
-        written.append(target)
-    return written
+        paths.append(target)
+    return paths
 
 
 def templates_directory() -> Path:

@@ -21,10 +21,10 @@ _FARTHEST = 1e4
 
 def size_of(text: str) -> tuple[int, int]:
     """Width and height, px, of ``1280x720``."""
-    found = _SIZE.fullmatch(text)
-    if found is None or not all(1 <= int(number) <= 8192 for number in found.groups()):
+    match = _SIZE.fullmatch(text)
+    if match is None or not all(1 <= int(number) <= 8192 for number in match.groups()):
         raise CommandError(f"--size is width x height in pixels up to 8192, such as 1280x720, not '{text}'.", status=2)
-    return int(found[1]), int(found[2])
+    return int(match[1]), int(match[2])
 
 
 def place_of(text: str | None, option: str) -> tuple[float, ...] | None:
@@ -32,12 +32,12 @@ def place_of(text: str | None, option: str) -> tuple[float, ...] | None:
     if text is None:
         return None
     try:
-        found = tuple(float(word) for word in text.split(","))
+        numbers = tuple(float(word) for word in text.split(","))
     except ValueError:
-        found = ()
-    if len(found) != 3 or not all(abs(number) <= 1e6 for number in found):
+        numbers = ()
+    if len(numbers) != 3 or not all(abs(number) <= 1e6 for number in numbers):
         raise CommandError(f"{option} is three numbers in metres, such as 4,-5,2.5, not '{text}'.", status=2)
-    return found
+    return numbers
 
 
 def usual_of(simulation: Simulation, camera: str | None) -> str:
@@ -69,9 +69,9 @@ def request_of(
         component = simulation.context.components.get(camera)
         lens: Lens | None = getattr(component, "lens", None)
         if component is None or lens is None:
-            known = [n for n, c in simulation.context.components.items() if getattr(c, "lens", None) is not None]
-            there = f" There are: {', '.join(known)}." if known else " The scene has none."
-            raise CommandError(f"There is no camera '{camera}'.{nearest(camera, known)}{there}")
+            camera_names = [n for n, c in simulation.context.components.items() if getattr(c, "lens", None) is not None]
+            there = f" There are: {', '.join(camera_names)}." if camera_names else " The scene has none."
+            raise CommandError(f"There is no camera '{camera}'.{nearest(camera, camera_names)}{there}")
         return renderer.request(component.bge_object, lens, color=color)
     view = simulation.context.scene.settings.view
     try:

@@ -89,9 +89,9 @@ class Chain:
 
     def frames(self, values: Sequence[float]) -> list[Pose]:
         """The frame of every bone: its origin at the joint, its Y axis along the bone."""
-        found: list[Pose] = []
+        poses: list[Pose] = []
         for i, bone in enumerate(self.bones):
-            p, r = found[bone.parent] if bone.parent >= 0 else (_ORIGIN, _IDENTITY)
+            p, r = poses[bone.parent] if bone.parent >= 0 else (_ORIGIN, _IDENTITY)
             x, y, z = turn(r, bone.position)
             position, rotation = (p[0] + x, p[1] + y, p[2] + z), product(r, bone.rotation)
             number = self._number.get(i)
@@ -106,8 +106,8 @@ class Chain:
                     )
                 else:
                     rotation = _turned(rotation, bone.axis, value)
-            found.append((position, rotation))
-        return found
+            poses.append((position, rotation))
+        return poses
 
     def tip(self, frame: Pose, index: int) -> Pose:
         """The pose of the tip of a bone with a given frame."""
@@ -117,31 +117,31 @@ class Chain:
 
     def path(self, index: int) -> list[int]:
         """The indices of the joints that move a bone, ordered from the root."""
-        found = []
+        bones = []
         while index >= 0:
             if index in self._number:
-                found.append(self._number[index])
+                bones.append(self._number[index])
             index = self.bones[index].parent
-        return found[::-1]
+        return bones[::-1]
 
 
 def _scaled(bone: Bone, scale: float) -> Bone:
     if scale == 1.0:
         return bone
     x, y, z = bone.position
-    scaled = replace(bone, position=(scale * x, scale * y, scale * z), length=scale * bone.length)
+    new_bone = replace(bone, position=(scale * x, scale * y, scale * z), length=scale * bone.length)
     if bone.kind is JointKind.PRISMATIC:
-        scaled = replace(scaled, low=scale * bone.low, high=scale * bone.high, value=scale * bone.value)
-    return scaled
+        new_bone = replace(new_bone, low=scale * bone.low, high=scale * bone.high, value=scale * bone.value)
+    return new_bone
 
 
 def _turned(r: Sequence[float], axis: int, angle: float) -> Rotation9:
     """A rotation followed by a rotation about one of its own axes: a combination of its other two columns."""
     c, s = math.cos(angle), math.sin(angle)
     one, other = (axis + 1) % 3, (axis + 2) % 3
-    turned = list(r)
+    result = list(r)
     for row in (0, 3, 6):
-        turned[row + one] = c * r[row + one] + s * r[row + other]
-        turned[row + other] = c * r[row + other] - s * r[row + one]
-    a, b, c, d, e, f, g, h, i = turned
+        result[row + one] = c * r[row + one] + s * r[row + other]
+        result[row + other] = c * r[row + other] - s * r[row + one]
+    a, b, c, d, e, f, g, h, i = result
     return a, b, c, d, e, f, g, h, i

@@ -112,10 +112,10 @@ class LocalPlane:
         Raises:
             GeodesyError: the properties do not contain the position.
         """
-        missing = [name for name in _NEEDED if name not in properties]
-        if missing:
+        absent = [name for name in _NEEDED if name not in properties]
+        if absent:
             raise GeodesyError(
-                f"the environment does not declare its position on the earth: {' and '.join(missing)} missing; use "
+                f"the environment does not declare its position on the earth: {' and '.join(absent)} missing; use "
                 "env.properties(longitude=..., latitude=..., altitude=...), in degrees and metres"
             )
         longitude, latitude, altitude = (_number(properties, name) for name in _NEEDED)

@@ -56,17 +56,17 @@ class InertialErrors:
     def _spread(self) -> float:
         return self.terms.instability / _GAUSS_MARKOV_PEAK
 
-    def added(self, truth: Sequence[float], passed: float) -> list[float]:
-        """Return the measured values, ``passed`` seconds after the last measurement."""
-        passed = max(passed, _SHORTEST)
+    def added(self, truth: Sequence[float], dt: float) -> list[float]:
+        """Return the measured values, ``dt`` seconds after the last measurement."""
+        dt = max(dt, _SHORTEST)
         white_x, white_y, white_z, *others = self._random.standard_normal(9).tolist()
         wander_x, wander_y, wander_z, walk_x, walk_y, walk_z = others
         terms = self.terms
         # a measurement is the mean over the time since the last measurement
-        sigma = terms.density / math.sqrt(passed)
-        keep = math.exp(-passed / terms.correlation_time)
+        sigma = terms.density / math.sqrt(dt)
+        keep = math.exp(-dt / terms.correlation_time)
         push = self._spread * math.sqrt(1.0 - keep * keep)
-        stride = terms.random_walk * math.sqrt(passed)
+        stride = terms.random_walk * math.sqrt(dt)
         (x, y, z), (bias_x, bias_y, bias_z), (drift_x, drift_y, drift_z) = truth, self._bias, self._walk
         bias_x = keep * bias_x + push * wander_x
         bias_y = keep * bias_y + push * wander_y

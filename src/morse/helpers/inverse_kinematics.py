@@ -112,21 +112,21 @@ def improve(chain: Chain, targets: Sequence[Target], values: Sequence[float], it
 
 def _errors(chain: Chain, targets: Sequence[Target], frames: Sequence[Pose]) -> NDArray[np.float64]:
     """(6 T,) errors: metres, and radians times the weight."""
-    found: list[float] = []
+    errors: list[float] = []
     for target in targets:
         (x, y, z), rotation = chain.tip(frames[target.bone], target.bone)
-        (tx, ty, tz), wanted = target.pose
+        (tx, ty, tz), target_rotation = target.pose
         lever = target.lever
-        a, b, c = rotation_vector(rotation, wanted)
+        a, b, c = rotation_vector(rotation, target_rotation)
         # rotation from the axes of the bone to those of the armature
         r = rotation
-        found += (tx - x, ty - y, tz - z)
-        found += (
+        errors += (tx - x, ty - y, tz - z)
+        errors += (
             lever * (r[0] * a + r[1] * b + r[2] * c),
             lever * (r[3] * a + r[4] * b + r[5] * c),
             lever * (r[6] * a + r[7] * b + r[8] * c),
         )
-    return np.array(found)
+    return np.array(errors)
 
 
 def _jacobian(
@@ -207,14 +207,14 @@ def kicked(chain: Chain, values: Sequence[float], attempt: int) -> list[float]:
     Args:
         attempt: 0, 1, ...; each attempt has other values.
     """
-    found = list(values)
+    values_near = list(values)
     for number, value in enumerate(values):
         joint = chain.joint(number)
         if joint.kind is not JointKind.REVOLUTE:
             continue
         if attempt == 0:
-            found[number] = chain.clamped(number, value + 0.3 * math.sin(1.0 + 2.4 * number))
+            values_near[number] = chain.clamped(number, value + 0.3 * math.sin(1.0 + 2.4 * number))
         else:
             share = math.modf(attempt * math.sqrt(_PRIMES[number % len(_PRIMES)]))[0]
-            found[number] = joint.low + share * (joint.high - joint.low)
-    return found
+            values_near[number] = joint.low + share * (joint.high - joint.low)
+    return values_near

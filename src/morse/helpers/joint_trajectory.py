@@ -48,11 +48,11 @@ def points_of(trajectory: dict[str, Any], names: Sequence[str]) -> tuple[float |
     start = trajectory.get("starttime")
     if start is not None:
         start = _number(start, "'starttime'", -_LONGEST)
-    given = trajectory.get("points")
-    if not isinstance(given, (list, tuple)) or not 0 < len(given) <= _MOST_POINTS:
-        raise ValueError(f"'points' is {shown(given)}, expected a list of 1 to {_MOST_POINTS} points")
+    entries = trajectory.get("points")
+    if not isinstance(entries, (list, tuple)) or not 0 < len(entries) <= _MOST_POINTS:
+        raise ValueError(f"'points' is {shown(entries)}, expected a list of 1 to {_MOST_POINTS} points")
     points: list[Point] = []
-    for index, point in enumerate(given):
+    for index, point in enumerate(entries):
         points.append(_point(point, names, f"points[{index}]"))
         if index and points[-1].time <= points[-2].time:
             raise ValueError(
@@ -69,23 +69,23 @@ def _number(value: Any, what: str, low: float) -> float:
         raise ValueError(f"{what} is {shown(value)}, expected {error}") from None
 
 
-def _point(given: Any, names: Sequence[str], where: str) -> Point:
-    if not isinstance(given, dict):
-        raise ValueError(f"{where} is {shown(given)}, expected an object with 'positions' and 'time_from_start'")
-    if "time_from_start" not in given:
+def _point(entry: Any, names: Sequence[str], where: str) -> Point:
+    if not isinstance(entry, dict):
+        raise ValueError(f"{where} is {shown(entry)}, expected an object with 'positions' and 'time_from_start'")
+    if "time_from_start" not in entry:
         raise ValueError(f"{where} has no 'time_from_start'")
-    time = _number(given["time_from_start"], f"'time_from_start' of {where}", 0.0)
-    positions = _numbers(given.get("positions"), names, f"'positions' of {where}")
-    others = [_numbers(given[q], names, f"'{q}' of {where}") if given.get(q) else None for q in _QUANTITIES]
+    time = _number(entry["time_from_start"], f"'time_from_start' of {where}", 0.0)
+    positions = _numbers(entry.get("positions"), names, f"'positions' of {where}")
+    others = [_numbers(entry[q], names, f"'{q}' of {where}") if entry.get(q) else None for q in _QUANTITIES]
     return Point(time, positions, *others)
 
 
-def _numbers(given: Any, names: Sequence[str], what: str) -> tuple[float, ...]:
+def _numbers(values: Any, names: Sequence[str], what: str) -> tuple[float, ...]:
     spec = Spec("list", (len(names),), low=-_FARTHEST, high=_FARTHEST)
     try:
-        return tuple(float(value) for value in spec.check()(given))
+        return tuple(float(value) for value in spec.check()(values))
     except ValueError:
-        raise ValueError(f"{what} is {shown(given)}, expected {len(names)} numbers: {', '.join(names)}") from None
+        raise ValueError(f"{what} is {shown(values)}, expected {len(names)} numbers: {', '.join(names)}") from None
 
 
 class Trajectory:
@@ -113,14 +113,14 @@ class Trajectory:
 
     def positions(self, time: float) -> tuple[float, ...]:
         """The target of the joints at a simulated time."""
-        passed = time - self.start
-        if passed >= self.points[-1].time:
+        elapsed = time - self.start
+        if elapsed >= self.points[-1].time:
             return self.points[-1].positions
         # time only decreases when a state is restored, and a state contains the position in the list
-        while self.points[self._reached + 1].time <= passed:
+        while self.points[self._reached + 1].time <= elapsed:
             self._reached += 1
         before, after = self.points[self._reached : self._reached + 2]
-        return between(before, after, max(passed, 0.0))
+        return between(before, after, max(elapsed, 0.0))
 
 
 def between(before: Point, after: Point, time: float) -> tuple[float, ...]:

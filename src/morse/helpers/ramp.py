@@ -29,18 +29,18 @@ class Ramp:
         self.speed: Vector = [0.0] * axes
         self.acceleration: Vector = [0.0] * axes
 
-    def follow(self, wanted: Sequence[float], dt: float, limits: Sequence[float]) -> Vector:
+    def follow(self, target: Sequence[float], dt: float, limits: Sequence[float]) -> Vector:
         """Return the speed after a tick.
 
         Args:
-            wanted: the commanded speed.
+            target: the commanded speed.
             dt: length of the tick, s.
             limits: largest speed, acceleration and jerk; 0 for no limit.
         """
         most_speed, most_acceleration, most_jerk = limits
-        goal = _shortened(wanted, most_speed)
-        missing = [there - here for there, here in zip(goal, self.speed, strict=True)]
-        distance = math.hypot(*missing)
+        goal = _shortened(target, most_speed)
+        differences = [there - here for there, here in zip(goal, self.speed, strict=True)]
+        distance = math.hypot(*differences)
         size = distance / dt
         if most_jerk:
             # the largest acceleration that can still be reduced to 0, by one step of the jerk per tick, before the
@@ -49,7 +49,7 @@ class Ramp:
             size = min(size, (math.sqrt(step * step + 8.0 * step * distance / dt) - step) / 2.0)
         if most_acceleration:
             size = min(size, most_acceleration)
-        change = [part * size / distance if distance else 0.0 for part in missing]
+        change = [part * size / distance if distance else 0.0 for part in differences]
         if most_jerk:
             turn = _shortened([a - b for a, b in zip(change, self.acceleration, strict=True)], most_jerk * dt)
             change = [a + b for a, b in zip(self.acceleration, turn, strict=True)]

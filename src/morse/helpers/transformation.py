@@ -183,7 +183,12 @@ class Transformation3d:
     def matrix(self) -> Matrix:
         """The 4x4 matrix from the object's frame to the world."""
         rows = rows_of(self._nine())
-        return Matrix([*([*row, moved] for row, moved in zip(rows, self._position, strict=True)), (0.0, 0.0, 0.0, 1.0)])
+        return Matrix(
+            [
+                *([*row, translation] for row, translation in zip(rows, self._position, strict=True)),
+                (0.0, 0.0, 0.0, 1.0),
+            ]
+        )
 
     def distance(self, other: Transformation3d) -> float:
         """Return the distance between the two positions, m."""
@@ -197,12 +202,12 @@ class Transformation3d:
         """Return another pose in the frame of this one: the inverse of this pose times the other."""
         a, b, c, d, e, f, g, h, i = self._rotation
         x, y, z = (q - p for p, q in zip(self._position, other._position, strict=True))
-        made = Transformation3d()
-        made.set_pose(
+        transformation = Transformation3d()
+        transformation.set_pose(
             (a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z),
             product((a, d, g, b, e, h, c, f, i), other._nine()),
         )
-        return made
+        return transformation
 
     def __repr__(self) -> str:
         return (
@@ -266,6 +271,6 @@ FOLLOWING = _Following
 
 
 def _plain(position: Sequence[float], rotation: Sequence[float]) -> Transformation3d:
-    made = Transformation3d()
-    made.set_pose(position, rotation)
-    return made
+    transformation = Transformation3d()
+    transformation.set_pose(position, rotation)
+    return transformation

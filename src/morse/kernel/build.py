@@ -47,8 +47,8 @@ def build(target: targets.Target, folder: Path = targets.FOLDER) -> list[Path]:
         return libraries
     folder.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor() as pool:
-        for done in [pool.submit(_compile, target, level, folder) for level in target.levels]:
-            done.result()
+        for future in [pool.submit(_compile, target, level, folder) for level in target.levels]:
+            future.result()
     stamp(target, folder).write_text(state)
     return libraries
 
@@ -97,13 +97,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m morse.kernel.build", description="Compile the kernel of MORSE.")
     parser.add_argument("--all", metavar="FOLDER", type=Path, help="compile it for every platform, into a folder")
-    chosen = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     host = targets.host()
-    if chosen.all is None and host is None:
+    if options.all is None and host is None:
         parser.error("the kernel does not support this platform; numpy is used instead")
-    for target in targets.ALL if chosen.all else [host]:
+    for target in targets.ALL if options.all else [host]:
         assert target is not None
-        for library in build(target, chosen.all or targets.FOLDER):
+        for library in build(target, options.all or targets.FOLDER):
             print(library)
 
 

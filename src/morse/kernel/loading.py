@@ -25,8 +25,8 @@ def library() -> ctypes.CDLL | None:
     The environment variable ``MORSE_KERNEL`` selects: ``off`` for numpy, ``v2`` or ``v3`` for a level of the
     instruction set; by default, the highest level that the processor supports.
     """
-    wanted = variables.word(VARIABLE)
-    if wanted == "off":
+    choice = variables.word(VARIABLE)
+    if choice == "off":
         return None
     target = targets.host()
     if target is None:
@@ -34,14 +34,14 @@ def library() -> ctypes.CDLL | None:
             "There is no native kernel for this platform: rays and camera images are computed by numpy, which is slow"
         )
         return None
-    known = {f"v{level}": level for level in target.levels if level}
+    file_names = {f"v{level}": level for level in target.levels if level}
     if is_stale(target):
         logger.warning(
             "The native kernel was compiled from other sources than those of this checkout: run python -m "
             "morse.kernel.build"
         )
     try:
-        return load(target, known[wanted]) if wanted in known else _best(target)
+        return load(target, file_names[choice]) if choice in file_names else _best(target)
     except OSError as error:
         logger.warning(
             "The native kernel is not used (%s): rays and camera images are computed by numpy, which is slow",
@@ -74,11 +74,11 @@ def load(target: targets.Target, level: int) -> ctypes.CDLL:
     path = targets.FOLDER / target.file_name(level)
     if not path.is_file():
         raise FileNotFoundError(f"{path.name} was not built; run python -m morse.kernel.build")
-    loaded = ctypes.CDLL(str(path))
-    found = loaded.morse_interface()
-    if found != INTERFACE:
+    kernel_library = ctypes.CDLL(str(path))
+    interface = kernel_library.morse_interface()
+    if interface != INTERFACE:
         raise OSError(f"{path.name} belongs to another version of MORSE; run python -m morse.kernel.build")
-    return loaded
+    return kernel_library
 
 
 def _best(target: targets.Target) -> ctypes.CDLL:
@@ -86,5 +86,5 @@ def _best(target: targets.Target) -> ctypes.CDLL:
     level = lowest.morse_processor_level()
     if level < target.levels[0]:
         raise OSError(f"the processor lacks instructions of {target.processor(target.levels[0])}")
-    fitting = max(known for known in target.levels if known <= level)
+    fitting = max(candidate for candidate in target.levels if candidate <= level)
     return lowest if fitting == target.levels[0] else load(target, fitting)

@@ -20,9 +20,9 @@ VARIABLE = "MORSE_THREADS"
 @cache
 def count() -> int:
     """Number of threads: one for each processor, at most eight, or the value of ``MORSE_THREADS``."""
-    wanted = variables.whole(VARIABLE)
-    if wanted is not None:
-        return wanted
+    number = variables.whole(VARIABLE)
+    if number is not None:
+        return number
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(usable, _MOST)
 
@@ -35,9 +35,9 @@ def _pool(workers: int) -> ThreadPoolExecutor:
 def together(work: Callable[[], object], pieces: int) -> None:
     """Call ``work`` in several threads at once, at most one per piece; ``work`` takes the pieces one by one."""
     workers = min(count(), pieces)
-    waiting = [_pool(count() - 1).submit(work) for _ in range(workers - 1)]
+    futures = [_pool(count() - 1).submit(work) for _ in range(workers - 1)]
     work()
     # no piece is left: threads that are busy with other work need not begin
-    for future in waiting:
+    for future in futures:
         if not future.cancel():
             future.result()

@@ -7,8 +7,8 @@ import signal
 
 def ending_signals() -> list[signal.Signals]:
     """Return Ctrl+C, the request to end, and the loss of the terminal unless it is ignored (``nohup``)."""
-    found = [signal.SIGINT, signal.SIGTERM]
+    signals = [signal.SIGINT, signal.SIGTERM]
     hangup = getattr(signal, "SIGHUP", None)  # not on every system
     if hangup is not None and signal.getsignal(hangup) is not signal.SIG_IGN:
-        found.append(hangup)
-    return found
+        signals.append(hangup)
+    return signals

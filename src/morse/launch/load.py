@@ -107,16 +107,16 @@ def _check_failure(on_failure: Any) -> None:
         )
 
 
-def _origins(given: Any) -> list[str]:
-    if isinstance(given, str) or not all(isinstance(one, str) for one in given):
-        raise TypeError(f"view_origins is a list of strings, not {given!r:.80}")
-    if not given:
+def _origins(origins: Any) -> list[str]:
+    if isinstance(origins, str) or not all(isinstance(one, str) for one in origins):
+        raise TypeError(f"view_origins is a list of strings, not {origins!r:.80}")
+    if not origins:
         return []
     # imported only if this option is used
     from morse.core.clients.web_access import checked_origin
 
     try:
-        return [checked_origin(one) for one in given]
+        return [checked_origin(one) for one in origins]
     except ValueError as error:
         raise ValueError(f"view_origins: {error}") from None
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def playing(
     recording: Recording,
     scene: str = "",
-    told: Callable[[str], object] = print,
+    say: Callable[[str], object] = print,
     *,
     trust: bool = False,
     projects: Sequence[str] = (),
@@ -42,7 +42,7 @@ def playing(
     Args:
         recording: a recording of a run.
         scene: path of a scene script; empty for the scene that the recording describes, or else its script.
-        told: callback for messages to the user.
+        say: callback for messages to the user.
         trust, projects: see `morse.launch.recorded_run.options_of`.
         port: port of the page; 0 for any free port.
         browser: whether to open the page.
@@ -56,14 +56,14 @@ def playing(
         raise recording.of_another_format()
     inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:
-        shown = shown_scene(recording, inputs, scene, trust, stack, told, projects)
-        options = replace(shown.options, view="web", view_port=port, open_browser=browser, speed=1.0)
-        _close(shown.scene)
-        resolve(shown.scene)
-        simulation = stack.enter_context(Simulation(shown.scene, options))
+        scene_view = shown_scene(recording, inputs, scene, trust, stack, say, projects)
+        options = replace(scene_view.options, view="web", view_port=port, open_browser=browser, speed=1.0)
+        _close(scene_view.scene)
+        resolve(scene_view.scene)
+        simulation = stack.enter_context(Simulation(scene_view.scene, options))
         simulation.load()
-        guard(simulation, described=shown.is_described, trust=trust)
-        timeline = _timeline(simulation, recording, inputs, told, described=shown.is_described)
+        guard(simulation, described=scene_view.is_described, trust=trust)
+        timeline = _timeline(simulation, recording, inputs, say, described=scene_view.is_described)
         view = ReplayView(simulation, timeline, recording)
         simulation.view = view
         simulation.observers.append(view)
@@ -74,7 +74,7 @@ def _timeline(
     simulation: Simulation,
     recording: Recording,
     inputs: InputRecording,
-    told: Callable[[str], object],
+    say: Callable[[str], object],
     *,
     described: bool,
 ) -> Timeline | RecordedTimeline:
@@ -82,12 +82,12 @@ def _timeline(
         try:
             timeline = RecordedTimeline(simulation, recording, inputs, described=described)
             for name in timeline.lost:
-                told(f"'{name}' was spawned by a function of a program, and is not shown.")
+                say(f"'{name}' was spawned by a function of a program, and is not shown.")
             return timeline
         except RecordingError as error:
             if described:
                 raise
-            told(f"{error}. The run is simulated again.")
+            say(f"{error}. The run is simulated again.")
     # simulating needs every input
     return Timeline(simulation, complete(recording, simulation, described=described), recording.length())
 
@@ -105,9 +105,9 @@ def play(view: ReplayView) -> None:
 
 def _close(scene: Scene) -> None:
     """Remove the streams and services, so that only the page is served."""
-    for declared in scene.components:
-        declared.streams.clear()
-        declared.managers.clear()
-        declared.overlays.clear()
+    for component in scene.components:
+        component.streams.clear()
+        component.managers.clear()
+        component.overlays.clear()
     scene.manager_options.clear()
     scene.simulation_managers.clear()

@@ -54,13 +54,13 @@ def inputs_of(recording: Recording, *, lenient: bool = False) -> InputRecording:
     state = recording.attachment(STATE)
     if state is None and recording.number("tick"):
         raise RecordingError(f"{recording.path} begins in the middle of a run, and the initial state is missing")
-    waiting = recording.waiting()
+    unread = recording.waiting()
     return InputRecording(
         recording.number("seed"),
         None if state is None else State.from_bytes(state),
         recording.last_tick(),
         [_entry(one) for one in recording.inputs(lenient=lenient)],
-        {} if waiting is None else waiting_from_bytes(waiting),
+        {} if unread is None else waiting_from_bytes(unread),
     )
 
 
@@ -79,22 +79,24 @@ def complete(recording: Recording, simulation: Simulation, *, described: bool = 
         MorseError: the inputs are damaged, or an object cannot be created again.
     """
     inputs = inputs_of(recording, lenient=True)
-    made = RecordedMade(recording, partial(modules_of, simulation), exact=True, all_kinds=described)
-    if made.is_empty:
+    products = RecordedMade(recording, partial(modules_of, simulation), exact=True, all_kinds=described)
+    if products.is_empty:
         return inputs_of(recording)
-    made.check()
+    products.check()
     if inputs.start is not None:
-        inputs.start = State(inputs.start.parts, makers=made.known(-1))
+        inputs.start = State(inputs.start.parts, makers=products.known(-1))
     inputs.entries[:] = [
-        done for index, entry in enumerate(inputs.entries) if (done := _completed(entry, index, made)) is not None
+        completed
+        for index, entry in enumerate(inputs.entries)
+        if (completed := _completed(entry, index, products)) is not None
     ]
     return inputs
 
 
-def _completed(entry: Entry, index: int, made: RecordedMade) -> Entry | None:
+def _completed(entry: Entry, index: int, products: RecordedMade) -> Entry | None:
     if entry.kind == RESTORE:
-        return entry._replace(content=State(entry.content.parts, makers=made.known(index)))
-    described = made.after(index).get(entry.name)
+        return entry._replace(content=State(entry.content.parts, makers=products.known(index)))
+    described = products.after(index).get(entry.name)
     if entry.kind != SPAWN or (entry.content is not None and described is None):
         return entry
     # without a description, it was refused
@@ -127,7 +129,7 @@ def options_of(
     scene: str,
     trust: bool,
     stack: contextlib.ExitStack,
-    told: Callable[[str], object],
+    say: Callable[[str], object],
     projects: Sequence[str] = (),
 ) -> RunOptions:
     """The options of a run of the recorded scene, without servers.
@@ -142,7 +144,7 @@ def options_of(
         trust: whether to execute the script that the recording names, or the script in the recording if that on the
             disk has changed, with the recorded arguments. A recording from an untrusted source may execute any code.
         stack: removes temporary files when it is closed.
-        told: callback for messages to the user.
+        say: callback for messages to the user.
         projects: folders of the environments that the user has registered.
 
     Raises:
@@ -153,15 +155,15 @@ def options_of(
         use_named(recording, options, scene, projects)
         if trust:
             take_trusted_options(recording, options)
-            show_trusted(scene, options, False, told)
+            show_trusted(scene, options, False, say)
     elif trust:
-        use_trusted(recording, options, stack, told)
+        use_trusted(recording, options, stack, say)
     else:
         use_registered(recording, options, projects)
     arguments = recording.texts("arguments")
     if arguments and not trust:
-        told(f"The script does not get the arguments of the recorded run, {shown(arguments)}; --trust passes them.")
-    _tell_changed_modules(recording, options, told)
+        say(f"The script does not get the arguments of the recorded run, {shown(arguments)}; --trust passes them.")
+    _tell_changed_modules(recording, options, say)
     return options
 
 
@@ -177,7 +179,7 @@ def plain_options(recording: Recording) -> RunOptions:
     )
 
 
-def _tell_changed_modules(recording: Recording, options: RunOptions, told: Callable[[str], object]) -> None:
+def _tell_changed_modules(recording: Recording, options: RunOptions, say: Callable[[str], object]) -> None:
     for name in recording.attachments:
         if not name.startswith(MODULES):
             continue
@@ -188,7 +190,7 @@ def _tell_changed_modules(recording: Recording, options: RunOptions, told: Calla
         files = [Path(folder, f"{module}{end}") for folder in options.source_paths for end in (".py", "/__init__.py")]
         there = [file for file in files if _is_file(file)]
         if there and not any(is_same(str(file), recording.attachment(name) or b"") for file in there):
-            told(f"{there[0]} has changed since the run was recorded.")
+            say(f"{there[0]} has changed since the run was recorded.")
 
 
 def _is_file(path: Path) -> bool:

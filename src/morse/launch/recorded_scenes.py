@@ -40,7 +40,7 @@ def shown_scene(
     scene: str,
     trust: bool,
     stack: contextlib.ExitStack,
-    told: Callable[[str], object],
+    say: Callable[[str], object],
     projects: Sequence[str] = (),
 ) -> ShownScene:
     """The scene of a recording, without servers.
@@ -55,15 +55,15 @@ def shown_scene(
     reason = "" if scene else _lack(recording, inputs)
     if not scene and not reason:
         # what is simulated again needs the behaviour of each component
-        made = RecordedMade(recording, tuple, exact=not RecordedTimeline.is_possible(recording, inputs))
+        products = RecordedMade(recording, tuple, exact=not RecordedTimeline.is_possible(recording, inputs))
         try:
-            return ShownScene(made.scene(), plain_options(recording), True)
+            return ShownScene(products.scene(), plain_options(recording), True)
         except RecordingError as error:
             if RecordedTimeline.is_possible(recording, inputs):
                 raise
             reason = f"The recording contains only the inputs of the run, which has to be simulated again, and {error}"
     try:
-        options = options_of(recording, scene, trust, stack, told, projects)
+        options = options_of(recording, scene, trust, stack, say, projects)
     except RecordingError as error:
         raise RecordingError(f"{error}. {reason}") from None
     return ShownScene(described(options.script, options), options, False)

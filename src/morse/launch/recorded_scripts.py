@@ -53,7 +53,7 @@ def use_registered(recording: Recording, options: RunOptions, projects: Sequence
 
 
 def use_trusted(
-    recording: Recording, options: RunOptions, stack: contextlib.ExitStack, told: Callable[[str], object]
+    recording: Recording, options: RunOptions, stack: contextlib.ExitStack, say: Callable[[str], object]
 ) -> None:
     """Take the script, the arguments and the folders that the recording names, and show them.
 
@@ -62,21 +62,21 @@ def use_trusted(
     """
     script = recording.facts.get("script", "")
     _check_name(recording, script)
-    kept = recording.attachment(SCRIPT)
+    attachment = recording.attachment(SCRIPT)
     options.script = script
     take_trusted_options(recording, options)
-    inside = kept is not None and not is_same(script, kept)
+    inside = attachment is not None and not is_same(script, attachment)
     if inside:
-        assert kept is not None
+        assert attachment is not None
         name = Path(script).name
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         options.script = str(folder / (name if name.endswith(".py") else "scene.py"))
-        Path(options.script).write_bytes(kept)
-    elif kept is None and not Path(script).is_file():
+        Path(options.script).write_bytes(attachment)
+    elif attachment is None and not Path(script).is_file():
         raise RecordingError(
             f"{recording.path}: the scene {shown(script)} does not exist any more; give a scene: --scene PATH"
         )
-    show_trusted(script, options, inside, told)
+    show_trusted(script, options, inside, say)
 
 
 def take_trusted_options(recording: Recording, options: RunOptions) -> None:
@@ -129,12 +129,16 @@ def _refusal(recording: Recording, script: str, projects: Sequence[str]) -> str:
         return "does not exist as a file there any more"
     if Path(name).suffix.lower() in suffixes():  # a model is no program
         return ""
-    kept = recording.attachment(SCRIPT)
-    if kept is None:
+    attachment = recording.attachment(SCRIPT)
+    if attachment is None:
         return "the recording does not contain, so that they cannot be compared"
-    if not is_same(script, kept):
+    if not is_same(script, attachment):
         return "has changed since the run was recorded"
-    return "" if name.endswith(".py") and _is_scene(kept) else "does not import morse.builder, so that it is no scene"
+    return (
+        ""
+        if name.endswith(".py") and _is_scene(attachment)
+        else "does not import morse.builder, so that it is no scene"
+    )
 
 
 def _is_scene(source: bytes) -> bool:
@@ -152,22 +156,22 @@ def _is_scene(source: bytes) -> bool:
     return any(module == "morse.builder" or module.startswith("morse.builder.") for module in modules)
 
 
-def show_trusted(recorded: str, options: RunOptions, inside: bool, told: Callable[[str], object]) -> None:
+def show_trusted(script: str, options: RunOptions, inside: bool, say: Callable[[str], object]) -> None:
     """Show the script, the arguments and the folders that are about to be used.
 
     Args:
-        recorded: path of the script in the recording.
+        script: path of the script in the recording.
         inside: whether the script is that inside the recording.
     """
     arguments = f"with the arguments {shown(options.arguments, 1000)}" if options.arguments else "without arguments"
     if inside:
-        told(f"{escaped(recorded)} is missing or has changed since the run was recorded: the recorded script is used.")
+        say(f"{escaped(script)} is missing or has changed since the run was recorded: the recorded script is used.")
     what = f"the script inside the recording ({options.script})" if inside else escaped(options.script)
     for folder in options.source_paths:
-        told(f"--trust: modules are imported from {shown(folder)}.")
-    told(f"--trust: executes {what} {arguments}. It begins with:")
+        say(f"--trust: modules are imported from {shown(folder)}.")
+    say(f"--trust: executes {what} {arguments}. It begins with:")
     for line in _beginning(options.script):
-        told(f"  | {line}")
+        say(f"  | {line}")
 
 
 def _beginning(script: str) -> list[str]:

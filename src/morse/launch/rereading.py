@@ -35,15 +35,19 @@ class Rereading:
         successor: the edited scene, its options and the stamps of its files; None until there is one.
     """
 
-    def __init__(self, options: RunOptions, scene: Scene, loaded: Stamps) -> None:
+    def __init__(self, options: RunOptions, scene: Scene, stamps: Stamps) -> None:
         self._options, self._scene = options, scene
-        self._stamps = {path: stamp(path) for path in [os.path.abspath(options.script), *sources_of(scene)]} | loaded
+        self._stamps = {path: stamp(path) for path in [os.path.abspath(options.script), *sources_of(scene)]} | stamps
         self.successor: tuple[Scene, RunOptions, Stamps] | None = None
 
     def edited(self, simulation: Simulation) -> list[str]:
         """The files that were saved since the scene was loaded, except components that are already reloaded."""
-        taken = {path for watch in simulation.observers if isinstance(watch, Watch) for path in watch.exchanged}
-        return [path for path, loaded in self._stamps.items() if path not in taken and stamp(path) != loaded]
+        exchanged_files = {
+            path for watch in simulation.observers if isinstance(watch, Watch) for path in watch.exchanged
+        }
+        return [
+            path for path, earlier in self._stamps.items() if path not in exchanged_files and stamp(path) != earlier
+        ]
 
     def start_anew(self, simulation: Simulation) -> bool:
         """Load the edited scene and end the simulation, so that the edited scene replaces it.
@@ -58,7 +62,7 @@ class Rereading:
         project = self._scene.project
         if isinstance(project, ProjectImports):
             project.leave()
-        loaded = script_stamp(self._options)
+        stamps = script_stamp(self._options)
         try:
             scene = load_scene(self._options, anew=True)
         except (ScriptError, MorseError) as error:
@@ -78,6 +82,6 @@ class Rereading:
             # open pages reconnect to the same address
             port, token = simulation.view.address
             options = replace(options, view_port=port, view_token=token, open_browser=False)
-        self.successor = scene, options, loaded | source_stamps(scene)
+        self.successor = scene, options, stamps | source_stamps(scene)
         simulation.stop()
         return True

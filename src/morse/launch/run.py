@@ -68,10 +68,10 @@ def run(
     try:
         if leave is not None:
             _leave_at_second_interruption(leave)
-        loaded = script_stamp(options)
+        stamps = script_stamp(options)
         next_scene = _load_scene(options)
         if next_scene is not None:
-            loaded |= source_stamps(next_scene)
+            stamps |= source_stamps(next_scene)
         while next_scene is not None:
             scene, next_scene = next_scene, None
             simulation = _start(scene, options, leave)
@@ -80,11 +80,11 @@ def run(
             if ready is not None:
                 ready(simulation)
                 ready = None
-            rereading = _follow(simulation, options, loaded)
+            rereading = _follow(simulation, options, stamps)
             status = _loop(simulation, leave)
             if rereading is not None and rereading.successor is not None:
                 _finish(simulation, for_another=True)
-                next_scene, options, loaded = rereading.successor
+                next_scene, options, stamps = rereading.successor
         return status
     except KeyboardInterrupt:
         logger.info("interrupted")
@@ -123,36 +123,36 @@ def _load_scene(options: RunOptions) -> Scene | None:
 @contextlib.contextmanager
 def _interruption_held_back() -> Iterator[list[int]]:
     """Only record Ctrl+C in the list: loading compiled modules and starting event loops must not be interrupted."""
-    pressed: list[int] = []
+    signals: list[int] = []
 
     def note(number: int, _frame: Any) -> None:
-        pressed.append(number)
+        signals.append(number)
 
     before = signal.signal(signal.SIGINT, note)
     try:
-        yield pressed
+        yield signals
     finally:
         signal.signal(signal.SIGINT, before)
 
 
 def _start(scene: Scene, options: RunOptions, leave: Leave = None) -> Simulation | None:
-    with _interruption_held_back() as pressed:
+    with _interruption_held_back() as signals:
         from morse.launch.load import complete, resolve
         from morse.simulation.simulation import Simulation
-    if pressed:
+    if signals:
         raise KeyboardInterrupt
     for name, level in scene.log_levels.items():
         set_level(name, level)
     try:
         section("SUPERVISION SERVICES INITIALIZATION")
         resolve(scene)
-        with _interruption_held_back() as pressed:
+        with _interruption_held_back() as signals:
             simulation = Simulation(scene, options)
     except (MorseError, ValueError, OSError) as error:
         _failed(error)
         return None
     stuck = _stop_at_signals(simulation, leave)
-    if pressed:
+    if signals:
         simulation.stop()
     endsection("SUPERVISION SERVICES INITIALIZED")
     try:
@@ -190,11 +190,11 @@ def _stop_at_signals(simulation: Simulation, leave: Leave = None) -> StuckTicks:
 
 def _leave_at_second_interruption(leave: Callable[[int], object]) -> None:
     """Ctrl+C ends the script of a scene; a second one ends the process, because the script has caught the first."""
-    pressed: list[int] = []
+    signals: list[int] = []
 
     def interrupt(number: int, _frame: Any) -> None:
-        pressed.append(number)
-        if len(pressed) > 1:
+        signals.append(number)
+        if len(signals) > 1:
             leave(130)
         raise KeyboardInterrupt
 
@@ -215,13 +215,13 @@ def _hurry_at_signals(simulation: Simulation) -> None:
         signal.signal(number, hurry)
 
 
-def _follow(simulation: Simulation, options: RunOptions, loaded: Stamps) -> Rereading | None:
+def _follow(simulation: Simulation, options: RunOptions, stamps: Stamps) -> Rereading | None:
     """Let an edited scene replace the simulation, if the run watches its files."""
     if not options.watch:
         return None
     from morse.launch.rereading import Rereading
 
-    rereading = Rereading(options, simulation.scene, loaded)
+    rereading = Rereading(options, simulation.scene, stamps)
     simulation.reread = lambda: rereading.start_anew(simulation)
     return rereading
 

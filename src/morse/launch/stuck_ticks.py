@@ -104,15 +104,15 @@ class StuckTicks:
         self._over.set()
 
     def _watch(self) -> None:
-        tick, since, told = -1, monotonic(), ""
+        tick, since, last_report = -1, monotonic(), ""
         interrupted = -math.inf
         while not self._over.wait(_INTERVAL):
             now = monotonic()
             if self._simulation.ticks != tick:
-                tick, since, told, self._stuck = self._simulation.ticks, now, "", None
+                tick, since, last_report, self._stuck = self._simulation.ticks, now, "", None
                 continue
-            asked = self._asked
-            if now - since < self._warn_after and (asked is None or now - asked < _INTERVAL):
+            request = self._asked
+            if now - since < self._warn_after and (request is None or now - request < _INTERVAL):
                 continue
             line = user_line(sys._current_frames().get(self._main))
             if line is None:
@@ -122,11 +122,11 @@ class StuckTicks:
             if now - self._interrupted > _GRACE and self._leave is not None:
                 logger.error("[ERROR][MORSE] a component does not end when it is interrupted: it is left at %s", line)
                 self._leave()
-            end = "Ctrl+C" if asked is None else f"Ctrl+C again, or a timeout of {self._end_after:.0f} s,"
-            if end != told:
-                told = end
+            end = "Ctrl+C" if request is None else f"Ctrl+C again, or a timeout of {self._end_after:.0f} s,"
+            if end != last_report:
+                last_report = end
                 logger.warning("a component has not returned for %.1f s: %s; %s ends it", now - since, line, end)
-            if asked is not None and now - max(asked, interrupted) > self._end_after:
+            if request is not None and now - max(request, interrupted) > self._end_after:
                 # not again before the next timeout: the first interruption may not have taken effect yet
                 interrupted = now
                 self._interrupt()

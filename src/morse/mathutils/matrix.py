@@ -45,9 +45,9 @@ class Matrix:
     @classmethod
     def _wrap(cls, rows: Rows) -> Self:
         """Create a matrix from these rows, which are neither copied nor checked."""
-        made = cls.__new__(cls)
-        made._rows = rows
-        return made
+        matrix = cls.__new__(cls)
+        matrix._rows = rows
+        return matrix
 
     # constructors --------------------------------------------------------------------------------
 
@@ -87,23 +87,23 @@ class Matrix:
     @classmethod
     def Translation(cls, vector: Iterable[float]) -> Self:  # noqa: N802
         """Return a 4x4 matrix that translates by a 3-vector."""
-        made = cls()
-        made.translation = vector
-        return made
+        matrix = cls()
+        matrix.translation = vector
+        return matrix
 
     @classmethod
     def Scale(cls, factor: float, size: int, axis: Iterable[float] | None = None) -> Self:  # noqa: N802
         """Return a scaling by a factor, in all directions or only along an axis."""
-        made = cls.Identity(size)
+        matrix = cls.Identity(size)
         count = 2 if size == 2 else 3
         direction = None if axis is None else Vector(axis).resized(count).normalized()
         for i in range(count):
             if direction is None:
-                made._rows[i][i] = float(factor)
+                matrix._rows[i][i] = float(factor)
                 continue
             for j in range(count):
-                made._rows[i][j] += (factor - 1.0) * direction[i] * direction[j]
-        return made
+                matrix._rows[i][j] += (factor - 1.0) * direction[i] * direction[j]
+        return matrix
 
     @classmethod
     def LocRotScale(  # noqa: N802
@@ -117,8 +117,8 @@ class Matrix:
         factors = (1.0, 1.0, 1.0) if scale is None else floats(scale, "Matrix.LocRotScale scale", 3, 3)
         offset = (0.0, 0.0, 0.0) if location is None else floats(location, "Matrix.LocRotScale location", 3, 3)
         rows = [
-            [*(a * s for a, s in zip(row, factors, strict=True)), moved]
-            for row, moved in zip(linear, offset, strict=True)
+            [*(a * s for a, s in zip(row, factors, strict=True)), translation]
+            for row, translation in zip(linear, offset, strict=True)
         ]
         return cls._wrap([*rows, [0.0, 0.0, 0.0, 1.0]])
 
@@ -345,9 +345,9 @@ class Matrix:
 
     def normalized(self) -> Matrix:
         """Return the matrix with its (first three) columns scaled to length 1: rotation without scale."""
-        made = self.copy()
-        made.normalize()
-        return made
+        matrix = self.copy()
+        matrix.normalize()
+        return matrix
 
     def normalize(self) -> None:
         """Scale the (first three) columns to length 1."""

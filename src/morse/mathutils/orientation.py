@@ -219,8 +219,8 @@ class Euler(FloatSequence):
 
     def rotate(self, other: Euler | Quaternion | Matrix) -> None:
         """Apply another rotation, about the fixed axes."""
-        turned = rotations.product(other.as_rotation(), self.as_rotation())
-        self._assign(rotations.compatible_euler(turned, self._order, self._items))
+        rotation = rotations.product(other.as_rotation(), self.as_rotation())
+        self._assign(rotations.compatible_euler(rotation, self._order, self._items))
 
     def rotate_axis(self, axis: str, angle: float) -> None:
         """Rotate by an angle (radians) about one of the own axes: ``X``, ``Y`` or ``Z``."""
@@ -228,8 +228,8 @@ class Euler(FloatSequence):
             raise ValueError(f"Euler.rotate_axis: the axis is 'X', 'Y' or 'Z', given {axis!r}")
         own = [0.0, 0.0, 0.0]
         own["XYZ".index(axis)] = angle
-        turned = rotations.product(self.as_rotation(), rotations.rotation_from_euler(own, "XYZ"))
-        self._assign(rotations.compatible_euler(turned, self._order, self._items))
+        rotation = rotations.product(self.as_rotation(), rotations.rotation_from_euler(own, "XYZ"))
+        self._assign(rotations.compatible_euler(rotation, self._order, self._items))
 
     def make_compatible(self, other: Iterable[float]) -> None:
         """Add whole turns, so that each angle differs by at most half a turn from that of another Euler."""
@@ -241,9 +241,9 @@ class Euler(FloatSequence):
 
     def copy(self) -> Self:
         """Return a copy that is not frozen."""
-        made = self._wrap(list(self._items))
-        made._order = self._order
-        return made
+        euler = self._wrap(list(self._items))
+        euler._order = self._order
+        return euler
 
     __copy__ = copy
 

@@ -68,45 +68,45 @@ def eigh(matrix: ArrayLike) -> tuple[Floats, Floats]:
 
     The cyclic Jacobi method, in the form of G. Golub, C. Van Loan, "Matrix Computations", section 8.5.
     """
-    turned = np.array(matrix, dtype=np.float64)
-    if not np.isfinite(turned).all():
+    diagonal = np.array(matrix, dtype=np.float64)
+    if not np.isfinite(diagonal).all():
         raise ValueError("the matrix contains numbers that are not finite")
-    size = len(turned)
+    size = len(diagonal)
     vectors = np.eye(size)
     for _ in range(_SWEEPS):
-        if not np.triu(turned, 1).any():
+        if not np.triu(diagonal, 1).any():
             break
         for p in range(size - 1):
             for q in range(p + 1, size):
-                _rotate(turned, vectors, p, q)
-    values = np.diag(turned)
+                _rotate(diagonal, vectors, p, q)
+    values = np.diag(diagonal)
     order = np.argsort(values, kind="stable")
     return values[order], vectors[:, order]
 
 
-def _rotate(turned: Floats, vectors: Floats, p: int, q: int) -> None:
+def _rotate(diagonal: Floats, vectors: Floats, p: int, q: int) -> None:
     """Make an element beside the diagonal zero by a rotation in the plane of two axes."""
-    aside, one, other = float(turned[p, q]), float(turned[p, p]), float(turned[q, q])
+    aside, one, other = float(diagonal[p, q]), float(diagonal[p, p]), float(diagonal[q, q])
     if abs(aside) <= 1e-17 * math.sqrt(abs(one) * abs(other)):
-        turned[p, q] = turned[q, p] = 0.0
+        diagonal[p, q] = diagonal[q, p] = 0.0
         return
     slope = (other - one) / (2.0 * aside)
     tangent = math.copysign(1.0, slope) / (abs(slope) + math.hypot(1.0, slope))
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     sine = tangent * cosine
-    for array in (turned.T, turned, vectors.T):
+    for array in (diagonal.T, diagonal, vectors.T):
         row, next_row = array[p].copy(), array[q].copy()
         array[p], array[q] = cosine * row - sine * next_row, sine * row + cosine * next_row
-    turned[p, q] = turned[q, p] = 0.0
+    diagonal[p, q] = diagonal[q, p] = 0.0
 
 
 def nearest_rotation(matrix: ArrayLike) -> Floats:
     """Return the orthogonal matrix (3, 3) nearest to a matrix: ``u @ v`` of its singular value decomposition."""
-    given = np.asarray(matrix, dtype=np.float64)
-    values, right = eigh(matmul(given.T, given))
+    array = np.asarray(matrix, dtype=np.float64)
+    values, right = eigh(matmul(array.T, array))
     left = np.zeros((3, 3))
     for column in (2, 1, 0):
-        axis = matmul(given, right[:, column]) if values[column] > _SINGULAR * values[2] else _across(left, column)
+        axis = matmul(array, right[:, column]) if values[column] > _SINGULAR * values[2] else _across(left, column)
         left[:, column] = axis / norm(axis)
     return np.asarray(matmul(left, right.T))
 

@@ -57,9 +57,9 @@ class FloatSequence(_Base):
     @classmethod
     def _wrap(cls, items: MutableSequence[float]) -> Self:
         """Create an instance from these items, which are neither copied nor checked."""
-        made = cls.__new__(cls)
-        made._items = items
-        return made
+        sequence = cls.__new__(cls)
+        sequence._items = items
+        return sequence
 
     def __len__(self) -> int:
         return len(self._items)

@@ -153,10 +153,10 @@ class VectorAlgebra(FloatSequence):
         return self._plain._wrap([a * float(other) for a in self._items])
 
     def __imul__(self, other: Any) -> Self:  # type: ignore[misc]
-        changed = self * other
-        if not isinstance(changed, VectorAlgebra):
+        product = self * other
+        if not isinstance(product, VectorAlgebra):
             raise TypeError(f"v *= {type(other).__name__} is not a vector: use v.dot(other)")
-        self._assign(changed._items)
+        self._assign(product._items)
         return self
 
     def __matmul__(self, other: VectorAlgebra) -> float:
@@ -317,10 +317,10 @@ class VectorAlgebra(FloatSequence):
 
     def to_4d(self) -> Self:
         """Return four components; w = 1 if there are fewer."""
-        made = self.resized(4)
+        vector = self.resized(4)
         if len(self._items) < 4:
-            made._items[3] = 1.0
-        return made
+            vector._items[3] = 1.0
+        return vector
 
     def resize(self, size: int) -> None:
         """Change the number of components; a row or column of a matrix is then no longer connected to the matrix."""

@@ -10,18 +10,18 @@ from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 
 
-def deviations(option: str, given: Any, axes: tuple[str, ...]) -> dict[str, float]:
+def deviations(option: str, numbers: Any, axes: tuple[str, ...]) -> dict[str, float]:
     """Return the standard deviation of each axis; axes that are missing in a dictionary are omitted.
 
     Args:
         option: name of the option, for messages.
-        given: a number of at least 0, or a dictionary of such numbers.
+        numbers: a number of at least 0, or a dictionary of such numbers.
         axes: the keys that the dictionary may have.
 
     Raises:
         MorseBuilderError: the value is neither of the two.
     """
-    by_axis = given if isinstance(given, dict) else dict.fromkeys(axes, given)
+    by_axis = numbers if isinstance(numbers, dict) else dict.fromkeys(axes, numbers)
     for axis, value in by_axis.items():
         if axis not in axes:
             raise MorseBuilderError(f"option '{option}' has no axis {shown(axis)}{nearest(axis, axes)}")

@@ -61,6 +61,6 @@ class IMUNoiseModifier(AbstractModifier):
 
 def _like(value: Any, numbers: list[float]) -> Any:
     """Return numbers as a vector or array of the same type as ``value``."""
-    made = value.copy()
-    made[:] = numbers
-    return made
+    copy = value.copy()
+    copy[:] = numbers
+    return copy

@@ -50,9 +50,11 @@ class OdometryNoiseModifier(AbstractModifier):
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         super().__init__(component_instance, kwargs)
-        chosen = {name: float(self.parameter(name, default=option.default)) for name, option in self.options.items()}
-        self._factor, self._factor_sigma = chosen["factor"], chosen["factor_sigma"]
-        self._drift, self._drift_sigma = chosen["gyro_drift"], chosen["gyro_drift_sigma"]
+        parameters = {
+            name: float(self.parameter(name, default=option.default)) for name, option in self.options.items()
+        }
+        self._factor, self._factor_sigma = parameters["factor"], parameters["factor_sigma"]
+        self._drift, self._drift_sigma = parameters["gyro_drift"], parameters["gyro_drift_sigma"]
         self._random = component_instance.context.random(f"{component_instance.name()}/{type(self).__name__}")
         #: the path of the measurements: true and measured x, y and yaw
         self._true, self._measured = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)

@@ -42,11 +42,13 @@ class NoiseModifier(AbstractModifier):
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         super().__init__(component_instance, kwargs)
-        wanted = deviations("pos_std", self.parameter("pos_std", default=0.05), _POSITION)
-        wanted.update(deviations("rot_std", self.parameter("rot_std", default=math.radians(5.0)), _ANGLES))
+        position_deviations = deviations("pos_std", self.parameter("pos_std", default=0.05), _POSITION)
+        position_deviations.update(deviations("rot_std", self.parameter("rot_std", default=math.radians(5.0)), _ANGLES))
         flat = self.parameter("_2D", default=False)
         self._deviations = {
-            name: wanted[name] for name in self._noisy if wanted[name] > 0.0 and (not flat or name in _FLAT)
+            name: position_deviations[name]
+            for name in self._noisy
+            if position_deviations[name] > 0.0 and (not flat or name in _FLAT)
         }
         self.changes = {name: {"stddev": deviation} for name, deviation in self._deviations.items()}
         self._random = component_instance.context.random(f"{component_instance.name()}/{type(self).__name__}")

@@ -49,13 +49,13 @@ class UTMModifier(AbstractModifier):
         self._offsets = {axis: self._offset(axis) for axis in "xyz"}
 
     def _offset(self, axis: str) -> float:
-        given = self.parameter(f"{axis}_offset", prop=_PROPERTIES[axis], default=0.0)
+        value = self.parameter(f"{axis}_offset", prop=_PROPERTIES[axis], default=0.0)
         try:
-            offset = float(given)
+            offset = float(value)
         except (TypeError, ValueError):
             offset = math.nan
         if not math.isfinite(offset):
-            raise MorseBuilderError(f"{_PROPERTIES[axis]}, or {axis}_offset, is a number of metres, not {shown(given)}")
+            raise MorseBuilderError(f"{_PROPERTIES[axis]}, or {axis}_offset, is a number of metres, not {shown(value)}")
         return offset
 
     def origin(self) -> Triple:

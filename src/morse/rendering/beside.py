@@ -43,6 +43,6 @@ class Beside:
             self._thread = ThreadPoolExecutor(1, thread_name_prefix="morse-pictures")
         while self._running and (len(self._running) >= _MOST or self._running[0].done()):
             wait([self._running.popleft()])
-        made = self._thread.submit(stage.draw, instant, orders)
-        self._running.append(made)
-        return [_UnderWay(made, number) for number in range(len(orders))]
+        future = self._thread.submit(stage.draw, instant, orders)
+        self._running.append(future)
+        return [_UnderWay(future, number) for number in range(len(orders))]

@@ -43,13 +43,13 @@ def closed_parts(points: NDArray[np.float32], index: NDArray[np.integer], slot: 
         return none
     # the sum converts -0 to 0
     labels = closed_labels(points + np.float32(0.0), index.astype(np.int32))
-    chosen = np.flatnonzero(labels >= 0)
-    if not len(chosen):
+    triangles = np.flatnonzero(labels >= 0)
+    if not len(triangles):
         return none
-    first, part = np.unique(labels[chosen], return_inverse=True)
-    mixed = np.bincount(part, slot[chosen] != slot[first[part]], len(first)) > 0
-    none.part[chosen], none.kind[chosen] = part, np.where(mixed[part], MIXED, CLOSED)
-    return none._replace(spheres=_spheres(points[index[chosen]].astype(np.float64), part, len(first)))
+    first, part = np.unique(labels[triangles], return_inverse=True)
+    mixed = np.bincount(part, slot[triangles] != slot[first[part]], len(first)) > 0
+    none.part[triangles], none.kind[triangles] = part, np.where(mixed[part], MIXED, CLOSED)
+    return none._replace(spheres=_spheres(points[index[triangles]].astype(np.float64), part, len(first)))
 
 
 def _spheres(corners: NDArray[np.float64], part: NDArray[np.intp], count: int) -> NDArray[np.float64]:

@@ -56,34 +56,34 @@ class MeshStore:
         self._known: dict[tuple[int, int, bool], tuple[Mesh, Clusters]] = {}
         self._alike: dict[tuple[bytes, int, bool], Clusters] = {}
 
-    def clusters(self, wanted: Sequence[tuple[Mesh, int, bool]]) -> list[Clusters]:
+    def clusters(self, requests: Sequence[tuple[Mesh, int, bool]]) -> list[Clusters]:
         """The clusters of meshes; equal meshes have the same.
 
         Args:
-            wanted: meshes, the numbers of their material slots, and whether texture coordinates are used.
+            requests: meshes, the numbers of their material slots, and whether texture coordinates are used.
         """
-        keys = [(id(mesh), slots, textured) for mesh, slots, textured in wanted]
-        new = {key: request for key, request in zip(keys, wanted, strict=True) if key not in self._known}
+        keys = [(id(mesh), slots, textured) for mesh, slots, textured in requests]
+        new = {key: request for key, request in zip(keys, requests, strict=True) if key not in self._known}
         alike = {key: (_digest(request[0]), *key[1:]) for key, request in new.items()}
-        missing = {alike[key]: request for key, request in new.items() if alike[key] not in self._alike}
+        new_requests = {alike[key]: request for key, request in new.items() if alike[key] not in self._alike}
         with ThreadPoolExecutor(threads.count(), thread_name_prefix="morse-meshes") as pool:
-            made = pool.map(self._made, missing.values())
-            self._alike.update(zip(missing, made, strict=True))
+            clusters = pool.map(self._made, new_requests.values())
+            self._alike.update(zip(new_requests, clusters, strict=True))
         # keeps the meshes alive, so that their ids are not reused
         self._known.update({key: (new[key][0], self._alike[alike[key]]) for key in new})
         return [self._known[key][1] for key in keys]
 
-    def _made(self, wanted: tuple[Mesh, int, bool]) -> Clusters:
-        mesh, slots, textured = wanted
+    def _made(self, request: tuple[Mesh, int, bool]) -> Clusters:
+        mesh, slots, textured = request
         return clusters_of(mesh, slots, textured=textured, simplified=self._simplified)
 
 
 def _digest(mesh: Mesh) -> bytes:
     digest = hashlib.blake2b(digest_size=16)
     for array in (mesh.vertices, mesh.triangles, mesh.material_index, mesh.uvs, mesh.normals):
-        known = np.ascontiguousarray(np.zeros(0) if array is None else array)
-        digest.update(f"{array is None} {known.dtype} {known.shape}".encode())
-        digest.update(known.data)
+        values = np.ascontiguousarray(np.zeros(0) if array is None else array)
+        digest.update(f"{array is None} {values.dtype} {values.shape}".encode())
+        digest.update(values.data)
     return digest.digest()
 
 
@@ -142,7 +142,7 @@ class Contents:
         )
         slots: list[int] = []
         parts: list[tuple[int, int, int, int]] = []
-        for number, (node, surfaces, cut) in enumerate(zip(self.nodes, surfaces_of, cuts, strict=True)):
+        for number, (node, surfaces, clusters) in enumerate(zip(self.nodes, surfaces_of, cuts, strict=True)):
             frame = rigid_frame(node)
             self._stretches[number] = [list(row) for row in frame.stretch]
             rotation = np.array([list(row) for row in frame.rotation])
@@ -154,7 +154,7 @@ class Contents:
             flags |= MOVES * int(not world.is_fixed(self._groups[number]))
             own = [self._material(material, node.color or material.color) for material in surfaces]
             flags |= SOLID * int(not any(self._has_holes[material] for material in own))
-            parts += [(c, number, len(slots), flags) for c in self._clusters(cut)]
+            parts += [(c, number, len(slots), flags) for c in self._clusters(clusters)]
             slots += own
         self._settle(range(len(self.nodes)))
         count = len(self.nodes)
@@ -183,16 +183,16 @@ class Contents:
 
     # -- contents --------------------------------------------------------------------------
 
-    def _clusters(self, cut: Clusters) -> list[int]:
+    def _clusters(self, clusters: Clusters) -> list[int]:
         """The indices of the clusters of a mesh in the drawing."""
-        if id(cut) not in self._cut:
+        if id(clusters) not in self._cut:
             first = self._counts[2]
-            self._cut[id(cut)] = list(range(first, first + len(cut.clusters)))
+            self._cut[id(clusters)] = list(range(first, first + len(clusters.clusters)))
             offset = np.array([self._counts[0], 0, self._counts[1], 0], np.int32)
-            self._chunks.append(cut._replace(clusters=cut.clusters + offset))
-            for index, rows in enumerate((cut.vertices, cut.triangles, cut.clusters)):
+            self._chunks.append(clusters._replace(clusters=clusters.clusters + offset))
+            for index, rows in enumerate((clusters.vertices, clusters.triangles, clusters.clusters)):
                 self._counts[index] += len(rows)
-        return self._cut[id(cut)]
+        return self._cut[id(clusters)]
 
     def _joined(self) -> tuple[NDArray[np.void], NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
         return (
@@ -251,8 +251,8 @@ class Contents:
         """The instances whose poses are not those of other frames."""
         if before is None or len(before.positions) != len(now.positions):
             return np.arange(len(self._groups))
-        turned = (before.rotations != now.rotations).any(axis=(1, 2))
-        other = (turned | (before.positions != now.positions).any(axis=1))[self._groups]
+        rotation_changed = (before.rotations != now.rotations).any(axis=(1, 2))
+        other = (rotation_changed | (before.positions != now.positions).any(axis=1))[self._groups]
         other |= before.visible != now.visible
         if before.offsets is not now.offsets:
             other |= (before.offsets != now.offsets).any(axis=(1, 2))
@@ -260,12 +260,12 @@ class Contents:
 
     def _velocities(self, slots: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(K, 3) linear and (K, 3) angular velocities of the slots, world axes; 0 for static slots."""
-        found = np.zeros((2, slots, 3))
+        velocities = np.zeros((2, slots, 3))
         for slot in np.unique(self._groups).tolist():
             if not self._world.is_fixed(slot):
-                found[:, slot] = self._world.bodies.velocity(slot)
-        found[~np.isfinite(found)] = 0.0
-        return found[0], found[1]
+                velocities[:, slot] = self._world.bodies.velocity(slot)
+        velocities[~np.isfinite(velocities)] = 0.0
+        return velocities[0], velocities[1]
 
     def _follow(self) -> None:
         """Update the poses of parts that move within their groups."""
@@ -298,8 +298,8 @@ def _placed(
     """The poses (N, 12) and (N, 9) of some instances, see `Poses`."""
     model = matmul(frames.rotations[groups], frames.offsets[rows])
     model[:, :, 3] += frames.positions[groups]
-    seen = frames.visible[rows] & (np.abs(model) < 1e7).all(axis=(1, 2))
-    model[~seen] = 0.0
+    is_visible = frames.visible[rows] & (np.abs(model) < 1e7).all(axis=(1, 2))
+    model[~is_visible] = 0.0
     linear = model[:, :, :3]
     # cofactors are the inverse transposed times the determinant, whose sign is correct for mirrored meshes
     one, other = linear[:, _NEXT], linear[:, _AFTER]

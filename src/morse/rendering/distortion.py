@@ -45,13 +45,13 @@ def coefficients(text: str, model: str) -> tuple[float, ...]:
     words = str(text).strip().strip("[]()").replace(",", " ").split()
     most = _COUNTS[model]
     try:
-        found = [float(word) for word in words]
+        numbers = [float(word) for word in words]
     except ValueError:
-        found = [math.nan]
-    if not all(abs(number) <= _MOST_COEFFICIENT for number in found) or len(found) > most:
+        numbers = [math.nan]
+    if not all(abs(number) <= _MOST_COEFFICIENT for number in numbers) or len(numbers) > most:
         names = "k1, k2, p1, p2, k3" if model == "plumb_bob" else "k1, k2, k3, k4"
         raise ValueError(f"distortion of a lens '{model}' is {names}, such as '-0.28, 0.07', got {text!r:.80}")
-    return (*found, *[0.0] * (most - len(found)))
+    return (*numbers, *[0.0] * (most - len(numbers)))
 
 
 @dataclass(frozen=True)
@@ -104,10 +104,10 @@ class DistortedLens(Lens):
 
     def rays(self) -> NDArray[np.float32]:
         """(H, W, 3) float32: the point that each pixel shows at a depth of 1 m; zeros for invalid pixels."""
-        found, shows = self.directions
-        ahead = shows & (found[..., 2] > 1e-6)
-        depth = np.where(ahead, found[..., 2], 1.0)[..., None]
-        return np.where(ahead[..., None], found / depth, 0.0).astype(np.float32)
+        directions, shows = self.directions
+        ahead = shows & (directions[..., 2] > 1e-6)
+        depth = np.where(ahead, directions[..., 2], 1.0)[..., None]
+        return np.where(ahead[..., None], directions / depth, 0.0).astype(np.float32)
 
     def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Project points (..., 3) to pixels (..., 2); NaN for points outside the domain of the lens."""
@@ -162,8 +162,8 @@ def _of_plumb_bob(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Flo
     limit = _WIDEST_RADIUS if rising.all() else float(radii[int(rising.argmin())])
     shows = (abs(du) + abs(dv) < _PRECISE) & (u * u + v * v < limit * limit)
     u, v = np.where(shows, u, 0.0), np.where(shows, v, 0.0)
-    found = np.stack([u, v, np.ones_like(u)], axis=-1)
-    return found / np.sqrt(u * u + v * v + 1)[..., None], shows
+    directions = np.stack([u, v, np.ones_like(u)], axis=-1)
+    return directions / np.sqrt(u * u + v * v + 1)[..., None], shows
 
 
 def _fisheye(square: Floats, numbers: tuple[float, ...]) -> tuple[Floats, Floats]:
@@ -179,14 +179,14 @@ def _of_fisheye(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Float
     angle = bent.copy()
     for _ in range(_STEPS):
         grows, slope = _fisheye(angle * angle, numbers)
-        missing = angle * grows - bent
-        if not (abs(missing) > _PRECISE / 100).any():
+        residual = angle * grows - bent
+        if not (abs(residual) > _PRECISE / 100).any():
             break
-        angle = angle - missing / slope
+        angle = angle - residual / slope
     angles = np.arange(1, 3142) / 1000
     rising = _fisheye(angles * angles, numbers)[1] > 0
     limit = math.pi if rising.all() else float(angles[int(rising.argmin())])
-    shows = (abs(missing) < _PRECISE) & (angle >= 0) & (angle <= limit)
+    shows = (abs(residual) < _PRECISE) & (angle >= 0) & (angle <= limit)
     angle = np.where(shows, angle, 0.0)
     sine, cosine = _sine_and_cosine(angle)
     share = np.where(bent > 0, sine / np.where(bent > 0, bent, 1.0), 1.0)

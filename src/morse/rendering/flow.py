@@ -45,21 +45,21 @@ def optical_flow(picture: Picture, lens: Lens, before: Moment) -> NDArray[np.flo
     directions = lens.directions[0] if isinstance(lens, DistortedLens) else lens.rays().astype(np.float64)
     axes, earlier = picture.axes.astype(np.float64), before.axes.astype(np.float64)
     world = _product(axes.T, directions)
-    shown = (picture.ids >= 0) & (picture.depth > 0)
-    number = np.where(shown, picture.ids, 0)
-    scale = np.where(shown, picture.depth, 1.0) / np.where(shown, directions[..., 2], 1.0)
+    shows_surface = (picture.ids >= 0) & (picture.depth > 0)
+    number = np.where(shows_surface, picture.ids, 0)
+    scale = np.where(shows_surface, picture.depth, 1.0) / np.where(shows_surface, directions[..., 2], 1.0)
     places = picture.eye.astype(np.float64) + world * scale[..., None]
-    moves, known = _moves(picture, before)
+    moves, is_known = _moves(picture, before)
     then = _product(moves[number, :, :3], places) + moves[number, :, 3]
     own = np.where(
-        shown[..., None],
+        shows_surface[..., None],
         _product(earlier, then - before.eye.astype(np.float64)),
         _product(earlier, world),
     )
     height, width = picture.ids.shape
     now = np.stack(np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5), axis=-1)
     flow = now - lens.project(own)
-    flow[(picture.ids >= 0) & ~(shown & known[number])] = np.nan
+    flow[(picture.ids >= 0) & ~(shows_surface & is_known[number])] = np.nan
     return flow.astype(np.float32)
 
 
@@ -84,12 +84,12 @@ def _moves(picture: Picture, before: Moment) -> tuple[Floats, NDArray[np.bool_]]
     rows = now[:, :, :3]
     cofactors = np.cross(np.roll(rows, -1, axis=1), np.roll(rows, -2, axis=1))
     volume = (rows[:, 0] * cofactors[:, 0]).sum(axis=1)
-    known = (np.abs(volume) > 0) & was.any(axis=(1, 2))
-    inverse = cofactors.transpose(0, 2, 1) / np.where(known, volume, 1.0)[:, None, None]
+    is_known = (np.abs(volume) > 0) & was.any(axis=(1, 2))
+    inverse = cofactors.transpose(0, 2, 1) / np.where(is_known, volume, 1.0)[:, None, None]
     moves = np.zeros_like(now)
     for column in range(3):
         moves[:, :, column] = _product(was[:, :, :3], inverse[:, :, column])
     moves[:, :, 3] = was[:, :, 3] - _product(moves[:, :, :3], now[:, :, 3])
-    still = (was == now).all(axis=(1, 2)) & known
+    still = (was == now).all(axis=(1, 2)) & is_known
     moves[still] = np.eye(3, 4)
-    return moves, known
+    return moves, is_known

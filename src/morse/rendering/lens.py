@@ -89,10 +89,10 @@ class Lens:
 
     def rays(self) -> NDArray[np.float32]:
         """(H, W, 3) float32: the point that each pixel shows at a depth of 1 m; X right, Y down, Z forward."""
-        found = np.ones((self.height, self.width, 3), np.float32)
-        found[..., 0] = (np.arange(self.width) + 0.5 - self.cx) / self.fx
-        found[..., 1] = ((np.arange(self.height) + 0.5 - self.cy) / self.fy)[:, None]
-        return found
+        directions = np.ones((self.height, self.width, 3), np.float32)
+        directions[..., 0] = (np.arange(self.width) + 0.5 - self.cx) / self.fx
+        directions[..., 1] = ((np.arange(self.height) + 0.5 - self.cy) / self.fy)[:, None]
+        return directions
 
     def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Project points (..., 3), X right, Y down, Z forward, to pixels (..., 2); NaN for points behind the camera."""

@@ -46,27 +46,27 @@ def levels_of(rows: NDArray[np.float32], slot: NDArray[np.integer], *, textured:
         slot: (T,) material slot.
         textured: whether the texture coordinates are used.
     """
-    made: list[Level] = []
+    levels: list[Level] = []
     if len(rows) < _FEWEST:
-        return made
+        return levels
     corners = rows.reshape(-1, 8)
     size = float(norm(np.ptp(corners[:, :3], axis=0).astype(np.float64)))
     if not size > 0.0:
-        return made
+        return levels
     mesh, places, looks = _mesh(corners, slot, textured=textured)
     count = len(rows)
     for share in _SHARES:
         limit = size / share
-        left = simplify(mesh, limit)
-        if left > _LESS * count or not left:
+        remaining = simplify(mesh, limit)
+        if remaining > _LESS * count or not remaining:
             continue
-        count = left
-        chosen = np.flatnonzero(mesh.alive)
-        picked = np.concatenate([places[mesh.vertices[chosen]], looks[mesh.look[chosen]]], axis=2)
-        made.append(Level(float(mesh.errors[chosen].max()), picked, chosen))
+        count = remaining
+        triangles = np.flatnonzero(mesh.alive)
+        picked = np.concatenate([places[mesh.vertices[triangles]], looks[mesh.look[triangles]]], axis=2)
+        levels.append(Level(float(mesh.errors[triangles].max()), picked, triangles))
         if count < _FEWEST:
             break
-    return made
+    return levels
 
 
 def _mesh(

@@ -109,10 +109,10 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
         strength = _FULL * (0.35 if nodes else 0.95) * 0.85 * view.daylight
         rows.append(_lamp(SUN, (0, 0, 0), sunny, _srgb(0xFFF3E2) * strength, shape=(1.0, 0.0)))
     rows.append(_sky_light(view, bool(nodes), mixed))
-    made = np.array(rows, dtype=LAMP)
+    lamps = np.array(rows, dtype=LAMP)
     for name in LAMP.names or ():
-        made[name] = np.nan_to_num(made[name], nan=0.0, posinf=1e6, neginf=-1e6)
-    return Lamps(made, sunny, spot)
+        lamps[name] = np.nan_to_num(lamps[name], nan=0.0, posinf=1e6, neginf=-1e6)
+    return Lamps(lamps, sunny, spot)
 
 
 def _sky_light(view: ViewSettings, lit: bool, mixed: bool) -> tuple[object, ...]:

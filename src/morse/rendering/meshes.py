@@ -66,12 +66,12 @@ def clusters_of(
     points = np.asarray(mesh.vertices, dtype=np.float32).reshape(-1, 3)
     usable = np.asarray((np.abs(points) <= _FARTHEST).all(axis=1))
     parts = _parts(len(index), at_once)
-    chosen = np.concatenate([np.zeros(0, np.intp), *(part.start + _usable(index[part], usable) for part in parts)])
-    centres = np.empty((len(chosen), 3))
-    for part in _parts(len(chosen), at_once):
-        centres[part] = points[index[chosen[part]]].mean(axis=1, dtype=np.float64)
-    order = chosen[_along_curve(centres)] if len(chosen) else chosen
-    del centres, chosen
+    triangles = np.concatenate([np.zeros(0, np.intp), *(part.start + _usable(index[part], usable) for part in parts)])
+    centres = np.empty((len(triangles), 3))
+    for part in _parts(len(triangles), at_once):
+        centres[part] = points[index[triangles[part]]].mean(axis=1, dtype=np.float64)
+    order = triangles[_along_curve(centres)] if len(triangles) else triangles
+    del centres, triangles
     slot = np.clip(_column(mesh.material_index, len(index)), 0, slots - 1)
     ordered = [order[part] for part in _parts(len(order), at_once)] or [order]
     if len(order) > at_once:
@@ -101,15 +101,15 @@ def _usable(index: NDArray[np.integer], usable: NDArray[np.bool_]) -> NDArray[np
 
 
 def _rows(
-    mesh: Mesh, points: NDArray[np.float32], index: NDArray[np.integer], chosen: NDArray[np.intp], textured: bool
+    mesh: Mesh, points: NDArray[np.float32], index: NDArray[np.integer], triangles: NDArray[np.intp], textured: bool
 ) -> NDArray[np.float32]:
     """(N, 3, 8) position, normal and texture coordinates of the corners of some triangles."""
-    corners = points[index[chosen]]
-    rows = np.zeros((len(chosen), 3, 8), np.float32)
+    corners = points[index[triangles]]
+    rows = np.zeros((len(triangles), 3, 8), np.float32)
     rows[..., :3] = corners
-    rows[..., 3:6] = _normals(mesh, chosen, len(index), corners)
+    rows[..., 3:6] = _normals(mesh, triangles, len(index), corners)
     if textured and mesh.uvs is not None and len(mesh.uvs) == len(index):
-        uvs = np.asarray(np.asarray(mesh.uvs)[chosen], dtype=np.float32).reshape(-1, 3, 2)
+        uvs = np.asarray(np.asarray(mesh.uvs)[triangles], dtype=np.float32).reshape(-1, 3, 2)
         rows[..., 6:] = np.clip(np.nan_to_num(uvs), -_FARTHEST_UV, _FARTHEST_UV)
     rows += np.float32(0.0)  # the sum converts -0 to 0
     return rows
@@ -133,36 +133,36 @@ def _stacked(parts: list[Clusters]) -> Clusters:
     )
 
 
-def _guarded(made: Clusters, solids: ClosedParts, origins: NDArray[np.intp]) -> Clusters:
+def _guarded(clusters: Clusters, solids: ClosedParts, origins: NDArray[np.intp]) -> Clusters:
     """Return the clusters of a mesh with its closed parts; `origins` (T,) are the triangles of the mesh."""
     part, kind, spheres = solids.part[origins], solids.kind[origins], solids.spheres
-    guards = made.spheres[:, 3].copy()
-    owner = np.repeat(np.arange(len(made.clusters)), made.clusters[:, 3])
+    guards = clusters.spheres[:, 3].copy()
+    owner = np.repeat(np.arange(len(clusters.clusters)), clusters.clusters[:, 3])
     inside = part >= 0
     if inside.any():
         owner, own = owner[inside], spheres[part[inside]]
-        apart = np.linalg.norm(own[:, :3] - made.spheres[owner, :3], axis=1) + own[:, 3]
+        apart = np.linalg.norm(own[:, :3] - clusters.spheres[owner, :3], axis=1) + own[:, 3]
         # slightly enlarged, because the kernel uses single precision
         np.maximum.at(guards, owner, (apart * 1.0001 + 1e-6).astype(np.float32))
-    return made._replace(closed=kind, guards=guards)
+    return clusters._replace(closed=kind, guards=guards)
 
 
 def _column(values: NDArray[np.int32] | None, count: int) -> NDArray[np.int64]:
-    found = np.zeros(count, np.int64)
+    column = np.zeros(count, np.int64)
     if values is not None and len(values) == count:
-        found[:] = values
-    return found
+        column[:] = values
+    return column
 
 
-def _normals(mesh: Mesh, chosen: NDArray[np.intp], count: int, corners: NDArray[np.float32]) -> NDArray[np.float32]:
+def _normals(mesh: Mesh, triangles: NDArray[np.intp], count: int, corners: NDArray[np.float32]) -> NDArray[np.float32]:
     face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).astype(np.float64)
     face /= np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-30)
     flat = np.repeat(face[:, None], 3, axis=1).astype(np.float32)
     if mesh.normals is None or len(mesh.normals) != count:
         return flat
-    given = np.asarray(np.asarray(mesh.normals)[chosen], dtype=np.float32).reshape(-1, 3, 3)
-    usable = (np.isfinite(given) & (np.abs(given) < 1e3)).all(axis=2, keepdims=True)
-    return np.where(usable, given, flat)
+    vectors = np.asarray(np.asarray(mesh.normals)[triangles], dtype=np.float32).reshape(-1, 3, 3)
+    usable = (np.isfinite(vectors) & (np.abs(vectors) < 1e3)).all(axis=2, keepdims=True)
+    return np.where(usable, vectors, flat)
 
 
 def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:

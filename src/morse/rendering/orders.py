@@ -153,20 +153,20 @@ def _magnification(lens: Lens) -> float:
 
 def kept_of(orders: Sequence[Order]) -> list[Kept | None]:
     """Return what is kept of the undistorted images of orders."""
-    found: list[Kept | None] = []
+    images: list[Kept | None] = []
     for order in orders:
         count = len(views_of(order))
-        found += [None] * count if order.memory is None else order.memory.of(order.band * count, count)
-    return found
+        images += [None] * count if order.memory is None else order.memory.of(order.band * count, count)
+    return images
 
 
-def cut(made: Pictures, row: Any) -> Drawn:
+def cut(pictures: Pictures, row: Any) -> Drawn:
     """Return one of the rendered images."""
     shape, first = (int(row["height"]), int(row["width"])), int(row["pixel"])
     part = slice(first, first + shape[0] * shape[1])
     return Drawn(
-        made.rgba[part].reshape(*shape, 4) if row["color"] else None,
-        made.depth[part].reshape(shape),
-        made.ids[part].reshape(shape),
-        made.normals[part].reshape(*shape, 3) if row["normals"] else None,
+        pictures.rgba[part].reshape(*shape, 4) if row["color"] else None,
+        pictures.depth[part].reshape(shape),
+        pictures.ids[part].reshape(shape),
+        pictures.normals[part].reshape(*shape, 3) if row["normals"] else None,
     )

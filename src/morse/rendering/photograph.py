@@ -47,9 +47,9 @@ def photograph(
     focal = view.camera_focal_length if focal_length is None else focal_length
     lens = Lens.of_focal_length(width, height, focal, view.camera_clip[0], _FAR)
     place = view.camera_location if location is None else location
-    turned = view.camera_rotation if rotation is None else rotation
+    orientation = view.camera_rotation if rotation is None else rotation
     renderer = Renderer(world)
-    request = renderer.request(Viewpoint.turned(place, turned), lens)
+    request = renderer.request(Viewpoint.turned(place, orientation), lens)
     renderer.serve([request])
     assert request.picture is not None
     assert request.picture.rgb is not None

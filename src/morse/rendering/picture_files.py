@@ -42,14 +42,14 @@ def check(path: Path, *, film: bool) -> None:
     suffix = path.suffix.lower()
     if not path.parent.is_dir():
         raise ValueError(f"there is no folder {path.parent}")
-    known = (*ANIMATIONS, *VIDEOS) if film else PICTURES
+    suffixes = (*ANIMATIONS, *VIDEOS) if film else PICTURES
     if film and "%" in path.name:
         _frame_name(path, 0)
-        known = PICTURES
-    if suffix not in known:
+        suffixes = PICTURES
+    if suffix not in suffixes:
         what = "a film" if film else "a picture"
         more = ", or frames such as 'frame_%04d.png'" if film else ""
-        raise ValueError(f"{what} is a file that ends in {', '.join(known)}{more}, not {path.name!r}")
+        raise ValueError(f"{what} is a file that ends in {', '.join(suffixes)}{more}, not {path.name!r}")
     if film and suffix in VIDEOS and shutil.which("ffmpeg") is None:
         raise ValueError(
             f"{path.name} needs ffmpeg, which is not installed (Debian: apt install ffmpeg); "
@@ -143,6 +143,6 @@ class _Video:
         Raises:
             OSError: the film could not be written.
         """
-        _, said = self._process.communicate()
+        _, errors = self._process.communicate()
         if self._process.returncode:
-            raise OSError(f"ffmpeg: {said.decode(errors='replace').strip()[-400:]}")
+            raise OSError(f"ffmpeg: {errors.decode(errors='replace').strip()[-400:]}")

@@ -64,20 +64,20 @@ class Renderer:
 
     def serve(self, requests: Sequence[CameraRequest]) -> None:
         """Render the requested images, and begin those that are rendered while the simulation goes on."""
-        asked = [request for request in requests if request.wanted()]
-        if not asked:
+        active_requests = [request for request in requests if request.wanted()]
+        if not active_requests:
             return
-        if not self._simplified and any(request.screen_space_error > 0.0 for request in asked):
+        if not self._simplified and any(request.screen_space_error > 0.0 for request in active_requests):
             # levels of detail take time and memory: they are made for the first camera that allows an error
             self._simplified, self._stage = True, None
             self._meshes = MeshStore(simplified=True)
         stage = self._present_stage()
-        now = [request for request in asked if not request.beside]
+        now = [request for request in active_requests if not request.beside]
         if now:
             orders = [order_of(request) for request in now]
             for request, picture in zip(now, stage.draw(stage.note(orders), orders), strict=True):
                 request.shot = Finished(picture)
-        if later := [request for request in asked if request.beside]:
+        if later := [request for request in active_requests if request.beside]:
             orders = [order_of(request) for request in later]
             for request, shot in zip(later, self._beside.begin(stage, stage.note(orders), orders), strict=True):
                 request.shot = shot

@@ -172,10 +172,10 @@ def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _extent(
-    contents: Contents, axes: NDArray[np.float64], chosen: NDArray[np.bool_], around: float
+    contents: Contents, axes: NDArray[np.float64], selection: NDArray[np.bool_], around: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Lower and upper corner, along the axes, of a box around some parts at the poses of the scene."""
-    parts, spheres = contents.drawing.parts[chosen], contents.drawing.spheres
+    parts, spheres = contents.drawing.parts[selection], contents.drawing.spheres
     low, high = np.zeros(3), np.zeros(3)
     shape = contents.placed[parts[:, 1]]
     fine = (np.abs(shape) < 1e6).all(axis=(1, 2))

@@ -100,22 +100,22 @@ class Stage:
     def draw(self, instant: Instant, orders: Sequence[Order]) -> list[Picture]:
         """Render the images of a tick; the images do not depend on those rendered before."""
         with self._lock:
-            made: dict[int, Picture] = {}
+            pictures: dict[int, Picture] = {}
             batch: list[int] = []
             pixels = 0
             for number, order in enumerate(orders):
                 if order.motion is not None:
-                    made[number] = self._over_time(instant, order, order.motion)
+                    pictures[number] = self._over_time(instant, order, order.motion)
                     continue
                 own = pixels_of(order)
                 if batch and pixels + own > _MOST_PIXELS:
-                    made.update(zip(batch, self._at(instant, [orders[n] for n in batch]), strict=True))
+                    pictures.update(zip(batch, self._at(instant, [orders[n] for n in batch]), strict=True))
                     batch, pixels = [], 0
                 batch.append(number)
                 pixels += own
             if batch:
-                made.update(zip(batch, self._at(instant, [orders[n] for n in batch]), strict=True))
-            return [made[number] for number in range(len(orders))]
+                pictures.update(zip(batch, self._at(instant, [orders[n] for n in batch]), strict=True))
+            return [pictures[number] for number in range(len(orders))]
 
     def _over_time(self, instant: Instant, order: Order, motion: Motion) -> Picture:
         """Render an image with motion blur or rolling shutter."""
@@ -133,14 +133,14 @@ class Stage:
         light = self._light
         if cameras["color"].any():
             light = self._lit(instant, poses)
-        drawn = self._drawer.draw(cameras, poses, light, self._samples, kept_of(orders))
+        images = self._drawer.draw(cameras, poses, light, self._samples, kept_of(orders))
         rows = iter(cameras)
-        made = []
+        pictures = []
         for order in orders:
-            flats = [cut(drawn, next(rows)) for _ in views_of(order)]
+            flats = [cut(images, next(rows)) for _ in views_of(order)]
             whole = order.lens.warp.gather(flats) if isinstance(order.lens, DistortedLens) else flats[0]
             position, rotation = order.pose(time)
-            made.append(
+            pictures.append(
                 Picture(
                     *whole,
                     contents.nodes,
@@ -150,7 +150,7 @@ class Stage:
                     rotation.astype(np.float32).T.copy(),
                 )
             )
-        return made
+        return pictures
 
     def _lit(self, instant: Instant, poses: Poses) -> Light:
         """The lamps of a tick, with the shadows of the sun and of a spot lamp."""

@@ -52,22 +52,22 @@ class TextureStore:
 
     def read_ahead(self, images: Iterable[Image]) -> None:
         """Decode textures in advance in a separate thread."""
-        if found := {id(image): image for image in images if id(image) not in self._numbers}:
+        if new_images := {id(image): image for image in images if id(image) not in self._numbers}:
             # the decoders of Pillow run without the GIL
             pool = ThreadPoolExecutor(1, thread_name_prefix="morse-textures")
-            self._ahead = {key: pool.submit(_pixels, image) for key, image in found.items()}
+            self._ahead = {key: pool.submit(_pixels, image) for key, image in new_images.items()}
             pool.shutdown(wait=False)
 
     def number(self, image: Image) -> int:
         """The index of the texture of an image."""
-        found = self._numbers.get(id(image))
-        if found is None:
-            found = self._numbers[id(image)] = len(self._images)
+        number = self._numbers.get(id(image))
+        if number is None:
+            number = self._numbers[id(image)] = len(self._images)
             # keeps the image alive, so that its id is not reused
             self._images.append(image)
             ahead = self._ahead.pop(id(image), None)
             self._add(_pixels(image) if ahead is None else ahead.result())
-        return found
+        return number
 
     def has_holes(self, number: int) -> bool:
         """Whether a part of a texture is transparent."""
@@ -130,13 +130,13 @@ def _pixels(image: Image) -> NDArray[np.uint8]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Picture.DecompressionBombWarning)
-            opened = Picture.open(io.BytesIO(image.data))
-        with opened as picture:
+            picture_file = Picture.open(io.BytesIO(image.data))
+        with picture_file as picture:
             if picture.width * picture.height > _MOST_PIXELS:
                 raise ValueError(f"it has {picture.width} x {picture.height} pixels")
             size = (_power_of_two(picture.width), _power_of_two(picture.height))
-            made = picture.convert("RGBA").resize(size, Picture.Resampling.BICUBIC)
-            return np.asarray(made, dtype=np.uint8)[::-1].copy()
+            pixels = picture.convert("RGBA").resize(size, Picture.Resampling.BICUBIC)
+            return np.asarray(pixels, dtype=np.uint8)[::-1].copy()
     except (
         OSError,
         ValueError,
@@ -158,6 +158,6 @@ def _power_of_two(size: int) -> int:
 
 def _checkered() -> NDArray[np.uint8]:
     y, x = np.mgrid[0:16, 0:16] // 4
-    made = np.full((16, 16, 4), 255, np.uint8)
-    made[(x + y) % 2 == 1] = (255, 0, 255, 255)
-    return made
+    pixels = np.full((16, 16, 4), 255, np.uint8)
+    pixels[(x + y) % 2 == 1] = (255, 0, 255, 255)
+    return pixels

@@ -50,10 +50,10 @@ class Things:
 
     def __init__(self, world: World, nodes: Sequence[Node], robots: Collection[Node], tag: str) -> None:
         self._world, self._robots, self._tag = world, robots, tag
-        found: dict[Node, int] = {}
-        self.numbers = np.array([found.setdefault(self._thing_of(node), len(found)) for node in nodes], np.int32)
-        self.nodes = list(found)
-        self._members: list[list[Node]] = [[] for _ in found]
+        first: dict[Node, int] = {}
+        self.numbers = np.array([first.setdefault(self._thing_of(node), len(first)) for node in nodes], np.int32)
+        self.nodes = list(first)
+        self._members: list[list[Node]] = [[] for _ in first]
         for node, number in zip(nodes, self.numbers.tolist(), strict=True):
             self._members[number].append(node)
         self._fixed: dict[Node, tuple[tuple[Any, Any], tuple[NDArray[np.float64], NDArray[np.float64]]]] = {}
@@ -92,14 +92,14 @@ class Things:
             return _reach(node, matmul(turn.T, own), matmul(turn.T, here - place))
         # parts of one body do not move relative to each other, unless they are displaced explicitly
         offsets = (obj.offset, thing.offset)
-        known = self._fixed.get(node)
-        if known is None or known[0] != offsets:
+        extent = self._fixed.get(node)
+        if extent is None or extent[0] != offsets:
             (here, own), (place, turn) = (_as_arrays(offset) for offset in offsets)
-            known = self._fixed[node] = (
+            extent = self._fixed[node] = (
                 offsets,
                 _reach(node, matmul(turn.T, own), matmul(turn.T, here - place)),
             )
-        return known[1]
+        return extent[1]
 
 
 def _reach(
@@ -135,11 +135,11 @@ def patches(image: NDArray[np.integer]) -> list[Patch]:
     """The visible objects in an image of ids (H, W), without 0, in the order of the ids."""
     height, width = image.shape
     counts = np.bincount(image.ravel())
-    shown = np.flatnonzero(counts)
+    visible_numbers = np.flatnonzero(counts)
     place = np.zeros(len(counts), np.intp)
-    place[shown] = np.arange(len(shown))
+    place[visible_numbers] = np.arange(len(visible_numbers))
     compact = place[image]
-    rows, columns = np.zeros((len(shown), height), bool), np.zeros((len(shown), width), bool)
+    rows, columns = np.zeros((len(visible_numbers), height), bool), np.zeros((len(visible_numbers), width), bool)
     rows[compact, np.arange(height)[:, None]] = True
     columns[compact, np.arange(width)[None]] = True
     x0, y0 = columns.argmax(axis=1), rows.argmax(axis=1)
@@ -147,6 +147,6 @@ def patches(image: NDArray[np.integer]) -> list[Patch]:
     boxes = np.column_stack([x0, y0, x1, y1]).tolist()
     return [
         Patch(number, int(counts[number]), tuple(box))
-        for number, box in zip(shown.tolist(), boxes, strict=True)
+        for number, box in zip(visible_numbers.tolist(), boxes, strict=True)
         if number
     ]

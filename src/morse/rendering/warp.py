@@ -86,9 +86,9 @@ class Warp:
 
     def __init__(self, lens: DistortedLens) -> None:
         self._lens = lens
-        found, shows = lens.directions
+        directions, shows = lens.directions
         numbers = np.flatnonzero(shows)
-        rays = found.reshape(-1, 3)[numbers]
+        rays = directions.reshape(-1, 3)[numbers]
         if not len(rays) or rays[:, 2].min() > _ONE_IS_ENOUGH:
             face = np.zeros(len(rays), np.intp)
         else:
@@ -97,22 +97,22 @@ class Warp:
             _flat(lens, turn, numbers[face == n], rays[face == n]) for n, turn in enumerate(_FACES) if (face == n).any()
         ]
 
-    def gather(self, drawn: Sequence[Drawn]) -> Drawn:
+    def gather(self, images: Sequence[Drawn]) -> Drawn:
         """The distorted image from the undistorted ones."""
         size = self._lens.height * self._lens.width
-        color = bool(drawn) and drawn[0].rgba is not None
+        color = bool(images) and images[0].rgba is not None
         rgba = np.zeros((size, 4), np.uint8)
         rgba[:, 3] = 255
         depth, ids = np.zeros(size, np.float32), np.full(size, -1, np.int32)
-        normals = np.zeros((size, 3), np.float32) if drawn and drawn[0].normals is not None else None
-        for flat, picture in zip(self.flats, drawn, strict=True):
+        normals = np.zeros((size, 3), np.float32) if images and images[0].normals is not None else None
+        for flat, picture in zip(self.flats, images, strict=True):
             if picture.rgba is not None:
                 rgba[flat.pixels, :3] = _colors(flat, picture.rgba)
             numbers = picture.ids.ravel()[flat.nearest]
             if picture.normals is not None and normals is not None:
                 # these rotations permute axes, so that the products are exact
-                turned = matmul(picture.normals.reshape(-1, 3)[flat.nearest], flat.turn.T.astype(np.float32))
-                normals[flat.pixels] = turned + np.float32(0)
+                camera_normals = matmul(picture.normals.reshape(-1, 3)[flat.nearest], flat.turn.T.astype(np.float32))
+                normals[flat.pixels] = camera_normals + np.float32(0)
             depths = _depths(flat, picture, numbers) * flat.stretch
             far = depths > np.float32(self._lens.far)
             ids[flat.pixels] = np.where(far, np.int32(-1), numbers)

@@ -31,9 +31,9 @@ def start_frames(bones: Sequence[Bone], scale: float = 1.0) -> list[BonePose]:
     Args:
         scale: scale of the armature; lengths are multiplied by it.
     """
-    found: list[BonePose] = []
+    poses: list[BonePose] = []
     for index, bone in enumerate(bones):
-        p, r = found[bone.parent] if bone.parent >= 0 else ((0.0, 0.0, 0.0), _IDENTITY)
+        p, r = poses[bone.parent] if bone.parent >= 0 else ((0.0, 0.0, 0.0), _IDENTITY)
         x, y, z = turn(r, bone.position)
         position, rotation = (p[0] + scale * x, p[1] + scale * y, p[2] + scale * z), product(r, bone.rotation)
         value = start_value(bones, index)
@@ -44,8 +44,8 @@ def start_frames(bones: Sequence[Bone], scale: float = 1.0) -> list[BonePose]:
             position = (position[0] + value * x, position[1] + value * y, position[2] + value * z)
         elif bone.kind is JointKind.REVOLUTE and value:
             rotation = product(rotation, _about(a, value))
-        found.append((position, rotation))
-    return found
+        poses.append((position, rotation))
+    return poses
 
 
 def _about(axis: int, angle: float) -> Rotation9:

@@ -37,5 +37,5 @@ def corners(shape: CollisionShape, position: NDArray[np.float64], rotation: NDAr
         radius = shape.size[0]
         up = radius + (shape.size[1] if shape.kind is ShapeKind.CAPSULE else 0.0)
         own = np.array([[radius, 0, 0], [-radius, 0, 0], [0, radius, 0], [0, -radius, 0], [0, 0, up], [0, 0, -up]])
-    turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
-    return np.asarray(matmul(own, turned.T) + position + matmul(rotation, np.asarray(shape.position)))
+    shape_rotation = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
+    return np.asarray(matmul(own, shape_rotation.T) + position + matmul(rotation, np.asarray(shape.position)))

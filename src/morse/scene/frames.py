@@ -56,11 +56,11 @@ def rigid_frame(node: Node) -> RigidFrame:
     if the pose of the node or of a node above it has changed. It must not be modified.
     """
     chain = [node, *node.ancestors()]
-    known: _Known | None = None
+    entry: _Known | None = None
     for one in reversed(chain):
-        known = _known(one, known)
-    assert known is not None
-    return known.frame
+        entry = _known(one, entry)
+    assert entry is not None
+    return entry.frame
 
 
 def _known(node: Node, parent: _Known | None) -> _Known:
@@ -71,12 +71,12 @@ def _known(node: Node, parent: _Known | None) -> _Known:
         *node.scale,
         None if inverse is None else tuple(tuple(row) for row in inverse),
     )
-    known = _known_frames.get(node)
-    if known is None or known.parent is not parent or known.numbers != numbers:
+    entry = _known_frames.get(node)
+    if entry is None or entry.parent is not parent or entry.numbers != numbers:
         local = node.local_matrix()
         world = local if parent is None else parent.world @ local
-        known = _known_frames[node] = _Known(numbers, parent, world, _frame_of(world))
-    return known
+        entry = _known_frames[node] = _Known(numbers, parent, world, _frame_of(world))
+    return entry
 
 
 def _frame_of(world: Matrix) -> RigidFrame:

@@ -20,9 +20,9 @@ def controls_of(armature: Node) -> dict[str, Control]:
     settings = armature.articulation or Articulation()
     word = armature.properties.get(CONTROL)
     common = Control(word) if isinstance(word, str) and word in list(Control) else None
-    chosen = dict(settings.control)
-    found = {}
+    control = dict(settings.control)
+    controls = {}
     for bone in armature.bones:
         own = bone.dynamics.control if bone.dynamics is not None else None
-        found[bone.name] = chosen.get(bone.name) or common or own or Control.POSITION
-    return found
+        controls[bone.name] = control.get(bone.name) or common or own or Control.POSITION
+    return controls

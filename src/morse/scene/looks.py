@@ -15,9 +15,9 @@ _PLAIN = Material("")
 
 def slot_materials(node: Node, mesh: Mesh) -> list[Material]:
     """The material of every slot that a mesh uses: that of the node, otherwise that of the mesh."""
-    used = int(mesh.material_index.max(initial=0)) + 1
+    slot_count = int(mesh.material_index.max(initial=0)) + 1
     slots = []
-    for slot in range(used):
+    for slot in range(slot_count):
         own = node.materials[slot] if slot < len(node.materials) else None
         default = mesh.materials[slot] if slot < len(mesh.materials) else None
         slots.append(own or default or _PLAIN)

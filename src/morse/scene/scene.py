@@ -63,20 +63,20 @@ class Scene:
 
     def managers(self) -> set[str]:
         """The class paths of all stream and request managers that the scene uses."""
-        used = set(self.simulation_managers)
+        names = set(self.simulation_managers)
         for component in self.components:
-            used.update(component.managers, (stream.manager for stream in component.streams))
-            used.update(overlay.manager for overlay in component.overlays)
-        return used
+            names.update(component.managers, (stream.manager for stream in component.streams))
+            names.update(overlay.manager for overlay in component.overlays)
+        return names
 
     def copy(self) -> Scene:
         """Return a copy that shares no objects that a simulation changes; meshes and images are shared."""
-        shared: dict[int, object] = {id(self.project): self.project}
+        memo: dict[int, object] = {id(self.project): self.project}
         originals = [node for use in self.models for node in use.originals.values()]
         for node in [*self.nodes(), *originals]:
             for part in (node.mesh, *node.materials, *(node.shapes or ())):
-                shared[id(part)] = part
-        return deepcopy(self, shared)
+                memo[id(part)] = part
+        return deepcopy(self, memo)
 
     def nodes(self) -> Iterator[Node]:
         """Every node, parents before their children."""

@@ -29,10 +29,10 @@ class ViewpointServices(AbstractObject):
         changed: callback after every change.
     """
 
-    def __init__(self, view: ViewSettings, changed: Callable[[], None]) -> None:
+    def __init__(self, view: ViewSettings, on_change: Callable[[], None]) -> None:
         super().__init__()
         self._view = view
-        self._changed = changed
+        self._changed = on_change
 
     def name(self) -> str:
         """``simulation``."""

@@ -29,8 +29,8 @@ class CommunicationServices(AbstractObject):
     def distance_and_view(self, robot1: str, robot2: str) -> list[Any]:
         """Return the distance between two robots (m), and whether the line of sight between their origins is free."""
         first, second = self._robot(robot1), self._robot(robot2)
-        hit = first.rayCastTo(second, first.getDistanceTo(second) + 1e-3)
-        return [first.getDistanceTo(second), hit is None or hit.slot == second.slot]
+        obstacle = first.rayCastTo(second, first.getDistanceTo(second) + 1e-3)
+        return [first.getDistanceTo(second), obstacle is None or obstacle.slot == second.slot]
 
     def _robot(self, name: str) -> Any:
         robots = self.context.robots

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class Stepping(Protocol):
     """The part of a simulation that the service needs."""
 
-    def request_steps(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
-        """Run some ticks, then pause and call ``ended``; return a function that cancels the request."""
+    def request_steps(self, ticks: int, on_end: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
+        """Run some ticks, then pause and call ``on_end``; return a function that cancels the request."""
 
 
 class ExchangeServices(AbstractObject):
@@ -58,7 +58,7 @@ class ExchangeServices(AbstractObject):
             read: names of the components whose data after the last tick are returned.
             n: number of ticks.
         """
-        wanted = {name: self._component(name) for name in read}
+        sensors = {name: self._component(name) for name in read}
         given = []
         for name, command in commands.items():
             inbox = self._inbox(name)
@@ -71,7 +71,7 @@ class ExchangeServices(AbstractObject):
 
         def answer(outcome: tuple[str, Any]) -> None:
             if outcome[0] == status.SUCCESS:
-                outcome = (status.SUCCESS, {name: component.local_data for name, component in wanted.items()})
+                outcome = (status.SUCCESS, {name: component.local_data for name, component in sensors.items()})
             ended(outcome)
 
         return self._simulation.request_steps(n, answer)
@@ -79,8 +79,8 @@ class ExchangeServices(AbstractObject):
     def _component(self, name: str) -> Object:
         component = self._context.component(name) if isinstance(name, str) else None
         if component is None:
-            known = [*self._context.components, *self._context.robots]
-            raise MorseRPCInvokationError(f"no component {short(name)}{nearest(name, known)}")
+            names = [*self._context.components, *self._context.robots]
+            raise MorseRPCInvokationError(f"no component {short(name)}{nearest(name, names)}")
         return component
 
     def _inbox(self, name: str) -> PendingCommands:

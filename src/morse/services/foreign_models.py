@@ -29,11 +29,11 @@ def check_model(kind: str, folders: Iterable[str | os.PathLike[str]]) -> None:
         return
     # opening a path of another machine would tell its server who the user is
     if os.path.isabs(kind) and not kind.startswith(("//", "\\\\")) and "\0" not in kind:
-        allowed = [*folders]
+        directories = [*folders]
         with contextlib.suppress(OSError):  # the folder of the simulation was deleted
-            allowed.append(Path.cwd())
+            directories.append(Path.cwd())
         real = Path(os.path.realpath(kind))
-        if any(real.is_relative_to(os.path.realpath(folder)) for folder in allowed):
+        if any(real.is_relative_to(os.path.realpath(folder)) for folder in directories):
             return
     raise MorseRPCInvokationError(
         f"clients may spawn robots, and models in the folders of the project and of MORSE_RESOURCE_PATH, not "

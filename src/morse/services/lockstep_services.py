@@ -28,8 +28,8 @@ class Steppable(Protocol):
     def resume(self) -> None:
         """Resume the simulation."""
 
-    def request_steps(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
-        """Run some ticks, then pause and call ``ended``; return a function that cancels the request."""
+    def request_steps(self, ticks: int, on_end: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
+        """Run some ticks, then pause and call ``on_end``; return a function that cancels the request."""
 
     def restart(self, seed: int | None) -> None:
         """Restart with ``seed`` or the present seed."""

@@ -124,9 +124,9 @@ class Supervision(AbstractObject):
         if not isinstance(level, str) or level.upper() not in log.LEVELS:
             names = [name.lower() for name in log.LEVELS]
             raise MorseRPCTypeError(f"{quoted(level)} is not a log level{nearest(str(level), names)}")
-        known = log.known_components()
-        if component.removeprefix("morse.") not in known:
-            hint = nearest(component, sorted(name for name in known if name.startswith(_PARTS)))
+        components = log.known_components()
+        if component.removeprefix("morse.") not in components:
+            hint = nearest(component, sorted(name for name in components if name.startswith(_PARTS)))
             raise MorseRPCTypeError(f"there is no logger {quoted(component)}{hint}")
         log.set_level(component, level)
 

@@ -62,15 +62,15 @@ class Comparison(Backend):
 
     name, opens = "comparison", "nothing"
 
-    def __init__(self, recording: Recording, ticks: Callable[[], int], *, rounded: bool = False) -> None:
+    def __init__(self, recording: Recording, ticks: Callable[[], int], *, with_tolerance: bool = False) -> None:
         """Begin the comparison.
 
         Args:
             recording: the recording of the other run.
             ticks: returns the number of ticks since the last reset.
-            rounded: whether numbers may differ by rounding, see `rounding`.
+            with_tolerance: whether numbers may differ by rounding, see `rounding`.
         """
-        self._rounded = rounded
+        self._rounded = with_tolerance
         #: the largest accepted difference by rounding; None if there is none
         self.rounding: Departure | None = None
         self._largest = 0.0
@@ -107,17 +107,17 @@ class Comparison(Backend):
                 self._depart(topic, "the recording has no further message")
             return
         self.count += 1
-        expected = self._awaited.get(topic)
+        queue = self._awaited.get(topic)
         first = next(iter(self._awaited))
         tick = self._awaited[first][0].sequence
-        if expected is None or tick != self._ticks() & 0xFFFFFFFF:
+        if queue is None or tick != self._ticks() & 0xFFFFFFFF:
             if self._next is None and not self._complete and tick == self._ticks() & 0xFFFFFFFF:
                 self._over = True  # the recording breaks off within this tick
                 return
             self._depart(first, f"there is a message of tick {tick} in the recording, and {topic} comes now")
             return
-        was = expected.popleft().data
-        if not expected:
+        was = queue.popleft().data
+        if not queue:
             del self._awaited[topic]
         if was != data and not (self._rounded and self._is_rounding(topic, type_name, was, data)):
             self._depart(topic, difference(type_name, was, data))

@@ -51,15 +51,15 @@ class Onlookers:
             for _ in range(clients):
                 self._selector.register(socket.create_connection((host, port)), selectors.EVENT_READ)
         self._threads = [threading.Thread(target=self._read)]
-        expected = 0
+        count = 0
         if isinstance(simulation.view, View):
-            expected = pages
+            count = pages
             address = urlsplit(simulation.view.url)._replace(scheme="ws", path="/ws").geturl()
             names = list(simulation.context.components)
             self._threads += [threading.Thread(target=self._watch, args=[address, names]) for _ in range(pages)]
         for thread in self._threads:
             thread.start()
-        if not all(self._arrivals.acquire(timeout=_ARRIVAL) for _ in range(expected)):
+        if not all(self._arrivals.acquire(timeout=_ARRIVAL) for _ in range(count)):
             self.close()
             raise RuntimeError("a page of the live view could not connect")
 
@@ -85,12 +85,12 @@ class Onlookers:
             page.recv(timeout=_ARRIVAL)
             page.send(_text(Watch(values=names[:_SHOWN], overlays=["contacts", *names[: _SHOWN - 1]])))
             self._arrivals.release()
-            taken = 0
+            count = 0
             while not self._ended.is_set():
                 with contextlib.suppress(TimeoutError):
                     if holds_poses(page.recv(timeout=_POLL)):
-                        taken += 1
-                        page.send(_text(Taken(taken)))
+                        count += 1
+                        page.send(_text(Taken(count)))
 
     def __enter__(self) -> Onlookers:
         return self

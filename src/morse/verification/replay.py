@@ -54,28 +54,28 @@ class Replay:
     paced: bool = False
 
 
-def replay(wanted: Replay, file: TextIO) -> None:
+def replay(request: Replay, file: TextIO) -> None:
     """Write the fingerprints of ``1 + restarts`` runs, one after the other."""
-    options = RunOptions(**wanted.options)
+    options = RunOptions(**request.options)
     with start(load_scene(options), options) as simulation:
         if simulation.view is not None:
             simulation.view.announce()
-        watched = bool(wanted.clients or simulation.view)
-        with Onlookers(simulation, wanted.clients, wanted.pages) if watched else nullcontext():
-            for run in range(1 + wanted.restarts):
+        watched = bool(request.clients or simulation.view)
+        with Onlookers(simulation, request.clients, request.pages) if watched else nullcontext():
+            for run in range(1 + request.restarts):
                 if run:
                     simulation.restart()
-                _run(simulation, wanted, file)
+                _run(simulation, request, file)
 
 
-def _run(simulation: Simulation, wanted: Replay, file: TextIO) -> None:
+def _run(simulation: Simulation, request: Replay, file: TextIO) -> None:
     pacer = simulation.pacer
-    if wanted.paced:
-        pacer.set_speed(max(1.0, wanted.ticks * simulation.clock.period / _PACED))
-    for _ in range(wanted.ticks):
+    if request.paced:
+        pacer.set_speed(max(1.0, request.ticks * simulation.clock.period / _PACED))
+    for _ in range(request.ticks):
         simulation.tick()
         file.write(json.dumps(simulation.save().fingerprints()) + "\n")
-        if wanted.paced:
+        if request.paced:
             pacer.wait()
 
 

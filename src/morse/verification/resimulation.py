@@ -67,7 +67,7 @@ class _EachTick(Observer):
 def resimulate(
     recording: Recording,
     scene: str = "",
-    told: Callable[[str], object] = print,
+    say: Callable[[str], object] = print,
     record: str | None = None,
     *,
     trust: bool = False,
@@ -78,7 +78,7 @@ def resimulate(
     Args:
         recording: a recording of a run.
         scene: path of the scene script; empty for the recorded script.
-        told: called with remarks for the user.
+        say: called with remarks for the user.
         record: path of a file in which the run is recorded, with all sensors.
         trust, projects: see `morse.launch.recorded_run.options_of`.
 
@@ -87,7 +87,7 @@ def resimulate(
         MorseError: the scene cannot be loaded, or the inputs do not fit it.
     """
     with contextlib.ExitStack() as stack:
-        options = options_of(recording, scene, trust, stack, told, projects)
+        options = options_of(recording, scene, trust, stack, say, projects)
         simulation = stack.enter_context(start(described(options.script, options), options))
         guard(simulation, described=False, trust=trust)
         inputs = complete(recording, simulation)
@@ -95,7 +95,7 @@ def resimulate(
             simulation.restore(inputs.start)
         copy = None if record is None else simulation.record(record)
         elsewhere = _elsewhere(recording)
-        comparison = Comparison(recording, lambda: simulation.clock.tick, rounded=bool(elsewhere))
+        comparison = Comparison(recording, lambda: simulation.clock.tick, with_tolerance=bool(elsewhere))
         sensors: Sequence[str] | None = recording.sensors()
         ticks = _Counter(simulation)
         with acting(simulation.context):
@@ -138,7 +138,7 @@ def _elsewhere(recording: Recording) -> str:
 
 
 def _departed_state(recording: Recording, simulation: Simulation) -> Departure | None:
-    wanted = recording.end.get("state")
-    if wanted in (None, simulation.state_hash()):
+    digest = recording.end.get("state")
+    if digest in (None, simulation.state_hash()):
         return None
     return Departure(simulation.ticks, "the state", "it has another hash, and nothing that was recorded shows it")

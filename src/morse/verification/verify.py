@@ -77,9 +77,9 @@ def verify(
     return [d for name, a, b in comparisons for d in _first_difference(name, a, b)]
 
 
-def _replay(options: RunOptions, hashes: str, **wanted: Any) -> list[_Record]:
+def _replay(options: RunOptions, hashes: str, **options_of_replay: Any) -> list[_Record]:
     plain = dataclasses.replace(options, view_port=0, open_browser=False, profile=False)
-    replay = Replay(options=dataclasses.asdict(plain), **wanted)
+    replay = Replay(options=dataclasses.asdict(plain), **options_of_replay)
     # another hash seed reveals programs that depend on the order of sets
     environment = {**os.environ, "PYTHONHASHSEED": hashes, "MORSE_SOCKET_PORT": "0"}
     command = [sys.executable, "-m", "morse.verification.replay", json.dumps(dataclasses.asdict(replay))]
@@ -89,12 +89,12 @@ def _replay(options: RunOptions, hashes: str, **wanted: Any) -> list[_Record]:
         command, stdin=pipe, stdout=pipe, stderr=pipe, encoding="utf-8", errors="replace", env=environment
     ) as process:
         try:
-            records, said = _read(process)
+            records, errors = _read(process)
         except BaseException:
             process.kill()
             raise
     if process.returncode:
-        raise ReplayError(said.strip())
+        raise ReplayError(errors.strip())
     return [json.loads(line) for line in records.splitlines()]
 
 
@@ -103,13 +103,13 @@ def _read(process: subprocess.Popen[str]) -> tuple[str, str]:
     assert process.stdin is not None
     assert process.stdout is not None
     assert process.stderr is not None
-    said: list[str] = []
-    listener = threading.Thread(target=lambda stream: said.append(stream.read()), args=(process.stderr,))
+    lines: list[str] = []
+    listener = threading.Thread(target=lambda stream: lines.append(stream.read()), args=(process.stderr,))
     listener.start()
     records = process.stdout.read()
     listener.join()
     process.wait()
-    return records, said[0]
+    return records, lines[0]
 
 
 def _first_difference(runs: str, a: list[_Record], b: list[_Record]) -> Iterator[Difference]:

@@ -31,17 +31,17 @@ class Depot:
         digests: list[tuple[Mesh, bytes]] = []
         unknown: dict[bytes, PackedMesh] = {}
         for mesh in new.values():
-            packed = pack_mesh(mesh)
-            digest = _digest(packed.data + repr(packed.groups).encode())
+            data = pack_mesh(mesh)
+            digest = _digest(data.data + repr(data.groups).encode())
             digests.append((mesh, digest))
             if digest not in self._geometry:
-                unknown[digest] = packed
+                unknown[digest] = data
         if unknown:
-            url = self._store("application/octet-stream", b"".join(packed.data for packed in unknown.values()))
+            url = self._store("application/octet-stream", b"".join(data.data for data in unknown.values()))
             offset = 0
-            for digest, packed in unknown.items():
-                self._geometry[digest] = _described(packed, url, offset)
-                offset += len(packed.data)
+            for digest, data in unknown.items():
+                self._geometry[digest] = _described(data, url, offset)
+                offset += len(data.data)
         for mesh, digest in digests:
             self._meshes[id(mesh)] = (mesh, self._geometry[digest])
 

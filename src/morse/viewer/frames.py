@@ -57,8 +57,8 @@ def _world_matrices(nodes: Sequence[Node], parents: NDArray[np.int_]) -> Floats:
     for i, parent in enumerate(parents):
         depths[i] = depths[parent] + 1 if parent >= 0 else 0
     for depth in range(1, int(depths.max(initial=0)) + 1):
-        chosen = np.flatnonzero(depths == depth)
-        local[chosen] = local[parents[chosen]] @ local[chosen]
+        rows = np.flatnonzero(depths == depth)
+        local[rows] = local[parents[rows]] @ local[rows]
     return local
 
 

@@ -135,9 +135,9 @@ class Hub:
             except OSError as error:
                 failure = error
                 continue
-            bound = int(next(iter(self._server.sockets)).getsockname()[1])
-            self._cookie = f"morse_view_{bound}"
-            return bound
+            own_port = int(next(iter(self._server.sockets)).getsockname()[1])
+            self._cookie = f"morse_view_{own_port}"
+            return own_port
         raise failure or OSError("no port was given")
 
     async def close(self) -> None:
@@ -341,9 +341,9 @@ class Hub:
 
     def _evaluate(self) -> None:
         self._wishes_waiting = False
-        shown = [page.watch for page in self._pages.values() if page.watch is not None]
+        watches = [page.watch for page in self._pages.values() if page.watch is not None]
         self.wishes = Wishes(
-            values=frozenset(name for watch in shown for name in watch.values),
-            overlays=frozenset(name for watch in shown for name in watch.overlays),
-            images=frozenset(name for watch in shown for name in watch.images),
+            values=frozenset(name for watch in watches for name in watch.values),
+            overlays=frozenset(name for watch in watches for name in watch.overlays),
+            images=frozenset(name for watch in watches for name in watch.images),
         )

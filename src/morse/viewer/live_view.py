@@ -203,7 +203,7 @@ class View(Observer):
                 self._server.send(Appearance(obj.name, obj.visible, obj.node.color, light))
             world.repainted.clear()
         now = time.monotonic()
-        pacer, running = simulation.pacer, not self._is_paused()
+        pacer, is_running = simulation.pacer, not self._is_paused()
         quick, self._ticked = now - self._ticked < _LONG_TICK, now
         interval = _UNPACED_INTERVAL if quick and math.isinf(pacer.speed) else _SNAPSHOT_INTERVAL
         # while paused, changes that are omitted here are shown within the time of a tick
@@ -217,9 +217,9 @@ class View(Observer):
                 time=self._time(),
                 layout=world.layout,
                 poses=self._poses(),
-                status="running" if running else "paused",
+                status="running" if is_running else "paused",
                 speed=pacer.speed,
-                real_time_factor=pacer.real_time_factor if running else 0.0,
+                real_time_factor=pacer.real_time_factor if is_running else 0.0,
             )
         )
         # every image is sent: the camera determines the rate

@@ -81,7 +81,7 @@ class ReplayView(View):
             simulation.context, self._server, fields, self._time, looks=self._recorded is not None
         )
         pacer = simulation.pacer
-        refused = dict.fromkeys(self._handlers, self._refuse)
+        handlers = dict.fromkeys(self._handlers, self._refuse)
         own: dict[type[Any], Callable[[Any], object]] = {
             page.Play: lambda _: self._play(1),
             page.PlayBackward: lambda _: self._play(-1),
@@ -96,7 +96,7 @@ class ReplayView(View):
             page.ToggleCapturing: lambda _: None,
             PageLeft: lambda _: None,
         }
-        self._handlers = {**refused, **own}
+        self._handlers = {**handlers, **own}
 
     def announce(self) -> None:
         """See `View.announce`."""

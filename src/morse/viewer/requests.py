@@ -45,7 +45,7 @@ class Requests:
         if own is None:
             return event
         if isinstance(event, CancelService):
-            number = next((number for number, asked in self._asked.items() if asked[:2] == (page, own)), 0)
+            number = next((number for number, request in self._asked.items() if request[:2] == (page, own)), 0)
         else:
             self._last = number = self._last + 1
             self._asked[number] = (page, own, size)
@@ -55,7 +55,7 @@ class Requests:
         """Whether a page has too many requests without an answer to send another one."""
         if isinstance(event, CancelService) or getattr(event, "request", None) is None:
             return False
-        return sum(asked[0] == page for asked in self._asked.values()) >= MOST_REQUESTS
+        return sum(request[0] == page for request in self._asked.values()) >= MOST_REQUESTS
 
     def take(self, answer: Answer) -> tuple[int, Answer, int]:
         """The page that sent the request (0: disconnected, or already answered), the answer for it, and the size."""
@@ -64,7 +64,7 @@ class Requests:
 
     def forget(self, page: int) -> list[int]:
         """Forget the requests of a page that has disconnected; returns those without an answer."""
-        unanswered = [number for number, asked in self._asked.items() if asked[0] == page]
+        unanswered = [number for number, request in self._asked.items() if request[0] == page]
         for number in unanswered:
             del self._asked[number]
         return unanswered

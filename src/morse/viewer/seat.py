@@ -45,17 +45,17 @@ class Seat:
         if self.driver is None:
             self._give(page)
 
-    def leave(self, page: int, left: Sequence[int] = ()) -> None:
+    def leave(self, page: int, pages: Sequence[int] = ()) -> None:
         """Remove a page. If it drove, the first page that has requested control gets it, or the only remaining page.
 
         Args:
-            left: the remaining pages.
+            pages: the remaining pages.
         """
         self._asking = [other for other in self._asking if other != page]
         if self.driver == page:
             self._give(self._asking[0] if self._asking else None)
-        if self.driver is None and len(left) == 1:
-            self._give(left[0])
+        if self.driver is None and len(pages) == 1:
+            self._give(pages[0])
 
     def ask(self, page: int) -> None:
         """A page requests control: granted immediately if the driving page sends no heartbeat."""
@@ -135,8 +135,8 @@ class Seat:
 
     def held_keys(self) -> frozenset[str]:
         """The pressed keys of a driver with a heartbeat."""
-        held = self._held if self._held and self.alive else _NOTHING
-        return held | self._tick_taps if self._tick_taps else held
+        keys = self._held if self._held and self.alive else _NOTHING
+        return keys | self._tick_taps if self._tick_taps else keys
 
     def gamepad(self) -> tuple[tuple[float, ...], tuple[bool, ...]]:
         """Axes (-1..1) and buttons of a driver with a heartbeat."""

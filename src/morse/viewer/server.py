@@ -94,8 +94,8 @@ class ViewServer:
                 f"The live view cannot be served on {self._host}, port {self._port}: {error}. "
                 "Choose others with --host and --view-port, or do without it with --view none."
             ) from error
-        shown = self._host if is_loopback(self._host) else _name_of_this_machine(self._host)
-        address = f"[{shown}]" if ":" in shown else shown
+        host = self._host if is_loopback(self._host) else _name_of_this_machine(self._host)
+        address = f"[{host}]" if ":" in host else host
         token = self._hub.access.token
         if self._port not in (0, port):
             logger.warning("port %d is in use: the live view is served on port %d", self._port, port)

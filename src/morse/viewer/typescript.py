@@ -30,8 +30,8 @@ def typescript() -> str:
 
 
 def _plain_structs(module: object, but: type) -> list[type[msgspec.Struct]]:
-    named = vars(module).values()
-    structs = [c for c in named if isinstance(c, type) and issubclass(c, msgspec.Struct) and c is not msgspec.Struct]
+    values = vars(module).values()
+    structs = [c for c in values if isinstance(c, type) and issubclass(c, msgspec.Struct) and c is not msgspec.Struct]
     # imported types are described with the module that defines them
     return [c for c in structs if not issubclass(c, but) and c.__module__ == getattr(module, "__name__", "")]
 

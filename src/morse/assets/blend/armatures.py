@@ -49,10 +49,10 @@ def bones(record: Record) -> tuple[Bone, ...]:
         return ()
     pose = record.follow("pose", "bPose") if record.has("pose") else None
     channels = {} if pose is None else {c.text("name"): c for c in pose.chain("chanbase", "bPoseChannel")}
-    found: list[Bone] = []
+    bone_list: list[Bone] = []
     frames: list[Matrix] = []
     for bone, parent in _walk(armature):
-        if len(found) >= _MAX_BONES:
+        if len(bone_list) >= _MAX_BONES:
             record.file.warn(f"an armature has more than {_MAX_BONES} bones; the others are left out")
             break
         name = bone.text("name")
@@ -65,23 +65,23 @@ def bones(record: Record) -> tuple[Bone, ...]:
         length = math.dist(bone.reals("arm_head", _ORIGIN), bone.reals("arm_tail", _ORIGIN))
         x, y, z = local.translation
         rotation = nine(list(local.to_3x3()))
-        found.append(Bone(name, parent, (x, y, z), rotation, length, *joint))
+        bone_list.append(Bone(name, parent, (x, y, z), rotation, length, *joint))
         frames.append(frame)
-    return tuple(found)
+    return tuple(bone_list)
 
 
 def _walk(armature: Record) -> Iterator[tuple[Record, int]]:
     """Iterate over all bones with the index of the parent bone; parents first, in the order of the file."""
-    waiting = [(bone, -1) for bone in reversed(list(armature.chain("bonebase", "Bone")))]
-    seen: set[int] = set()
-    while waiting:
-        bone, parent = waiting.pop()
-        if bone.block.offset in seen:
+    queue = [(bone, -1) for bone in reversed(list(armature.chain("bonebase", "Bone")))]
+    visited: set[int] = set()
+    while queue:
+        bone, parent = queue.pop()
+        if bone.block.offset in visited:
             continue
-        index = len(seen)
-        seen.add(bone.block.offset)
+        index = len(visited)
+        visited.add(bone.block.offset)
         yield bone, parent
-        waiting.extend((child, index) for child in reversed(list(bone.chain("childbase", "Bone"))))
+        queue.extend((child, index) for child in reversed(list(bone.chain("childbase", "Bone"))))
 
 
 def _rest(bone: Record) -> Matrix:
@@ -119,12 +119,12 @@ def _posed(channel: Record) -> Quaternion:
     if 0 < mode < len(_ORDERS):
         return Euler(channel.reals("eul", _ORIGIN), _ORDERS[mode]).to_quaternion()
     if mode == _AXIS_ANGLE:
-        turned, angle = channel.reals("rotAxis", (0.0, 1.0, 0.0)), channel.real("rotAngle")
-        length = math.hypot(*turned)
+        axis, angle = channel.reals("rotAxis", (0.0, 1.0, 0.0)), channel.real("rotAngle")
+        length = math.hypot(*axis)
         if length <= _SHORTEST:
             return Quaternion(_UNIT_QUATERNION)
         half = math.sin(0.5 * angle) / length
-        return Quaternion((math.cos(0.5 * angle), *(half * value for value in turned)))
+        return Quaternion((math.cos(0.5 * angle), *(half * value for value in axis)))
     quaternion = Quaternion(channel.reals("quat", _UNIT_QUATERNION))
     return quaternion.normalized() if quaternion.magnitude > _SHORTEST else Quaternion(_UNIT_QUATERNION)
 
@@ -137,8 +137,8 @@ def _fixed_part(bone: Record, channel: Record, joint: _Joint) -> Matrix:
         posed = posed @ Quaternion((math.cos(0.5 * joint.value), *(-math.sin(0.5 * joint.value) * axis)))
     result = posed.to_matrix().to_4x4()
     if not bone.integer("flag", 0) & _CONNECTED:
-        moved = list(channel.reals("loc", _ORIGIN))
+        offset = list(channel.reals("loc", _ORIGIN))
         if joint.kind is JointKind.PRISMATIC:
-            moved[1] -= joint.value
-        result.translation = moved
+            offset[1] -= joint.value
+        result.translation = offset
     return result

@@ -32,16 +32,16 @@ def main(source: str, result: str, names: str) -> None:
     """
     bpy.ops.wm.open_mainfile(filepath=source, load_ui=False, use_scripts=False)
     with open(names, encoding="utf-8") as file:
-        wanted = json.load(file)
+        request = json.load(file)
     objects = {obj.name: obj for obj in bpy.data.objects if obj.library is None}
     reveal(objects.values())
-    for name in wanted:
+    for name in request:
         if name in objects:
             limit_subdivision(objects[name])
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     arrays: dict[str, bytes] = {}
-    for number, name in enumerate(wanted):
+    for number, name in enumerate(request):
         if name in objects:
             evaluated = objects[name].evaluated_get(depsgraph)
             matrix = array("d", [value for row in evaluated.matrix_world for value in row])
@@ -63,10 +63,10 @@ def reveal(objects: Iterable[Any]) -> None:
             include(child)
 
     include(bpy.context.view_layer.layer_collection)
-    placed = set(bpy.context.scene.objects)
+    scene_objects = set(bpy.context.scene.objects)
     for obj in objects:
         obj.hide_viewport = False
-        if obj not in placed:
+        if obj not in scene_objects:
             bpy.context.scene.collection.objects.link(obj)
 
 
@@ -87,7 +87,7 @@ def surface(evaluated: Any) -> dict[str, bytes]:
     mesh = evaluated.to_mesh()
     if mesh is None or not len(mesh.polygons):
         return {}
-    found = {
+    arrays = {
         "vertices": values(mesh.vertices, "co", 3),
         "corners": values(mesh.loops, "vertex_index", 1, "i"),
         "sizes": values(mesh.polygons, "loop_total", 1, "i"),
@@ -95,15 +95,15 @@ def surface(evaluated: Any) -> dict[str, bytes]:
         "smooth": values(mesh.polygons, "use_smooth", 1, "b"),
     }
     if hasattr(mesh, "corner_normals"):
-        found["normals"] = values(mesh.corner_normals, "vector", 3)
+        arrays["normals"] = values(mesh.corner_normals, "vector", 3)
     else:
         mesh.calc_normals_split()
-        found["normals"] = values(mesh.loops, "normal", 3)
+        arrays["normals"] = values(mesh.loops, "normal", 3)
     layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
     if layer is not None:
-        found["uvs"] = values(layer.data, "uv", 2)
+        arrays["uvs"] = values(layer.data, "uv", 2)
     evaluated.to_mesh_clear()
-    return found
+    return arrays
 
 
 def values(items: Any, name: str, width: int, kind: str = "f") -> bytes:
@@ -113,9 +113,9 @@ def values(items: Any, name: str, width: int, kind: str = "f") -> bytes:
         width: number of values of each item.
         kind: type code of the module ``array``: ``f``, ``i`` or ``b`` for truth values.
     """
-    found = array(kind, bytes(len(items) * width * array(kind).itemsize))
-    items.foreach_get(name, found)
-    return encoded(found, width)
+    buffer = array(kind, bytes(len(items) * width * array(kind).itemsize))
+    items.foreach_get(name, buffer)
+    return encoded(buffer, width)
 
 
 #: types of numpy for the type codes of the module ``array``

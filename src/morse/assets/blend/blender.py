@@ -29,10 +29,10 @@ _CACHE = Cache("blend", most=64)
 _MAX_RESULT = 1 << 30
 
 
-def find_blender(given: str | None = None) -> str | None:
+def find_blender(program: str | None = None) -> str | None:
     """The Blender program: the given one, that of MORSE_BLENDER, or `blender` on the PATH; None if not found."""
-    wanted = given or variables.text("MORSE_BLENDER") or "blender"
-    return shutil.which(wanted)
+    command = program or variables.text("MORSE_BLENDER") or "blender"
+    return shutil.which(command)
 
 
 def evaluate(path: Path, names: list[str], blender: str) -> Arrays:
@@ -42,11 +42,11 @@ def evaluate(path: Path, names: list[str], blender: str) -> Arrays:
         Damage: Blender failed; the message contains the reason.
     """
     key = _key(path, names, blender)
-    kept = _CACHE.get(key, _MAX_RESULT)
-    if kept is not None:
+    cached_result = _CACHE.get(key, _MAX_RESULT)
+    if cached_result is not None:
         # a cached result that cannot be read is computed again
         with contextlib.suppress(Damage):
-            return _load(kept)
+            return _load(cached_result)
     with tempfile.TemporaryDirectory(prefix="morse-blend-") as folder:
         result = Path(folder, "result.npz")
         _run(path, names, blender, result)
@@ -57,11 +57,11 @@ def evaluate(path: Path, names: list[str], blender: str) -> Arrays:
 
 
 def _run(path: Path, names: list[str], blender: str, result: Path) -> None:
-    wanted = result.with_name("names.json")
-    wanted.write_text(json.dumps(names), encoding="utf-8")
+    names_file = result.with_name("names.json")
+    names_file.write_text(json.dumps(names), encoding="utf-8")
     command = [
         blender, "-b", "--factory-startup", "-noaudio", "--disable-autoexec", "--python-exit-code", "3",
-        "--python", str(_SCRIPT), "--", str(path.absolute()), str(result), str(wanted),
+        "--python", str(_SCRIPT), "--", str(path.absolute()), str(result), str(names_file),
     ]  # fmt: skip
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     log = result.with_name("log.txt")
@@ -94,8 +94,8 @@ def _reason(log: Path, status: int) -> str:
         file.seek(0, io.SEEK_END)
         file.seek(max(file.tell() - 4096, 0))
         lines = file.read().decode("utf-8", "replace").splitlines()
-    said = next((line.strip() for line in reversed(lines) if "Error" in line), f"it ended with status {status}")
-    return said[:200]
+    message = next((line.strip() for line in reversed(lines) if "Error" in line), f"it ended with status {status}")
+    return message[:200]
 
 
 def _load(data: bytes) -> Arrays:

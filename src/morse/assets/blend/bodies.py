@@ -94,20 +94,20 @@ def game_physics_type(flag: int) -> PhysicsType:
 
 def game_properties(record: Record) -> dict[str, object]:
     """The game properties of an object (until 2.79)."""
-    found: dict[str, object] = {}
+    properties: dict[str, object] = {}
     for entry in record.chain("prop", "bProperty"):
         kind, data = entry.integer("type"), entry.integer("data", 0)
         name = entry.text("name")
         if kind == _BOOL:
-            found[name] = data != 0
+            properties[name] = data != 0
         elif kind == _INT:
-            found[name] = data
+            properties[name] = data
         elif kind in (_FLOAT, _TIMER):
             value: float = struct.unpack("=f", struct.pack("=i", data))[0]
-            found[name] = value if abs(value) < float("inf") else 0.0
+            properties[name] = value if abs(value) < float("inf") else 0.0
         elif kind == _STRING:
-            found[name] = entry.string("poin")
-    return found
+            properties[name] = entry.string("poin")
+    return properties
 
 
 def debug_properties(record: Record) -> tuple[str, ...]:

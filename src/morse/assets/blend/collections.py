@@ -30,33 +30,33 @@ class Collections:
         """Addresses of the objects of a collection and of those inside it, each once."""
         key = record.offset
         if key not in self._members:
-            found: dict[int, None] = {}
-            seen: set[int] = set()
-            waiting = [record]
-            while waiting:
-                current = waiting.pop()
-                if current.offset in seen:
+            addresses: dict[int, None] = {}
+            visited: set[int] = set()
+            queue = [record]
+            while queue:
+                current = queue.pop()
+                if current.offset in visited:
                     continue
-                seen.add(current.offset)
+                visited.add(current.offset)
                 for struct in ("GroupObject", "CollectionObject"):
-                    found.update((entry.integer("ob"), None) for entry in current.chain("gobject", struct))
+                    addresses.update((entry.integer("ob"), None) for entry in current.chain("gobject", struct))
                 inner = [
                     entry.follow("collection", "Collection") for entry in current.chain("children", "CollectionChild")
                 ]
-                waiting.extend(collection for collection in reversed(inner) if collection is not None)
-            self._members[key] = [address for address in found if address]
+                queue.extend(collection for collection in reversed(inner) if collection is not None)
+            self._members[key] = [address for address in addresses if address]
         return self._members[key]
 
     def scene_objects(self, scene: Record | None) -> list[int]:
         """Return the addresses of the objects of a scene, including hidden objects."""
         if scene is None:
             return []
-        found = [entry.integer("object") for entry in scene.chain("base", "Base")]
+        addresses = [entry.integer("object") for entry in scene.chain("base", "Base")]
         if scene.integer("master_collection", 0):
             master = scene.follow("master_collection", "Collection")
             if master is not None:
-                found += self.members(master)
-        return list(dict.fromkeys(address for address in found if address))
+                addresses += self.members(master)
+        return list(dict.fromkeys(address for address in addresses if address))
 
     def by_name(self, names: dict[int, str]) -> dict[str, list[str]]:
         """Return the names of the objects of each collection, by name of the collection.

@@ -83,11 +83,11 @@ def _unzstd(data: bytes, limit: int) -> bytes:
     return out.getvalue()
 
 
-def _check(size: int, packed: int, limit: int) -> None:
+def _check(size: int, packed_size: int, limit: int) -> None:
     if size > limit:
         raise Damage(f"it would grow beyond the limit of {_size(limit)} when decompressed")
-    if size > _HARMLESS and size > packed * _MAX_RATIO:
-        raise Damage(f"its {packed} bytes would grow more than {_MAX_RATIO} times when decompressed")
+    if size > _HARMLESS and size > packed_size * _MAX_RATIO:
+        raise Damage(f"its {packed_size} bytes would grow more than {_MAX_RATIO} times when decompressed")
 
 
 def _size(count: int) -> str:

@@ -122,8 +122,8 @@ class Catalogue:
         Raises:
             Damage: there is no struct of that index, or its fields exceed its size.
         """
-        known = self._layouts.get(index)
-        return known if known is not None else self._lay_out(index)
+        layout = self._layouts.get(index)
+        return layout if layout is not None else self._lay_out(index)
 
     def _lay_out(self, index: int) -> Struct:
         if not 0 <= index < len(self._structs):
@@ -135,10 +135,10 @@ class Catalogue:
         try:
             for number in range(0, len(members) - 1, 2):
                 text = self._names[members[number + 1]]
-                found = _IDENTIFIER.search(text)
+                match = _IDENTIFIER.search(text)
                 field = self._field(offset, members[number], text)
                 offset += field.size
-                fields.setdefault(found[0] if found else text, field)
+                fields.setdefault(match[0] if match else text, field)
         except IndexError as error:
             raise Damage(f"the description of the struct {name} is damaged") from error
         if offset > size or size == 0:
@@ -148,7 +148,7 @@ class Catalogue:
 
     def _field(self, offset: int, kind: int, text: str) -> Field:
         type_name = self._types[kind]
-        count = prod(int(found) for found in _DIMENSION.findall(text))
+        count = prod(int(dimension) for dimension in _DIMENSION.findall(text))
         if count > _MAX_ITEMS:
             raise Damage(f"the field {text} is too large")
         numpy = f"u{self._pointer_size}" if text[:1] in "*(" else PLAIN.get(type_name, "")

@@ -29,13 +29,13 @@ _KEYS = ("vertices", "corners", "sizes", "materials", "smooth", "normals", "uvs"
 
 def complete(path: Path, file: BlendFile, objects: Objects, blender: str | None) -> None:
     """Evaluate objects with Blender; without Blender, warn about the objects that are shown as stored."""
-    wanted = {address: need for address in objects.nodes if any(need := needs(objects.records[address]))}
-    if not wanted:
+    needs_of_objects = {address: need for address in objects.nodes if any(need := needs(objects.records[address]))}
+    if not needs_of_objects:
         return
     # imported only for files that need Blender
     from morse.assets.blend.blender import evaluate, find_blender
 
-    nodes = [objects.nodes[address] for address in wanted]
+    nodes = [objects.nodes[address] for address in needs_of_objects]
     program = find_blender(blender)
     if program is None:
         file.warn(
@@ -48,14 +48,14 @@ def complete(path: Path, file: BlendFile, objects: Objects, blender: str | None)
         surfaces = _Surfaces(objects, arrays)
         empty = [
             nodes[number]
-            for number, (address, need) in enumerate(wanted.items())
+            for number, (address, need) in enumerate(needs_of_objects.items())
             if need.mesh and not surfaces.show(address, f"{number}_")
         ]
         if empty:
             file.warn(f"{_listed(empty)}: Blender evaluated no surface; shown as stored in the file")
-        moved = [number for number, need in enumerate(wanted.values()) if need.pose]
+        posed_numbers = [number for number, need in enumerate(needs_of_objects.values()) if need.pose]
         # parents before their children
-        for number in sorted(moved, key=lambda number: len(list(nodes[number].ancestors()))):
+        for number in sorted(posed_numbers, key=lambda number: len(list(nodes[number].ancestors()))):
             pose = arrays.get(f"{number}_matrix")
             if pose is not None and pose.shape == (4, 4) and np.isfinite(pose).all():
                 _move(nodes[number], Matrix(pose.tolist()))

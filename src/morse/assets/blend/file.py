@@ -53,9 +53,9 @@ class BlendFile:
     @property
     def warnings(self) -> list[str]:
         """The warnings about what could not be read, one sentence each."""
-        told = list(self._warnings)[:_MAX_WARNINGS]
-        more = len(self._warnings) - len(told)
-        return [*told, f"{more} more warnings of this kind"] if more else told
+        warnings = list(self._warnings)[:_MAX_WARNINGS]
+        more = len(self._warnings) - len(warnings)
+        return [*warnings, f"{more} more warnings of this kind"] if more else warnings
 
     def datablocks(self, code: str, struct: str) -> Iterator[Record]:
         """The datablocks of a kind, e.g. ``OB``, ``Object``, in the order of the file."""

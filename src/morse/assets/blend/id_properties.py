@@ -29,17 +29,17 @@ def id_properties(record: Record) -> dict[str, object]:
 
 def group_properties(group: Record, depth: int = 0) -> dict[str, object]:
     """The properties in a group."""
-    found: dict[str, object] = {}
+    properties: dict[str, object] = {}
     if depth > _DEPTH:
-        return found
+        return properties
     for entry in group.part("data").chain("group", "IDProperty"):
         name = entry.text("name")
         if not name or name.startswith(_PRIVATE):
             continue
         value = _value(entry, depth)
         if value is not None:
-            found[name] = value
-    return found
+            properties[name] = value
+    return properties
 
 
 def _value(entry: Record, depth: int) -> object:

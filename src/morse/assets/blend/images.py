@@ -84,22 +84,22 @@ class Images:
         return Image(name, data, mime)
 
     def _external(self, record: Record) -> bytes:
-        stored = record.text(record.either("name", "filepath"))
-        path = _resolve(stored, self._folder)
+        address = record.text(record.either("name", "filepath"))
+        path = _resolve(address, self._folder)
         if path is None:
-            raise Damage(f"its path '{stored}' cannot be resolved; store it relative to the .blend file")
+            raise Damage(f"its path '{address}' cannot be resolved; store it relative to the .blend file")
         if not _is_allowed(path, self._folder):
             raise Damage(
-                f"its path '{stored}' is outside of the folder of the model; put the image below it, pack it into the "
+                f"its path '{address}' is outside of the folder of the model; put the image below it, pack it into the "
                 f".blend file, or list the image's folder in the environment variable {PATH_VARIABLE}"
             )
         try:
             with open_regular(path, _MAX_BYTES) as file:
                 # checks the first bytes, so that only images are read
                 head = file.read(targa.HEADER_SIZE)
-                known = any(head.startswith(signature) for signature in _SIGNATURES)
+                is_picture = any(head.startswith(signature) for signature in _SIGNATURES)
                 # TGA has no signature, so the suffix is checked as well
-                if not known and not (path.suffix.lower() == ".tga" and targa.is_targa(head)):
+                if not is_picture and not (path.suffix.lower() == ".tga" and targa.is_targa(head)):
                     return head[:_SIGNATURE]
                 return head + file.read(_MAX_BYTES)
         except (OSError, ValueError) as error:
@@ -126,7 +126,7 @@ def _is_allowed(path: Path, folder: Path) -> bool:
     try:
         # symbolic links are resolved, because a link inside the directory may point out of it
         real = Path(os.path.realpath(path))
-        return any(real.is_relative_to(os.path.realpath(allowed)) for allowed in folders)
+        return any(real.is_relative_to(os.path.realpath(directory)) for directory in folders)
     except (OSError, ValueError):
         return False
 
@@ -138,29 +138,29 @@ def _is_packed(record: Record) -> bool:
 
 
 def _packed(record: Record) -> bytes:
-    packed = record.follow("packedfile", "PackedFile") if record.integer("packedfile", 0) else None
-    if packed is None:
+    packed_file = record.follow("packedfile", "PackedFile") if record.integer("packedfile", 0) else None
+    if packed_file is None:
         entry = next(record.chain("packedfiles", "ImagePackedFile"), None)
-        packed = None if entry is None else entry.follow("packedfile", "PackedFile")
-    if packed is None:
+        packed_file = None if entry is None else entry.follow("packedfile", "PackedFile")
+    if packed_file is None:
         raise Damage("its packed bytes are missing")
-    block, size = packed.target("data"), packed.integer("size")
+    block, size = packed_file.target("data"), packed_file.integer("size")
     if block is None or not 0 < size <= block.size:
         raise Damage("its packed bytes are cut off")
     if size > _MAX_BYTES:
         raise Damage(f"it is larger than {_MAX_BYTES >> 20} MiB")
-    return packed.file.data[block.offset : block.offset + size]
+    return packed_file.file.data[block.offset : block.offset + size]
 
 
-def _resolve(stored: str, folder: Path) -> Path | None:
+def _resolve(address: str, folder: Path) -> Path | None:
     """Resolve a path in Blender's notation (``//`` is the directory of the .blend file)."""
-    if stored.startswith("//"):
-        path = folder / stored[2:].replace("\\", "/")
-    elif stored.startswith("\\\\") or not stored:
+    if address.startswith("//"):
+        path = folder / address[2:].replace("\\", "/")
+    elif address.startswith("\\\\") or not address:
         # this is a network share: opening it would send the credentials of the user to another computer
         return None
     else:
-        path = Path(stored.replace("\\", "/"))
+        path = Path(address.replace("\\", "/"))
         if not path.is_absolute():
             path = folder / path
     return path

@@ -42,9 +42,9 @@ class Instances:
             Copies that are dynamic bodies. They become root nodes, because all nodes below a dynamic body move with it.
         """
         # all copies are made from the content of the file before the first one is attached
-        made = [(node, self._shown(node, ())) for node in self._addresses]
+        visible_instances = [(node, self._shown(node, ())) for node in self._addresses]
         loose: list[Node] = []
-        for node, copies in made:
+        for node, copies in visible_instances:
             for copy in copies:
                 if node.parent is None and copy.body.moves:
                     set_free(copy, node.world_matrix() @ copy.local_matrix())

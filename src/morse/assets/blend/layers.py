@@ -47,24 +47,24 @@ def layers(mesh: Record, *fields: str) -> list[Layer]:
     if not mesh.has(field):
         return []
     holder = mesh.part(field)
-    found: list[Layer] = []
-    seen: dict[int, int] = {}
+    layer_list: list[Layer] = []
+    counts_by_type: dict[int, int] = {}
     for record in holder.items("layers", "CustomDataLayer", min(holder.integer("totlayer"), _MAX_LAYERS)):
         kind = record.integer("type")
-        rank = seen[kind] = seen.get(kind, -1) + 1
+        rank = counts_by_type[kind] = counts_by_type.get(kind, -1) + 1
         data = record.target("data")
         if data is not None:
-            found.append(Layer(kind, record.text("name"), data, rank == record.integer("active_rnd", 0)))
-    return found
+            layer_list.append(Layer(kind, record.text("name"), data, rank == record.integer("active_rnd", 0)))
+    return layer_list
 
 
 def attributes(mesh: Record) -> dict[int, list[Layer]]:
     """The attributes of files since 5.0, by domain: 0 vertices, 1 edges, 2 polygons, 3 corners."""
-    found: dict[int, list[Layer]] = {0: [], 1: [], 2: [], 3: []}
+    by_domain: dict[int, list[Layer]] = {0: [], 1: [], 2: [], 3: []}
     if not mesh.has("attribute_storage"):
-        return found
+        return by_domain
     storage = mesh.part("attribute_storage")
-    shown = mesh.string("default_uv_map_attribute")
+    shown_name = mesh.string("default_uv_map_attribute")
     count = min(storage.integer("dna_attributes_num", 0), _MAX_LAYERS)
     for record in storage.items("dna_attributes", "Attribute", count):
         kind = _ATTRIBUTE_TYPES.get(record.integer("data_type"))
@@ -74,8 +74,8 @@ def attributes(mesh: Record) -> dict[int, list[Layer]]:
             continue
         name = record.string("name")
         single = holder.struct.name == "AttributeSingle" or bool(holder.integer("is_single", 0))
-        found.get(record.integer("domain"), []).append(Layer(kind, name, data, name == shown, single))
-    return found
+        by_domain.get(record.integer("domain"), []).append(Layer(kind, name, data, name == shown_name, single))
+    return by_domain
 
 
 def named(among: list[Layer], name: str, kind: int) -> Layer | None:
@@ -85,8 +85,8 @@ def named(among: list[Layer], name: str, kind: int) -> Layer | None:
 
 def shown(among: list[Layer], kind: int) -> Layer | None:
     """Return the layer of that type that is marked for rendering, or else the first."""
-    chosen = [layer for layer in among if layer.type == kind]
-    return next((layer for layer in chosen if layer.render), chosen[0] if chosen else None)
+    candidates = [layer for layer in among if layer.type == kind]
+    return next((layer for layer in candidates if layer.render), candidates[0] if candidates else None)
 
 
 def column(mesh: Record, block: Block, struct: str, field: str, count: int) -> NDArray[np.generic]:
@@ -108,8 +108,8 @@ def values(mesh: Record, layer: Layer, count: int) -> NDArray[np.generic]:
         Damage: the block is shorter.
     """
     kind, width = _NUMPY[layer.type]
-    stored = plain(mesh, layer.data, kind, 1 if layer.single else count, width)
-    return np.repeat(stored, count, axis=0) if layer.single else stored
+    array = plain(mesh, layer.data, kind, 1 if layer.single else count, width)
+    return np.repeat(array, count, axis=0) if layer.single else array
 
 
 def plain(mesh: Record, block: Block, kind: str, count: int, width: int = 1) -> NDArray[np.generic]:
@@ -121,5 +121,5 @@ def plain(mesh: Record, block: Block, kind: str, count: int, width: int = 1) -> 
     numpy = np.dtype(mesh.file.endian + kind)
     if count * width * numpy.itemsize > block.size:
         raise Damage("one of its arrays is shorter than its declared length")
-    stored = np.frombuffer(mesh.file.data, numpy, count * width, block.offset)
-    return stored if width == 1 else stored.reshape(count, width)
+    raw = np.frombuffer(mesh.file.data, numpy, count * width, block.offset)
+    return raw if width == 1 else raw.reshape(count, width)

@@ -89,11 +89,11 @@ class _Arrays:
         self.corner_count = _count(mesh, "totloop", "corners_num")
         self.polygon_count = _count(mesh, "totpoly", "faces_num")
         self.edge_count = _count(mesh, "totedge", "edges_num")
-        stored = attributes(mesh)
-        self.vertex_layers = layers(mesh, "vdata", "vert_data") + stored[0]
-        self.edge_layers = layers(mesh, "edata", "edge_data") + stored[1]
-        self.polygon_layers = layers(mesh, "pdata", "face_data") + stored[2]
-        self.corner_layers = layers(mesh, "ldata", "corner_data") + stored[3]
+        by_domain = attributes(mesh)
+        self.vertex_layers = layers(mesh, "vdata", "vert_data") + by_domain[0]
+        self.edge_layers = layers(mesh, "edata", "edge_data") + by_domain[1]
+        self.polygon_layers = layers(mesh, "pdata", "face_data") + by_domain[2]
+        self.corner_layers = layers(mesh, "ldata", "corner_data") + by_domain[3]
 
     def polygons(self) -> Polygons:
         starts, sizes = self._extents()
@@ -195,16 +195,16 @@ class _Arrays:
                 return np.zeros((0, 2), np.int64)
             ends = values(self.mesh, layer, self.edge_count).astype(np.int64)
             flags = np.zeros(self.edge_count, np.int64)
-        marked = named(self.edge_layers, "sharp_edge", kinds.BOOL)
-        if marked is not None:
-            flags = flags | values(self.mesh, marked, self.edge_count).astype(np.int64)
-        chosen: Ints = ends[flags != 0]
-        return chosen
+        sharp_edges = named(self.edge_layers, "sharp_edge", kinds.BOOL)
+        if sharp_edges is not None:
+            flags = flags | values(self.mesh, sharp_edges, self.edge_count).astype(np.int64)
+        sharp_ends: Ints = ends[flags != 0]
+        return sharp_ends
 
     def _uvs(self) -> Floats | None:
         layer = shown(self.corner_layers, kinds.MLOOPUV)
         if layer is not None:
-            stored = column(self.mesh, layer.data, "MLoopUV", "uv", self.corner_count)
-            return stored.reshape(-1, 2).astype(np.float64)
+            texture_coordinates = column(self.mesh, layer.data, "MLoopUV", "uv", self.corner_count)
+            return texture_coordinates.reshape(-1, 2).astype(np.float64)
         layer = shown(self.corner_layers, kinds.FLOAT2)
         return None if layer is None else values(self.mesh, layer, self.corner_count).astype(np.float64)

@@ -70,13 +70,13 @@ class Meshes:
         """
         assert polygons.pictures is not None
         last = max(len(slots) - 1, 0)
-        shown = np.stack([np.clip(polygons.materials, 0, last).astype(np.uint64), polygons.pictures], axis=1)
-        pairs, which = np.unique(shown, axis=0, return_inverse=True)
+        rows = np.stack([np.clip(polygons.materials, 0, last).astype(np.uint64), polygons.pictures], axis=1)
+        pairs, which = np.unique(rows, axis=0, return_inverse=True)
         result = list(slots) or [None]
         for number, (slot, address) in enumerate(pairs[:_MAX_SLOTS].tolist()):
             material = result[slot]
-            wanted = material is None or (material.image is None and material in self._materials.face_textured)
-            image = self._materials.image_at(address, record) if wanted else None
+            needs_pictures = material is None or (material.image is None and material in self._materials.face_textured)
+            image = self._materials.image_at(address, record) if needs_pictures else None
             if image is not None:
                 _, _, _, alpha = material.color if material else (1.0, 1.0, 1.0, 1.0)
                 polygons.materials[which.ravel() == number] = len(result)
@@ -97,10 +97,10 @@ def _threshold(record: Record) -> float:
 def build(name: str, polygons: Polygons, normals: Floats | None, materials: tuple[Material | None, ...]) -> Mesh:
     """Triangles from polygons; `normals` (C, 3) are the normals of the corners, or None for flat shading."""
     corners, owner = triangulate(polygons)
-    used, vertices = np.unique(polygons.corners[corners], return_inverse=True)
+    used_vertices, vertices = np.unique(polygons.corners[corners], return_inverse=True)
     return Mesh(
         name=name,
-        vertices=np.ascontiguousarray(polygons.vertices[used], dtype=np.float32),
+        vertices=np.ascontiguousarray(polygons.vertices[used_vertices], dtype=np.float32),
         triangles=vertices.reshape(-1, 3).astype(np.int32),
         material_index=np.clip(polygons.materials[owner], 0, max(len(materials) - 1, 0)).astype(np.int32),
         uvs=None if polygons.uvs is None else polygons.uvs[corners].astype(np.float32),

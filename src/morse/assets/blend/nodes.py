@@ -74,16 +74,16 @@ class Node:
     def image(self, *names: str) -> Record | None:
         """Return the image that feeds an input, directly or through nodes that change its colours."""
         source = self.source(*names)
-        waiting, seen = [source] if source else [], set[Node]()
-        while waiting:
-            node = waiting.pop()
-            if node in seen:
+        queue, visited = [source] if source else [], set[Node]()
+        while queue:
+            node = queue.pop()
+            if node in visited:
                 continue
-            seen.add(node)
+            visited.add(node)
             if node.kind in ("ShaderNodeTexImage", "ShaderNodeTexEnvironment"):
                 return node.record.follow("id", "Image")
             fed = [self.tree.source(socket) for socket in node.inputs]
-            waiting.extend(source for source in reversed(fed) if source)
+            queue.extend(source for source in reversed(fed) if source)
         return None
 
 

@@ -54,13 +54,13 @@ def _fans(polygons: Polygons, crease: float) -> Ints:
     labels = np.arange(len(polygons.corners))
     while True:
         lowest = np.minimum(labels[one], labels[other])
-        joined = labels.copy()
-        np.minimum.at(joined, one, lowest)
-        np.minimum.at(joined, other, lowest)
-        joined = joined[joined]
-        if np.array_equal(joined, labels):
+        joined_labels = labels.copy()
+        np.minimum.at(joined_labels, one, lowest)
+        np.minimum.at(joined_labels, other, lowest)
+        joined_labels = joined_labels[joined_labels]
+        if np.array_equal(joined_labels, labels):
             return labels
-        labels = joined
+        labels = joined_labels
 
 
 def _smooth_edges(polygons: Polygons, crease: float) -> tuple[Ints, Ints]:

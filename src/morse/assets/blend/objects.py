@@ -98,14 +98,17 @@ class Objects:
     def slots(self, record: Record) -> list[Material | None]:
         """Return the materials of an object: those of the object for slots of the object, else those of its mesh."""
         data = record.follow("data") if record.integer("data", 0) else None
-        shared: list[Material | None] = []
+        mesh_slots: list[Material | None] = []
         if data is not None and data.has("mat"):
-            shared = self._materials.slots(data, "mat", data.integer("totcol", 0))
-        own = record.content("matbits", len(shared))
+            mesh_slots = self._materials.slots(data, "mat", data.integer("totcol", 0))
+        own = record.content("matbits", len(mesh_slots))
         if not any(own):
-            return shared
+            return mesh_slots
         slots = self._materials.slots(record, "mat", len(own))
-        return [slots[i] if i < len(slots) and own[i : i + 1] > b"\0" else known for i, known in enumerate(shared)]
+        return [
+            slots[i] if i < len(slots) and own[i : i + 1] > b"\0" else mesh_slot
+            for i, mesh_slot in enumerate(mesh_slots)
+        ]
 
     def connect(self) -> None:
         """Give every node its parent."""
@@ -127,9 +130,9 @@ class Objects:
 
     def _check_poses(self, root: Node) -> None:
         """Correct poses that become too large by the product of the scales of parents."""
-        waiting = [(root, Matrix())]
-        while waiting:
-            node, above = waiting.pop()
+        queue = [(root, Matrix())]
+        while queue:
+            node, above = queue.pop()
             world = above @ node.local_matrix()
             if not all(abs(value) < _FAR for row in world for value in row):
                 self._file.warn(
@@ -138,7 +141,7 @@ class Objects:
                 node.location, node.rotation_euler, node.scale = [0.0] * 3, [0.0] * 3, [1.0] * 3
                 node.parent_inverse = None
                 world = above
-            waiting.extend((child, world) for child in node.children)
+            queue.extend((child, world) for child in node.children)
 
     def _parents(self) -> dict[int, int]:
         """Return object to parent, without cycles and overlong chains."""

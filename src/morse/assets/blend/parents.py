@@ -54,14 +54,14 @@ def _moved_to(frame: Matrix, position: tuple[float, ...]) -> Matrix:
 
 def _bone(parent: Record, name: str) -> Record | None:
     armature = parent.follow("data", "bArmature")
-    waiting = [] if armature is None else list(armature.chain("bonebase", "Bone"))
+    queue = [] if armature is None else list(armature.chain("bonebase", "Bone"))
     for _ in range(_MAX_BONES):
-        if not waiting:
+        if not queue:
             break
-        bone = waiting.pop()
+        bone = queue.pop()
         if bone.text("name") == name:
             return bone
-        waiting.extend(bone.chain("childbase", "Bone"))
+        queue.extend(bone.chain("childbase", "Bone"))
     return None
 
 

@@ -92,12 +92,12 @@ def gather(
     keep = sizes >= 3
     starts, sizes = starts[keep], sizes[keep]
     order = np.arange(sizes.sum()) + np.repeat(starts - np.cumsum(sizes) + sizes, sizes)
-    used = corners[order]
-    if len(used) and (used.min() < 0 or used.max() >= len(vertices)):
+    corner_vertices = corners[order]
+    if len(corner_vertices) and (corner_vertices.min() < 0 or corner_vertices.max() >= len(vertices)):
         raise Damage("its polygons point outside of their vertices")
     polygons = Polygons(
         vertices,
-        used,
+        corner_vertices,
         sizes,
         np.zeros(len(sizes), np.int64) if materials is None else materials[keep],
         np.zeros(len(sizes), np.bool_) if smooth is None else smooth[keep],
@@ -105,17 +105,17 @@ def gather(
         np.zeros((0, 2), np.int64) if sharp is None else sharp,
         None if pictures is None else pictures[keep],
     )
-    lost: Bools = np.logical_not((np.abs(vertices) < 1e9).all(axis=1))
-    return _without(polygons, lost) if lost.any() else polygons
+    invalid_vertices: Bools = np.logical_not((np.abs(vertices) < 1e9).all(axis=1))
+    return _without(polygons, invalid_vertices) if invalid_vertices.any() else polygons
 
 
-def _without(polygons: Polygons, lost: Bools) -> Polygons:
+def _without(polygons: Polygons, invalid_vertices: Bools) -> Polygons:
     """Remove the polygons with one of the lost vertices (V,)."""
     bad = np.zeros(len(polygons.sizes), np.bool_)
-    bad[polygons.polygon[lost[polygons.corners]]] = True
+    bad[polygons.polygon[invalid_vertices[polygons.corners]]] = True
     stays = ~bad[polygons.polygon]
     return Polygons(
-        np.where(lost[:, None], 0.0, polygons.vertices),
+        np.where(invalid_vertices[:, None], 0.0, polygons.vertices),
         polygons.corners[stays],
         polygons.sizes[~bad],
         polygons.materials[~bad],

@@ -142,8 +142,8 @@ class Record:
         size = self.file.pointer_size
         count = min(max(count, 0), block.size // size)
         self.file.spend(count)
-        found: list[int] = np.frombuffer(self.file.data, f"{self.file.endian}u{size}", count, block.offset).tolist()
-        return found
+        addresses: list[int] = np.frombuffer(self.file.data, f"{self.file.endian}u{size}", count, block.offset).tolist()
+        return addresses
 
     def items(self, name: str, struct: str, count: int) -> Iterator[Record]:
         """Iterate over up to `count` structs of the array to which a pointer refers."""
@@ -161,12 +161,12 @@ class Record:
         if index is None or name not in self.struct.fields:
             return
         holder, field = self.part(name), "first"
-        seen: set[int] = set()
+        visited: set[int] = set()
         while (block := holder.target(field)) is not None:
-            if block.offset in seen:
+            if block.offset in visited:
                 self.file.warn(f"a list of {struct} in the file is circular; the file may be damaged")
                 return
-            seen.add(block.offset)
+            visited.add(block.offset)
             self.file.spend()
             holder, field = self.file.record(block, index), "next"
             yield holder

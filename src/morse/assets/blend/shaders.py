@@ -100,13 +100,13 @@ def _mixed(name: str, shader: Node, images: Images, depth: int) -> Material | No
     if not mixed:
         return None
     clear = next((weight for weight, _, transparent in mixed if transparent), 0.0)
-    weight, chosen, _ = max(mixed, key=lambda entry: (not entry[2], entry[0]))
+    weight, heaviest, _ = max(mixed, key=lambda entry: (not entry[2], entry[0]))
     if clear and shader.kind == "ShaderNodeMixShader":
-        chosen.color = (*chosen.color[:3], chosen.color[3] * (1.0 - clear))
+        heaviest.color = (*heaviest.color[:3], heaviest.color[3] * (1.0 - clear))
     if shader.kind == "ShaderNodeAddShader":
-        chosen.emission = max((material.emission for _, material, _ in mixed), key=sum)
-        chosen.shadeless = all(material.shadeless for _, material, _ in mixed)
-    return chosen
+        heaviest.emission = max((material.emission for _, material, _ in mixed), key=sum)
+        heaviest.shadeless = all(material.shadeless for _, material, _ in mixed)
+    return heaviest
 
 
 def _share(value: float) -> float:

@@ -46,11 +46,11 @@ def _rotation(record: Record) -> list[float]:
         own = _from_axis(record.reals("rotAxis", _ZERO), record.real("rotAngle", 0.0))
     else:
         order = _ORDERS.get(mode, "XYZ")
-        angles, turned = record.reals("rot", _ZERO), record.reals("drot", _ZERO)
-        if order == "XYZ" and not any(turned):
+        angles, delta_angles = record.reals("rot", _ZERO), record.reals("drot", _ZERO)
+        if order == "XYZ" and not any(delta_angles):
             # not normalised, so that scripts read the numbers of the file
             return list(angles)
-        delta, own = Euler(turned, order).to_matrix(), Euler(angles, order).to_matrix()
+        delta, own = Euler(delta_angles, order).to_matrix(), Euler(angles, order).to_matrix()
     return list((delta @ own).to_euler())
 
 

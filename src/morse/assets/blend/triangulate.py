@@ -20,42 +20,42 @@ def triangulate(polygons: Polygons) -> tuple[Ints, Ints]:
     owners: list[Ints] = [np.zeros(0, np.int64)]
     budget = _CLIP_BUDGET
     for size in np.unique(polygons.sizes).tolist():
-        chosen = np.flatnonzero(polygons.sizes == size)
-        corners = polygons.starts[chosen, None] + np.arange(size)
+        numbers = np.flatnonzero(polygons.sizes == size)
+        corners = polygons.starts[numbers, None] + np.arange(size)
         fan = np.stack([np.zeros(size - 2, np.int64), np.arange(1, size - 1), np.arange(2, size)], axis=1)
         fans = corners[:, fan]
-        simple = np.ones(len(chosen), np.bool_)
-        for number, dent in _dents(polygons, chosen, corners):
+        simple = np.ones(len(numbers), np.bool_)
+        for number, dent in _dents(polygons, numbers, corners):
             if size == 4:
                 # a fan from the concave corner stays inside
                 fans[number] = corners[number][(fan + dent) % 4]
             elif size * size <= budget:
                 budget -= size * size
-                ears = _clip(polygons.vertices[polygons.corners[corners[number]]], polygons.normals[chosen[number]])
+                ears = _clip(polygons.vertices[polygons.corners[corners[number]]], polygons.normals[numbers[number]])
                 if ears is not None:
                     simple[number] = False
                     triangles.append(corners[number][ears])
-                    owners.append(np.full(len(ears), chosen[number]))
+                    owners.append(np.full(len(ears), numbers[number]))
         triangles.append(fans[simple].reshape(-1, 3))
-        owners.append(np.repeat(chosen[simple], size - 2))
+        owners.append(np.repeat(numbers[simple], size - 2))
     owner = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
     return np.concatenate(triangles)[order], owner[order]
 
 
-def _dents(polygons: Polygons, chosen: Ints, corners: Ints) -> list[tuple[int, int]]:
+def _dents(polygons: Polygons, numbers: Ints, corners: Ints) -> list[tuple[int, int]]:
     """Return which of N polygons of equal size are concave, and the most concave corner of each.
 
     Args:
         polygons: the mesh.
-        chosen: (N,) indices of polygons.
+        numbers: (N,) indices of polygons.
         corners: (N, size) their corners.
     """
     if corners.shape[1] == 3:
         return []
     points = polygons.vertices[polygons.corners[corners]]
     ahead = np.roll(points, -1, axis=1) - points
-    turns = np.einsum("nkj,nj->nk", np.cross(np.roll(ahead, 1, axis=1), ahead), polygons.normals[chosen])
+    turns = np.einsum("nkj,nj->nk", np.cross(np.roll(ahead, 1, axis=1), ahead), polygons.normals[numbers])
     # a small tolerance, because rounding bends straight sides in both directions
     concave = np.flatnonzero((turns < -1e-6 * np.abs(turns).max(axis=1, keepdims=True)).any(axis=1))
     return list(zip(concave.tolist(), turns[concave].argmin(axis=1).tolist(), strict=True))
@@ -67,8 +67,8 @@ def _clip(points: Floats, normal: Floats) -> Ints | None:
     Corners on straight sides may be skipped.
     """
     drop = int(np.argmax(np.abs(normal)))
-    kept = [axis for axis in range(3) if axis != drop]
-    flat = np.ascontiguousarray(points[:, kept])
+    plane_axes = [axis for axis in range(3) if axis != drop]
+    flat = np.ascontiguousarray(points[:, plane_axes])
     ears = mapbox_earcut.triangulate_float64(flat, np.array([len(flat)], np.uint32)).astype(np.int64).reshape(-1, 3)
     areas = _cross(flat[ears[:, 1]] - flat[ears[:, 0]], flat[ears[:, 2]] - flat[ears[:, 0]])
     whole = _cross(flat - flat[0], np.roll(flat, -1, axis=0) - flat[0]).sum()

@@ -61,8 +61,8 @@ def crease_angle(record: Record) -> float | None:
             return radians(angle) if angle > pi + 1e-3 else angle
         if _is_smooth_by_angle(modifier):
             settings = modifier.part("settings").follow("properties", "IDProperty")
-            chosen = (group_properties(settings) if settings is not None else {}).get("Input_1")
-            return float(chosen) if isinstance(chosen, (int, float)) and 0.0 <= chosen <= pi else radians(30)
+            value = (group_properties(settings) if settings is not None else {}).get("Input_1")
+            return float(value) if isinstance(value, (int, float)) and 0.0 <= value <= pi else radians(30)
     return None
 
 

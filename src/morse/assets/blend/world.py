@@ -21,14 +21,14 @@ def world_properties(file: BlendFile, scene: Record | None) -> dict[str, object]
     """The properties of a `Library.world`, from the first scene."""
     if scene is None:
         return {}
-    found: dict[str, object] = {"gravity": _gravity(scene)}
+    properties: dict[str, object] = {"gravity": _gravity(scene)}
     try:
         world = scene.follow("world", "World")
         if world is not None:
-            found.update(_appearance(world))
+            properties.update(_appearance(world))
     except Damage as damage:
         file.warn(f"the world settings are damaged and are ignored: {damage}")
-    return found
+    return properties
 
 
 def _gravity(scene: Record) -> float:
@@ -45,19 +45,19 @@ def _appearance(world: Record) -> dict[str, object]:
     horizon = tuple(world.real(f"hor{channel}", 0.05) for channel in "rgb")
     if world.integer("use_nodes", 0) or world.file.version >= 500:
         horizon = _background(world) or horizon
-    found: dict[str, object] = {"horizon_color": horizon}
+    properties: dict[str, object] = {"horizon_color": horizon}
     if world.has("ambr"):
-        found["ambient_color"] = tuple(world.real(f"amb{channel}", 0.0) for channel in "rgb")
+        properties["ambient_color"] = tuple(world.real(f"amb{channel}", 0.0) for channel in "rgb")
     mode = world.integer("mode", 0)
     if mode & _MIST and world.file.version < 280:
-        found["mist"] = Mist(
+        properties["mist"] = Mist(
             enabled=True,
             intensity=world.real("misi", 0.0),
             start=world.real("miststa", 5.0),
             depth=world.real("mistdist", 25.0),
             falloff=_FALLOFFS.get(world.integer("mistype", 0), "QUADRATIC"),
         )
-    return found
+    return properties
 
 
 def _background(world: Record) -> tuple[float, float, float] | None:

@@ -26,8 +26,8 @@ def collada_unit(path: Path) -> float:
     if importlib.util.find_spec("collada") is None:
         raise AssetError(path, "COLLADA files need another package: pip install 'morse-simulator[collada]'")
     check_instances(path, root)
-    given = root.find("./{*}asset/{*}unit")
-    text = "1" if given is None else given.get("meter", "1")
+    unit_element = root.find("./{*}asset/{*}unit")
+    text = "1" if unit_element is None else unit_element.get("meter", "1")
     try:
         unit = float(text)
     except ValueError:

@@ -56,15 +56,15 @@ class _Counts:
         for child in element:
             kind = _kind(child)
             if kind == "node":
-                found = self.inside(child)
+                counts = self.inside(child)
                 parts += 1
             elif kind == "instance_node":
-                found = self._instance(_target(child))
+                counts = self._instance(_target(child))
             elif kind in ("instance_geometry", "instance_controller"):
-                found = self._geometries.get(_target(child), (1, 0))
+                counts = self._geometries.get(_target(child), (1, 0))
             else:
                 continue
-            parts, triangles = parts + found[0], triangles + found[1]
+            parts, triangles = parts + counts[0], triangles + counts[1]
         # deep nesting makes numbers with thousands of digits
         return min(parts, 1000 * MOST_PARTS), min(triangles, 1 << 40)
 

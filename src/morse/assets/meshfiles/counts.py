@@ -69,9 +69,9 @@ def _check_ply(path: Path, header: bytes, size: int) -> None:
     for name, number in elements:
         # an element takes a byte at least
         if int(number[:20]) > size:
-            shown = name.decode("ascii", "replace")
+            element_name = name.decode("ascii", "replace")
             raise AssetError(
-                path, f"its header states {int(number[:20]):,} of '{shown:.40}', its size is {size:,} bytes"
+                path, f"its header states {int(number[:20]):,} of '{element_name:.40}', its size is {size:,} bytes"
             )
         if name == b"face":
             check_triangles(path, [int(number)])

@@ -38,8 +38,8 @@ def check_gltf(path: Path) -> None:
     uses = [node.get("mesh") for node in nodes]
     primitives = [_objects(mesh, "primitives") for mesh in _objects(tree, "meshes")]
     check_parts(path, sum(map(len, primitives)), "meshes")
-    shown = sum(len(primitives[use]) for use in uses if isinstance(use, int) and 0 <= use < len(primitives))
-    check_parts(path, shown, "meshes that its nodes show")
+    drawn_primitives = sum(len(primitives[use]) for use in uses if isinstance(use, int) and 0 <= use < len(primitives))
+    check_parts(path, drawn_primitives, "meshes that its nodes show")
     for name in ("accessors", "bufferViews", "materials", "textures", "images"):
         check_parts(path, len(_objects(tree, name)), name)
     _refuse_deep(path, nodes)
@@ -88,15 +88,15 @@ def _check_uses(path: Path, tree: dict[str, Any], primitives: list[dict[str, Any
     """Refuse primitives that use arrays again and again: each use becomes a mesh of its own."""
     counts = [_count(accessor) for accessor in _objects(tree, "accessors")]
     corners = again = 0
-    used: set[int] = set()
+    used_numbers: set[int] = set()
     for primitive in primitives:
         attributes = primitive.get("attributes")
         places = attributes.get("POSITION") if isinstance(attributes, dict) else None
         order = primitive.get("indices", places)
         for number in {places, order}:
             if isinstance(number, int) and 0 <= number < len(counts):
-                again += counts[number] if number in used else 0
-                used.add(number)
+                again += counts[number] if number in used_numbers else 0
+                used_numbers.add(number)
         if isinstance(order, int) and 0 <= order < len(counts):
             corners += counts[order]
     check_triangles(path, [corners // 3])
@@ -108,8 +108,8 @@ def _check_uses(path: Path, tree: dict[str, Any], primitives: list[dict[str, Any
 
 
 def _objects(table: dict[str, Any], name: str) -> list[dict[str, Any]]:
-    given = table.get(name)
-    return [one for one in given if isinstance(one, dict)] if isinstance(given, list) else []
+    entries = table.get(name)
+    return [one for one in entries if isinstance(one, dict)] if isinstance(entries, list) else []
 
 
 def _is_implied(accessor: dict[str, Any]) -> bool:

@@ -92,9 +92,9 @@ class Pictures:
                 picture.load()
                 if mime and _is_plain(picture):
                     return Image(name, data, mime)
-                encoded = io.BytesIO()
-                picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(encoded, "PNG", compress_level=1)
-                return Image(name, encoded.getvalue(), "image/png")
+                buffer = io.BytesIO()
+                picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(buffer, "PNG", compress_level=1)
+                return Image(name, buffer.getvalue(), "image/png")
             except Exception as error:  # Pillow's readers raise many kinds of errors for damaged pictures
                 mistake = f"{error!s:.100}"
         self.warnings.append(f"the picture of the material '{name:.80}' is replaced by a chequered pattern: {mistake}")

@@ -103,14 +103,14 @@ class _Reading:
     def library(self) -> Library:
         graph = self._scene.graph
         base, parents = graph.base_frame, dict(graph.transforms.parents)
-        made: dict[str, Node] = {}
+        nodes: dict[str, Node] = {}
         roots: list[Node] = []
         for frame in self._in_order(parents, base):
             parent = parents.get(frame, base)
             matrix, geometry = graph.get(frame, parent) if frame != parent else (np.eye(4), None)
-            above = made.get(parent)
+            above = nodes.get(parent)
             node = self._node(str(frame), matrix, geometry)
-            made[frame] = node
+            nodes[frame] = node
             if above is None:
                 roots.append(node)
             else:
@@ -136,13 +136,13 @@ class _Reading:
         return list(ordered)
 
     def _node(self, name: str, matrix: Any, geometry: str | None) -> Node:
-        given = self._scene.geometry.get(geometry) if geometry is not None else None
-        has_triangles = given is not None and len(getattr(given, "faces", ())) > 0
+        mesh = self._scene.geometry.get(geometry) if geometry is not None else None
+        has_triangles = mesh is not None and len(getattr(mesh, "faces", ())) > 0
         node = Node(self._unique(name), NodeKind.MESH if has_triangles else NodeKind.EMPTY)
         node.source_name = node.name
         node.body.type = PhysicsType.AUTO  # the file has no physics settings: its role determines them
         if has_triangles:
-            node.mesh = self._surfaces.mesh(str(geometry), given)
+            node.mesh = self._surfaces.mesh(str(geometry), mesh)
             node.materials = list(node.mesh.materials)
         self._place(node, np.asarray(matrix, dtype=float))
         return node

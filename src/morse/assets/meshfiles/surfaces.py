@@ -42,20 +42,20 @@ class Surfaces:
         """Pictures that a chequered pattern replaces."""
         return self._pictures.warnings
 
-    def mesh(self, name: str, given: Any) -> Mesh:
+    def mesh(self, name: str, source: Any) -> Mesh:
         """Triangles with normals and texture coordinates.
 
         Raises:
             ValueError: a coordinate is not a finite number.
         """
-        if id(given) not in self._meshes:
-            self._meshes[id(given)] = self._converted(name, given)
-        return self._meshes[id(given)]
+        if id(source) not in self._meshes:
+            self._meshes[id(source)] = self._converted(name, source)
+        return self._meshes[id(source)]
 
-    def _converted(self, name: str, given: Any) -> Mesh:
+    def _converted(self, name: str, source: Any) -> Mesh:
         with np.errstate(over="ignore", invalid="ignore"):  # refused below
-            vertices = matmul(np.asarray(given.vertices, dtype=np.float32).reshape(-1, 3), self._turn.T)
-        triangles = np.ascontiguousarray(given.faces, dtype=np.int32).reshape(-1, 3)
+            vertices = matmul(np.asarray(source.vertices, dtype=np.float32).reshape(-1, 3), self._turn.T)
+        triangles = np.ascontiguousarray(source.faces, dtype=np.int32).reshape(-1, 3)
         if not np.isfinite(vertices).all():
             raise ValueError(f"the mesh '{name}' has coordinates that are not finite numbers")
         if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
@@ -64,7 +64,7 @@ class Surfaces:
         triangles = triangles[(a != b) & (b != c) & (a != c)]
         if len(triangles) > _USUAL * len(vertices):
             triangles = without_equal_triangles(triangles)
-        uvs = getattr(given.visual, "uv", None)
+        uvs = getattr(source.visual, "uv", None)
         if uvs is not None:
             uvs = np.asarray(uvs, dtype=np.float32)
             uvs = uvs[triangles] if uvs.shape == (len(vertices), 2) and np.isfinite(uvs).all() else None
@@ -75,32 +75,32 @@ class Surfaces:
             material_index=np.zeros(len(triangles), np.int32),
             uvs=uvs,
             normals=_normals(vertices, triangles),
-            materials=(self._material(name, given.visual),),
+            materials=(self._material(name, source.visual),),
         )
 
     def _material(self, name: str, visual: Any) -> Material:
-        given = getattr(visual, "material", None)
-        if given is None:
+        material = getattr(visual, "material", None)
+        if material is None:
             color = _linear(_numbers(getattr(visual, "main_color", None), 4, (204, 204, 204, 255)) / 255.0)
             return Material(name, (color[0], color[1], color[2], color[3]))
-        if id(given) not in self._materials:
-            self._materials[id(given)] = self._of(name, given, visual)
-        return self._materials[id(given)]
+        if id(material) not in self._materials:
+            self._materials[id(material)] = self._of(name, material, visual)
+        return self._materials[id(material)]
 
-    def _of(self, name: str, given: Any, visual: Any) -> Material:
-        own = str(getattr(given, "name", None) or name)
-        if hasattr(given, "baseColorFactor"):
-            color = _numbers(given.baseColorFactor, 4, (255, 255, 255, 255)) / 255.0
+    def _of(self, name: str, material: Any, visual: Any) -> Material:
+        own = str(getattr(material, "name", None) or name)
+        if hasattr(material, "baseColorFactor"):
+            color = _numbers(material.baseColorFactor, 4, (255, 255, 255, 255)) / 255.0
             roughness, metallic = (
                 float(np.clip(_numbers(value, 1, (1.0,))[0], 0.0, 1.0))
-                for value in (given.roughnessFactor, given.metallicFactor)
+                for value in (material.roughnessFactor, material.metallicFactor)
             )
-            glow = np.clip(_numbers(given.emissiveFactor, 3, (0.0, 0.0, 0.0)), 0.0, 100.0)
-            picture, sided = given.baseColorTexture, bool(given.doubleSided)
+            glow = np.clip(_numbers(material.emissiveFactor, 3, (0.0, 0.0, 0.0)), 0.0, 100.0)
+            picture, sided = material.baseColorTexture, bool(material.doubleSided)
         else:
-            color = _numbers(getattr(given, "diffuse", None), 4, (204, 204, 204, 255)) / 255.0
+            color = _numbers(getattr(material, "diffuse", None), 4, (204, 204, 204, 255)) / 255.0
             roughness, metallic, glow = 0.6, 0.0, np.zeros(3)
-            picture, sided = getattr(given, "image", None), True
+            picture, sided = getattr(material, "image", None), True
             if picture is not None and getattr(visual, "uv", None) is not None:
                 color = np.ones(4)
         r, g, b, alpha = (float(part) for part in np.clip(color, 0.0, 1.0))
@@ -139,11 +139,11 @@ def _normals(vertices: Any, triangles: Any) -> Any:
     return None if normals is None else normals.astype(np.float32).reshape(count, 3, 3)
 
 
-def _numbers(given: Any, count: int, default: tuple[float, ...]) -> Any:
+def _numbers(values: Any, count: int, default: tuple[float, ...]) -> Any:
     """Some numbers, or the default if there are no numbers or too few."""
-    if given is None:
+    if values is None:
         return np.array(default, dtype=float)
-    array = np.asarray(given, dtype=float).ravel()
+    array = np.asarray(values, dtype=float).ravel()
     if array.size == count - 1 and count == 4:
         array = np.append(array, default[3])
     return array if array.size == count and np.isfinite(array).all() else np.array(default, dtype=float)

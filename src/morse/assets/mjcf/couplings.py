@@ -62,8 +62,8 @@ class CouplingReader:
         name = self._name(mujoco.mjtObj.mjOBJ_TENDON, index, "tendon")
         start = int(m.tendon_adr[index])
         path = [self._wrap(number) for number in range(start, start + int(m.tendon_num[index]))]
-        found = tuple(wrap for wrap in path if wrap is not None)
-        if len(found) != len(path):
+        wraps = tuple(wrap for wrap in path if wrap is not None)
+        if len(wraps) != len(path):
             self.lost.append(f"the tendon '{name}' is left out: it runs over parts that are left out")
             return None
         solver = (*_row(m.tendon_solref_lim[index]), *_row(m.tendon_solimp_lim[index]))
@@ -71,7 +71,7 @@ class CouplingReader:
         rest = _row(m.tendon_lengthspring[index])
         return Tendon(
             name,
-            found,
+            wraps,
             (limits[0], limits[1]) if m.tendon_limited[index] else None,
             float(np.ravel(m.tendon_stiffness[index])[0]),
             float(np.ravel(m.tendon_damping[index])[0]),
@@ -167,10 +167,10 @@ class CouplingReader:
         if kind is ConstraintKind.CONNECT:
             return self._made(index, kind, one, other, (*first, *second, *data[6:]))
         a, b = (np.array(m.site_quat[site], dtype=np.float64) for site in sites)
-        back, turned = np.zeros(4), np.zeros(4)
+        back, rotation = np.zeros(4), np.zeros(4)
         mujoco.mju_negQuat(back, b)
-        mujoco.mju_mulQuat(turned, a, back)
-        return self._made(index, kind, one, other, (*second, *first, *_row(turned), *data[10:]))
+        mujoco.mju_mulQuat(rotation, a, back)
+        return self._made(index, kind, one, other, (*second, *first, *_row(rotation), *data[10:]))
 
     def _made(self, index: int, kind: ConstraintKind, one: str, other: str, data: tuple[float, ...]) -> Constraint:
         m = self._model

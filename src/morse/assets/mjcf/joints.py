@@ -37,7 +37,7 @@ class Bones:
         warnings: differences from the file, one sentence each.
     """
 
-    def __init__(self, model: ModelData, chosen: list[int]) -> None:
+    def __init__(self, model: ModelData, bodies: list[int]) -> None:
         self._model = model
         self.bones: list[Bone] = []
         self.places: dict[int, Matrix] = {0: Matrix.Identity(4)}
@@ -45,7 +45,7 @@ class Bones:
         self.warnings: list[str] = []
         self._frames: list[Matrix] = []
         self._bone_of: dict[int, int] = {}
-        for index in chosen:
+        for index in bodies:
             body = model.bodies[index]
             self.places[index] = self.places[body.parent] @ pose(body.position, body.quaternion)
             self._add(index, body)
@@ -68,8 +68,8 @@ class Bones:
 
     def _bone(self, body: int, name: str, joint: JointData, axis: tuple[float, ...], number: int, parent: int) -> int:
         place = self.places[body]
-        turned = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(axis)).to_matrix().to_4x4()
-        frame = place @ Matrix.Translation(joint.position) @ turned
+        rotation = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(axis)).to_matrix().to_4x4()
+        frame = place @ Matrix.Translation(joint.position) @ rotation
         self._frames.append(frame)
         # the pose of a bone is that at joint value 0
         if joint.kind == "slide":

@@ -337,43 +337,43 @@ class _Reading:
 
     def sensors(self) -> list[SensorData]:
         m = self.model
-        found = []
+        sensors = []
         for index in range(m.nsensor):
             word = mujoco.mjtSensor(int(m.sensor_type[index])).name.removeprefix("mjSENS_").lower()
             place = int(m.sensor_objid[index])
             if int(m.sensor_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE):
-                body, position, turned = int(m.site_bodyid[place]), m.site_pos[place], m.site_quat[place]
+                body, position, rotation = int(m.site_bodyid[place]), m.site_pos[place], m.site_quat[place]
             elif int(m.sensor_objtype[index]) in (int(mujoco.mjtObj.mjOBJ_BODY), int(mujoco.mjtObj.mjOBJ_XBODY)):
-                body, position, turned = place, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+                body, position, rotation = place, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
             else:
-                body, position, turned = -1, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
-            found.append(
+                body, position, rotation = -1, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+            sensors.append(
                 SensorData(
                     self.name("sensor", index),
                     word,
                     body,
                     _row(position),
-                    _row(turned),
+                    _row(rotation),
                     (float(m.sensor_cutoff[index]),),
                 )
             )
-        return found
+        return sensors
 
     def follows(self) -> list[tuple[int, int, float, float]]:
         m = self.model
-        found: list[tuple[int, int, float, float]] = []
+        couplings: list[tuple[int, int, float, float]] = []
         for index in range(m.neq):
             one, other = int(m.eq_obj1id[index]), int(m.eq_obj2id[index])
             is_joint = int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_JOINT)
             if not is_joint or other < 0 or any(m.eq_data[index][2:5]) or m.jnt_type[one] < 2 or m.jnt_type[other] < 2:
                 continue
-            if not m.eq_active0[index] or any(one == joint for joint, *_ in found):
+            if not m.eq_active0[index] or any(one == joint for joint, *_ in couplings):
                 continue
             self.handled.add(index)
             factor = float(m.eq_data[index][1])
             start, leading = (float(m.qpos0[m.jnt_qposadr[joint]]) for joint in (one, other))
-            found.append((one, other, factor, start + float(m.eq_data[index][0]) - factor * leading))
-        return found
+            couplings.append((one, other, factor, start + float(m.eq_data[index][0]) - factor * leading))
+        return couplings
 
     def apart(self) -> list[tuple[int, int]]:
         return [(int(signature) >> 16, int(signature) & 0xFFFF) for signature in self.model.exclude_signature]

@@ -52,10 +52,10 @@ class _Reader:
         self._demand_usual_sizes()
         if len(self.model.bodies) == 1:
             return self._terrain()
-        chosen, base = self._choose()
-        bones = Bones(self.model, chosen)
+        robot_bodies, base = self._choose()
+        bones = Bones(self.model, robot_bodies)
         self.warnings += bones.warnings
-        mass = sum(self.model.bodies[index].inertial[0] for index in chosen)
+        mass = sum(self.model.bodies[index].inertial[0] for index in robot_bodies)
         body = BodySettings(
             type=PhysicsType.STATIC if base is None else PhysicsType.RIGID_BODY,
             compound=True,
@@ -67,8 +67,8 @@ class _Reader:
         armature = Node(f"{name}_joints", NodeKind.ARMATURE, source_name=f"{name}_joints")
         armature.bones = tuple(bones.bones)
         root.attach(armature)
-        links = {index: self._link_name(index) for index in (*chosen, 0)}
-        apart = tuple((links[a], links[b]) for a, b in self._apart(chosen))
+        links = {index: self._link_name(index) for index in (*robot_bodies, 0)}
+        apart = tuple((links[a], links[b]) for a, b in self._apart(robot_bodies))
         # a robot that is free cannot be tied to the world
         places = {index: name for index, name in links.items() if index or base is None}
         reading = self.model.couplings(places, bones.names)
@@ -81,7 +81,7 @@ class _Reader:
             frame = Matrix((r[:3], r[3:6], r[6:])).to_4x4()
             frame.translation = (x, y, z)
             frames.append(frame)
-        for index in chosen:
+        for index in robot_bodies:
             bone, local = bones.hung[index]
             place = local if bone < 0 else frames[bone] @ local
             link = self._link(links[index], self.model.bodies[index])
@@ -94,7 +94,7 @@ class _Reader:
             armature.attach(world)
         elif world.children:
             self.warnings.append(f"{len(world.children)} shapes of the world are ignored, because the robot is free")
-        sensors, remarks = sensors_of(self.model, {index: links[index] for index in chosen})
+        sensors, remarks = sensors_of(self.model, {index: links[index] for index in robot_bodies})
         return Library(str(self.source.path), roots=[root], sensors=sensors, warnings=[*self.warnings, *remarks])
 
     def _terrain(self) -> Library:
@@ -138,21 +138,21 @@ class _Reader:
             raise AssetError(self.source.path, "it has no bodies")
         free = [i for i in tops if any(joints[joint].kind == "free" for joint in bodies[i].joints)]
         base = free[0] if free and len(free) == len(tops) else None
-        left = [index for index in free if index != base]
-        if left:
-            names = ", ".join(f"'{bodies[index].name:.60}'" for index in left[:5])
+        others = [index for index in free if index != base]
+        if others:
+            names = ", ".join(f"'{bodies[index].name:.60}'" for index in others[:5])
             self.warnings.append(f"a robot has at most one free body; {names} are ignored")
-        chosen: list[int] = []
+        robot_bodies: list[int] = []
         depth = {0: 0}
         for index in range(1, len(bodies)):
             parent = bodies[index].parent
-            if index in left or parent not in depth:
+            if index in others or parent not in depth:
                 continue
             depth[index] = depth[parent] + 1
             if depth[index] > _DEEPEST:
                 raise AssetError(self.source.path, f"the tree of bodies is deeper than {_DEEPEST}")
-            chosen.append(index)
-        return chosen, base
+            robot_bodies.append(index)
+        return robot_bodies, base
 
     def _link_name(self, index: int) -> str:
         name = self.model.bodies[index].name
@@ -163,9 +163,9 @@ class _Reader:
 
     def _link(self, name: str, body: BodyData) -> Node:
         node = Node(name, source_name=name)
-        mass, centre, turned, moments = body.inertial
+        mass, centre, rotation, moments = body.inertial
         if mass:
-            axes = np.array([list(row) for row in pose((0.0, 0.0, 0.0), turned).to_3x3()])
+            axes = np.array([list(row) for row in pose((0.0, 0.0, 0.0), rotation).to_3x3()])
             a, b, c, d, e, f, g, h, i = (
                 float(value) for value in (matmul(matmul(axes, np.diag(moments)), axes.T)).ravel()
             )
@@ -188,19 +188,19 @@ class _Reader:
             self._names.add(name)
             node.attach(shape_node(geom, name))
 
-    def _apart(self, chosen: list[int]) -> list[tuple[int, int]]:
+    def _apart(self, robot_bodies: list[int]) -> list[tuple[int, int]]:
         """Return the pairs of bodies that the file excludes from collision, or whose masks exclude it."""
-        bodies, known = self.model.bodies, {*chosen, 0}
-        found = [pair for pair in self.model.apart if set(pair) <= known]
-        masks = {i: [self.model.geoms[geom].masks for geom in bodies[i].geoms] for i in (*chosen, 0)}
+        bodies, body_set = self.model.bodies, {*robot_bodies, 0}
+        pairs = [pair for pair in self.model.apart if set(pair) <= body_set]
+        masks = {i: [self.model.geoms[geom].masks for geom in bodies[i].geoms] for i in (*robot_bodies, 0)}
         numbers = sorted(masks)
-        found += [
+        pairs += [
             (one, other)
             for position, one in enumerate(numbers)
             for other in numbers[position + 1 :]
             if masks[one] and masks[other] and not _meet(masks[one], masks[other])
         ]
-        return found
+        return pairs
 
 
 def _meet(some: list[tuple[int, int]], others: list[tuple[int, int]]) -> bool:

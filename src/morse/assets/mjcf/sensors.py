@@ -39,7 +39,7 @@ def sensors_of(model: ModelData, links: Mapping[int, str]) -> tuple[list[Declare
     Args:
         links: names of the nodes by body.
     """
-    found: dict[tuple[object, ...], DeclaredSensor] = {}
+    by_site: dict[tuple[object, ...], DeclaredSensor] = {}
     unknown: list[str] = []
     for sensor in model.sensors:
         product = _PRODUCTS.get(sensor.kind)
@@ -59,13 +59,13 @@ def sensors_of(model: ModelData, links: Mapping[int, str]) -> tuple[list[Declare
             if math.isfinite(sensor.values[0]) and sensor.values[0] > 0.0:
                 properties = (("range", min(max(sensor.values[0], 1e-3), 1e6)),)
         x, y, z = place.translation
-        made = DeclaredSensor(
+        declaration = DeclaredSensor(
             sensor.name, product, links[sensor.body], (x, y, z), nine(list(place.to_3x3())), properties
         )
         own = () if product in ("IMU", "Pose", "Magnetometer") else (sensor.name,)
-        found.setdefault((product, sensor.body, sensor.position, sensor.quaternion, *own), made)
+        by_site.setdefault((product, sensor.body, sensor.position, sensor.quaternion, *own), declaration)
     warnings = []
     if unknown:
         more = f" and {len(unknown) - 10} more" if len(unknown) > 10 else ""
         warnings.append(f"sensors that MORSE does not have are left out: {', '.join(unknown[:10])}{more}")
-    return list(found.values()), warnings
+    return list(by_site.values()), warnings

@@ -134,11 +134,11 @@ class Source:
         for child in list(root):
             if child.tag in _LEFT_OUT:
                 root.remove(child)
-        lost = sorted({element.tag for element in root.iter() if element.tag in _UNSUPPORTED})
+        unsupported = sorted({element.tag for element in root.iter() if element.tag in _UNSUPPORTED})
         if any(element.get("type") == "sdf" for element in root.iter("geom")):
-            lost.append("geom of type sdf")
-        if lost:
-            self.warnings.append(f"it has {', '.join(lost)}; they are left out")
+            unsupported.append("geom of type sdf")
+        if unsupported:
+            self.warnings.append(f"it has {', '.join(unsupported)}; they are left out")
         for parent in list(root.iter()):
             for child in list(parent):
                 if _is_left_out(parent, child):
@@ -164,7 +164,7 @@ class Source:
     # -- meshes ----------------------------------------------------------------------------
 
     def _take_meshes(self, root: ElementTree.Element) -> None:
-        lost: set[str] = set()
+        removed_meshes: set[str] = set()
         # by everything that a mesh has except its name: equal ones are compiled once
         first: dict[tuple[tuple[str, str], ...], str] = {}
         for assets in root.iter("asset"):
@@ -186,12 +186,12 @@ class Source:
                     mesh.set("file", self._content(file))
                 except (FileRefusedError, OSError) as error:
                     self.warnings.append(f"the mesh '{file:.200}' is left out: {error}")
-                    lost.add(name)
+                    removed_meshes.add(name)
                     assets.remove(mesh)
-        _remove_shapes(root, "mesh", lost)
+        _remove_shapes(root, "mesh", removed_meshes)
 
     def _take_heights(self, root: ElementTree.Element) -> None:
-        lost: set[str] = set()
+        removed_heights: set[str] = set()
         points = 0.0
         for assets in root.iter("asset"):
             for field in list(assets.iter("hfield")):
@@ -211,9 +211,9 @@ class Source:
                         field.set("file", self._heights(file))
                 except (FileRefusedError, OSError) as error:
                     self.warnings.append(f"the hfield '{name:.200}'{source} is left out: {error}")
-                    lost.add(name)
+                    removed_heights.add(name)
                     assets.remove(field)
-        _remove_shapes(root, "hfield", lost)
+        _remove_shapes(root, "hfield", removed_heights)
 
     def _heights(self, file: str) -> str:
         content = read_regular(self._file(file), _MOST_MESH_BYTES)

@@ -33,17 +33,17 @@ def coarsened(surface: Surface, cell: float, bends: NDArray[np.float64] | None =
     key = (x << 42) + (y << 21) + z
     order = np.lexsort((-(sharpness(surface) if bends is None else bends), key))
     _, first, group = np.unique(key[order], return_index=True, return_inverse=True)
-    kept = np.empty(len(key), dtype=np.int64)
-    kept[order] = order[first][group.ravel()]
-    faces = with_three_corners(kept[surface.triangles])
-    used, faces = np.unique(faces, return_inverse=True)
+    representatives = np.empty(len(key), dtype=np.int64)
+    representatives[order] = order[first][group.ravel()]
+    faces = with_three_corners(representatives[surface.triangles])
+    used_vertices, faces = np.unique(faces, return_inverse=True)
     faces = faces.reshape(-1, 3)
     a, b, c = np.sort(faces, axis=1).T
-    if len(used) < _MOST_KEYS:
-        _, once = np.unique((a * len(used) + b) * len(used) + c, return_index=True)
+    if len(used_vertices) < _MOST_KEYS:
+        _, once = np.unique((a * len(used_vertices) + b) * len(used_vertices) + c, return_index=True)
     else:
         _, once = np.unique(np.column_stack([a, b, c]), axis=0, return_index=True)
-    return measured(surface.vertices[used], faces[once])
+    return measured(surface.vertices[used_vertices], faces[once])
 
 
 def sharpness(surface: Surface) -> NDArray[np.float64]:

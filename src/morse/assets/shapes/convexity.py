@@ -37,8 +37,8 @@ def is_convex(surface: Surface) -> bool:
     step = max(1, len(faces) * len(surface.vertices) // _WORK)
     if step > 1 and not _bends_backward(surface, offsets, tolerance):
         return False
-    chosen = faces[::step]
-    for chunk in np.array_split(chosen, max(1, len(chosen) * len(surface.vertices) // _CHUNK)):
+    sample = faces[::step]
+    for chunk in np.array_split(sample, max(1, len(sample) * len(surface.vertices) // _CHUNK)):
         heights = matmul(surface.vertices, surface.normals[chunk].T) - offsets[chunk]
         if heights.max() > tolerance:
             return False
@@ -102,5 +102,5 @@ def _extreme_points(points: Floats) -> Floats:
     )
     scale = np.maximum(np.ptp(points, axis=0), 1e-12)
     extreme = np.unique(np.concatenate([matmul(points, d).argmax(keepdims=True) for d in directions / scale]))
-    chosen: Floats = points[extreme]
-    return chosen
+    extreme_points: Floats = points[extreme]
+    return extreme_points

@@ -86,17 +86,17 @@ def _parts_of(piece: Surface, budget: int, hollow: bool, losses: Losses) -> list
             return [hull_part(piece.vertices)]
     size = piece.diagonal
     flatness = Flatness(_FLAT.angle, min(_FLAT.distance, _FLAT_SHARE * size))
-    made = _plates_of(piece, flatness, budget)
-    if made is not None:
-        return made
+    plate_parts = _plates_of(piece, flatness, budget)
+    if plate_parts is not None:
+        return plate_parts
     # A grid of triangles with cells of this width contains as many triangles as allowed. Flat areas need fewer.
     cell = size / math.sqrt(budget) / 2.0
     bends = sharpness(piece)
     while cell < _COARSEST * size:
-        made = _plates_of(coarsened(piece, cell, bends), flatness, budget)
-        if made:
+        plate_parts = _plates_of(coarsened(piece, cell, bends), flatness, budget)
+        if plate_parts:
             losses.coarse.append((cell * math.sqrt(3.0), size))
-            return made
+            return plate_parts
         cell *= _COARSER
     losses.hulls.append(size)
     return [hull_part(piece.vertices)]
@@ -124,8 +124,8 @@ def _hulls_of_groups(surface: Surface, pieces: list[Ints], groups: int, losses: 
     owners = np.repeat(np.arange(len(pieces)), [3 * len(piece) for piece in pieces])
     # each vertex once for each piece: those of a piece are neighbours
     pairs = np.sort(owners * len(surface.vertices) + corners.ravel())
-    owners, used = np.divmod(pairs[np.append(True, pairs[1:] != pairs[:-1])], len(surface.vertices))
-    points, starts = surface.vertices[used], np.searchsorted(owners, np.arange(len(pieces)))
+    owners, used_vertices = np.divmod(pairs[np.append(True, pairs[1:] != pairs[:-1])], len(surface.vertices))
+    points, starts = surface.vertices[used_vertices], np.searchsorted(owners, np.arange(len(pieces)))
     spans = np.maximum.reduceat(points, starts) - np.minimum.reduceat(points, starts)
     losses.grouped = np.sqrt((spans * spans).sum(axis=1)).tolist()
     centres = np.add.reduceat(points, starts) / np.bincount(owners)[:, None]

@@ -47,9 +47,9 @@ def primitive_of(surface: Surface) -> Primitive | None:
     if len(surface.triangles) < 8 or volume <= 0.0:
         return None
     for rotation in _box_frames(surface):
-        found = _as_box(surface.vertices, volume, rotation)
-        if found is not None:
-            return found
+        primitive = _as_box(surface.vertices, volume, rotation)
+        if primitive is not None:
+            return primitive
     sphere = _as_sphere(surface.vertices, volume)
     if sphere is not None:
         return sphere
@@ -86,12 +86,12 @@ def _box_frames(surface: Surface) -> Iterator[Floats]:
 
 def _main_normal(normals: Floats, areas: Floats) -> Floats:
     """The normal, up to its sign, of most of the area, to a thousandth."""
-    folded = normals * np.where(_leading_sign(normals) < 0.0, -1.0, 1.0)[:, None]
-    keys = np.round(folded / _PARALLEL).astype(np.int64) + 1024
+    half_space_normals = normals * np.where(_leading_sign(normals) < 0.0, -1.0, 1.0)[:, None]
+    keys = np.round(half_space_normals / _PARALLEL).astype(np.int64) + 1024
     _, group = np.unique((keys[:, 0] << 22) + (keys[:, 1] << 11) + keys[:, 2], return_inverse=True)
     group = group.ravel()
-    chosen = group == np.bincount(group, weights=areas).argmax()
-    mean: Floats = matmul(areas[chosen], folded[chosen])
+    in_main_group = group == np.bincount(group, weights=areas).argmax()
+    mean: Floats = matmul(areas[in_main_group], half_space_normals[in_main_group])
     return mean / norm(mean)
 
 
@@ -104,10 +104,10 @@ def _leading_sign(normals: Floats) -> Floats:
 def _nearest_to_frame(axes: list[Floats]) -> Floats:
     """The axes as columns of a rotation, each in the column X, Y or Z to which it is closest."""
     rotation = np.zeros((3, 3))
-    left = list(axes)
+    remaining_axes = list(axes)
     for column in range(2):
-        pick = max(range(len(left)), key=lambda i: abs(left[i][column]))
-        axis = left.pop(pick)
+        pick = max(range(len(remaining_axes)), key=lambda i: abs(remaining_axes[i][column]))
+        axis = remaining_axes.pop(pick)
         rotation[:, column] = axis if axis[column] >= 0.0 else -axis
     rotation[:, 2] = np.cross(rotation[:, 0], rotation[:, 1])
     return rotation
@@ -159,8 +159,8 @@ def _as_cylinder(points: Floats, volume: float, axis: Floats) -> tuple[Primitive
         return None
     if not _CYLINDER_VOLUME <= volume / (2.0 * half * math.pi * radius**2) <= 1.0 + _OFF:
         return None
-    found = Primitive("cylinder", (radius, half), matmul(rotation, np.array([*centre, middle])), rotation)
-    return found, float((off_mantle + off_cap)[rims].mean())
+    cylinder = Primitive("cylinder", (radius, half), matmul(rotation, np.array([*centre, middle])), rotation)
+    return cylinder, float((off_mantle + off_cap)[rims].mean())
 
 
 def _outline(flat: Floats) -> Floats:

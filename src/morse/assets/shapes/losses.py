@@ -21,18 +21,18 @@ class Losses:
 
     def told(self, limit: int) -> list[str]:
         """Return a sentence for the user if the limit of parts reduced the accuracy; otherwise an empty string."""
-        said = []
+        parts = []
         if self.coarse:
             error, size = max(self.coarse)
-            said.append(f"{_pieces(self.coarse, size)} simplified, with an error of up to {error:.2g} m")
+            parts.append(f"{_pieces(self.coarse, size)} simplified, with an error of up to {error:.2g} m")
         if self.hulls:
-            said.append(f"{_pieces(self.hulls, max(self.hulls))} replaced by the convex hull, which fills cavities")
+            parts.append(f"{_pieces(self.hulls, max(self.hulls))} replaced by the convex hull, which fills cavities")
         if self.grouped:
-            said.append(f"{_pieces(self.grouped, self.grouped[0])} combined with neighbours into hulls")
-        if not said:
+            parts.append(f"{_pieces(self.grouped, self.grouped[0])} combined with neighbours into hulls")
+        if not parts:
             return []
         return [
-            f"the mesh has too many faces for {limit} convex parts: {'; '.join(said)}. "
+            f"the mesh has too many faces for {limit} convex parts: {'; '.join(parts)}. "
             f"Give it collision shapes of its own, or fewer faces"
         ]
 

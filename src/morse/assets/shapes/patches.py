@@ -64,19 +64,19 @@ def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch
     slope = math.cos(flatness.angle)
     seeds = np.argsort(-surface.areas, kind="stable")
     offsets = np.einsum("ij,ij->i", surface.normals, surface.vertices[surface.triangles[:, 0]])
-    found: list[int] = []
+    patch_numbers: list[int] = []
     grows = _Growing(surface, across, flatness, offsets)
     for place, seed in enumerate(seeds.tolist()):
         if place % _AHEAD == 0:
             grows.look(seeds[place : place + _AHEAD])
         if label[seed] != -1:
             continue
-        if len(found) == limit:
+        if len(patch_numbers) == limit:
             return None
         normal, offset = surface.normals[seed], offsets[seed]
-        number = len(found)
+        number = len(patch_numbers)
         label[seed] = number
-        found.append(seed)
+        patch_numbers.append(seed)
         # most patches of a surface that is nowhere flat have one triangle
         front = np.array([seed] if grows.seeds[place % _AHEAD] else [], dtype=np.int64)
         while front.size:
@@ -90,11 +90,11 @@ def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch
             label[front] = number
     order = np.argsort(label, kind="stable")
     order = order[label[order] >= 0]
-    groups = np.split(order, np.flatnonzero(np.diff(label[order])) + 1) if found else []
-    acute = _acute_neighbours(surface, across, label, np.array(found, dtype=np.int64), offsets)
+    groups = np.split(order, np.flatnonzero(np.diff(label[order])) + 1) if patch_numbers else []
+    acute = _acute_neighbours(surface, across, label, np.array(patch_numbers, dtype=np.int64), offsets)
     return [
         Patch(group, surface.normals[seed], float(offsets[seed]), planes)
-        for group, seed, planes in zip(groups, found, acute, strict=True)
+        for group, seed, planes in zip(groups, patch_numbers, acute, strict=True)
     ]
 
 
@@ -140,9 +140,9 @@ def _acute_neighbours(surface: Surface, across: Ints, label: Ints, seeds: Ints, 
     return [planes[group % len(seeds)] for group in np.split(pairs, cuts)] if len(seeds) else []
 
 
-def outline(surface: Surface, chosen: Ints) -> list[list[int]]:
+def outline(surface: Surface, triangles: Ints) -> list[list[int]]:
     """The closed loops of vertices around some triangles: outer loops are counter-clockwise, holes clockwise."""
-    starts, ends = open_edges(surface.triangles[chosen], len(surface.vertices))
+    starts, ends = open_edges(surface.triangles[triangles], len(surface.vertices))
     following: dict[int, list[int]] = {}
     for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
         following.setdefault(start, []).append(end)

@@ -29,23 +29,23 @@ _SQUARE = 1e-3  # sine of the largest error of the corners of a rectangle
 
 def plates(surface: Surface, patches: list[Patch], limit: int) -> list[Part] | None:
     """Return convex plates behind patches, not thicker than the solid behind them; None if more than `limit`."""
-    made: list[Part] = []
+    parts: list[Part] = []
     thickness = _thicknesses(surface, patches)
     for patch, thick in zip(patches, thickness, strict=True):
         for polygon in _polygons(surface, patch):
-            if len(made) == limit:
+            if len(parts) == limit:
                 return None
-            made.append(_plate(polygon, patch, thick))
-    return made
+            parts.append(_plate(polygon, patch, thick))
+    return parts
 
 
 def _polygons(surface: Surface, patch: Patch) -> list[Floats]:
     """The patch as convex polygons (N, 3), counter-clockwise seen from outside."""
     if len(patch.triangles) == 1:
         return [surface.vertices[surface.triangles[patch.triangles[0]]]]
-    used, triangles = np.unique(surface.triangles[patch.triangles], return_inverse=True)
-    points = surface.vertices[used]
-    place = {vertex: index for index, vertex in enumerate(used.tolist())}
+    used_vertices, triangles = np.unique(surface.triangles[patch.triangles], return_inverse=True)
+    points = surface.vertices[used_vertices]
+    place = {vertex: index for index, vertex in enumerate(used_vertices.tolist())}
     loops = [[place[vertex] for vertex in loop] for loop in outline(surface, patch.triangles)]
     start = np.eye(3)[int(np.abs(patch.normal).argmin())]
     x = np.cross(start, patch.normal)
@@ -60,9 +60,9 @@ def _polygons(surface: Surface, patch: Patch) -> list[Floats]:
 
 
 def _fill_the_same(boxes: list[Floats], patch: Patch, surface: Surface) -> bool:
-    wanted = float(surface.areas[patch.triangles].sum())
-    made = sum(float(norm(box[1] - box[0]) * norm(box[3] - box[0])) for box in boxes)
-    return abs(made - wanted) <= _SAME_AREA * wanted
+    patch_area = float(surface.areas[patch.triangles].sum())
+    box_area = sum(float(norm(box[1] - box[0]) * norm(box[3] - box[0])) for box in boxes)
+    return abs(box_area - patch_area) <= _SAME_AREA * patch_area
 
 
 def _thicknesses(surface: Surface, patches: list[Patch]) -> list[float]:
@@ -77,22 +77,22 @@ def _thicknesses(surface: Surface, patches: list[Patch]) -> list[float]:
     centres = (lows + highs) / 2.0
     root = np.sqrt(areas)
     smallest = np.minimum(_THINNEST, root / 4.0)
-    wanted = np.clip(_THICKNESS * root, smallest, _THICKEST)
+    thickness = np.clip(_THICKNESS * root, smallest, _THICKEST)
     result = []
     for index, normal in enumerate(normals):
-        inner = normal * wanted[index]
+        inner = normal * thickness[index]
         low = np.minimum(lows[index], lows[index] - inner)
         high = np.maximum(highs[index], highs[index] - inner)
         depth = matmul(centres[index] - centres, normal)
         opposite = (
             (matmul(normals, normal) < -0.9)
             & (depth > -1e-9)
-            & (depth < wanted[index])
+            & (depth < thickness[index])
             & (lows <= high).all(axis=1)
             & (highs >= low).all(axis=1)
         )
         depths = depth[opposite]
-        result.append(float(max(depths.min(), smallest[index])) if depths.size else float(wanted[index]))
+        result.append(float(max(depths.min(), smallest[index])) if depths.size else float(thickness[index]))
     return result
 
 
@@ -129,11 +129,11 @@ def _as_box(polygon: Floats, normal: Floats, thickness: float) -> Primitive | No
 def _behind(polygon: Floats, plane: Floats) -> Floats:
     """The part of a convex polygon (N, 3) behind a plane (normal, offset): I. Sutherland, G. Hodgman (1974)."""
     heights = matmul(polygon, plane[:3]) - plane[3]
-    kept = []
+    candidates = []
     for index, height in enumerate(heights):
         before = heights[index - 1]
         if (height > 0.0) != (before > 0.0):
-            kept.append(polygon[index - 1] + (polygon[index] - polygon[index - 1]) * (before / (before - height)))
+            candidates.append(polygon[index - 1] + (polygon[index] - polygon[index - 1]) * (before / (before - height)))
         if height <= 0.0:
-            kept.append(polygon[index])
-    return np.array(kept).reshape(-1, 3)
+            candidates.append(polygon[index])
+    return np.array(candidates).reshape(-1, 3)

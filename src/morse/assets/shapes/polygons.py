@@ -31,14 +31,14 @@ def convex_polygons(points: Floats, loops: Sequence[Polygon], triangles: Sequenc
     """
     where: list[Point2] = [(x, y) for x, y in points.tolist()]
     simple = [loop for loop in (_without_straight(where, loop) for loop in loops) if len(loop) >= 3]
-    wanted = sum(_area(where, triangle) for triangle in triangles)
+    area = sum(_area(where, triangle) for triangle in triangles)
     outer = [loop for loop in simple if _area(where, loop) > 0.0]
-    if len(outer) == 1 and abs(sum(_area(where, loop) for loop in simple) - wanted) <= _SAME_AREA * wanted:
+    if len(outer) == 1 and abs(sum(_area(where, loop) for loop in simple) - area) <= _SAME_AREA * area:
         if len(simple) == 1 and _is_convex(where, outer[0]):
             return outer
-        cut = _ears(points, [outer[0], *(loop for loop in simple if loop is not outer[0])])
-        if abs(sum(_area(where, triangle) for triangle in cut) - wanted) <= _SAME_AREA * wanted:
-            return _merged(where, cut)
+        ears = _ears(points, [outer[0], *(loop for loop in simple if loop is not outer[0])])
+        if abs(sum(_area(where, triangle) for triangle in ears) - area) <= _SAME_AREA * area:
+            return _merged(where, ears)
     return _merged(where, [list(triangle) for triangle in triangles])
 
 
@@ -80,12 +80,12 @@ def _is_convex(where: Sequence[Point2], loop: Polygon) -> bool:
 def _ears(points: Floats, loops: list[Polygon]) -> list[Polygon]:
     indices = np.concatenate([np.array(loop, dtype=np.int64) for loop in loops])
     ends = np.cumsum([len(loop) for loop in loops]).astype(np.uint32)
-    cut = mapbox_earcut.triangulate_float64(np.ascontiguousarray(points[indices]), ends).reshape(-1, 3)
+    corners = mapbox_earcut.triangulate_float64(np.ascontiguousarray(points[indices]), ends).reshape(-1, 3)
     where = points[indices]
-    a, b, c = where[cut[:, 0]], where[cut[:, 1]], where[cut[:, 2]]
-    turned = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]) < 0.0
-    cut[turned] = cut[turned][:, ::-1]
-    triangles: list[Polygon] = indices[cut].tolist()
+    a, b, c = where[corners[:, 0]], where[corners[:, 1]], where[corners[:, 2]]
+    is_clockwise = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]) < 0.0
+    corners[is_clockwise] = corners[is_clockwise][:, ::-1]
+    triangles: list[Polygon] = indices[corners].tolist()
     return triangles
 
 
@@ -110,10 +110,10 @@ def _merged(where: Sequence[Point2], pieces: list[Polygon]) -> list[Polygon]:
             or _bend(where[right[-2]], where[b], where[left[1]]) < -_STRAIGHT
         ):
             continue
-        joined = left + right[1:-1]
-        polygons[one] = joined
+        merged = left + right[1:-1]
+        polygons[one] = merged
         del polygons[other]
-        for edge in _edges(joined):
+        for edge in _edges(merged):
             owner[edge] = one
     return list(polygons.values())
 

@@ -55,13 +55,13 @@ def rectangles(points: Floats, loops: Sequence[Sequence[int]]) -> list[Floats] |
     inside = winding[:-1, :-1] > 0
     standing = _strips(inside)
     lying = [(a, b, c, d) for c, d, a, b in _strips(inside.T)]
-    chosen = lying if len(lying) <= len(standing) else standing
+    strips = lying if len(lying) <= len(standing) else standing
     return [
         matmul(
             np.array([[columns[a], rows[c]], [columns[b], rows[c]], [columns[b], rows[d]], [columns[a], rows[d]]]),
             axes.T,
         )
-        for a, b, c, d in chosen
+        for a, b, c, d in strips
     ]
 
 
@@ -77,19 +77,19 @@ def _index(lines: Floats, value: float, tolerance: float) -> int:
 
 def _strips(inside: NDArray[np.bool_]) -> list[tuple[int, int, int, int]]:
     """Rectangles (first and last line of each axis) of runs of filled cells; equal neighbouring runs are merged."""
-    found = []
+    strips = []
     open_runs: dict[tuple[int, int], int] = {}
     for row in range(len(inside) + 1):
         runs = _runs(inside[row]) if row < len(inside) else []
         for run, first in list(open_runs.items()):
             if run not in runs:
-                found.append((first, row, *run))
+                strips.append((first, row, *run))
                 del open_runs[run]
         for run in runs:
             open_runs.setdefault(run, row)
-    return found
+    return strips
 
 
-def _runs(filled: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    steps = np.diff(np.concatenate([[0], filled.astype(np.int8), [0]]))
+def _runs(occupied: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    steps = np.diff(np.concatenate([[0], occupied.astype(np.int8), [0]]))
     return list(zip(np.flatnonzero(steps == 1).tolist(), np.flatnonzero(steps == -1).tolist(), strict=True))

@@ -63,10 +63,15 @@ class Surface:
         backward = np.sort(ends * count + starts)
         return bool(np.array_equal(forward, backward))
 
-    def part(self, chosen: Ints) -> Surface:
+    def part(self, selection: Ints) -> Surface:
         """The surface of some of the triangles."""
-        used, triangles = np.unique(self.triangles[chosen], return_inverse=True)
-        return Surface(self.vertices[used], triangles.reshape(-1, 3), self.normals[chosen], self.areas[chosen])
+        used_vertices, triangles = np.unique(self.triangles[selection], return_inverse=True)
+        return Surface(
+            self.vertices[used_vertices],
+            triangles.reshape(-1, 3),
+            self.normals[selection],
+            self.areas[selection],
+        )
 
 
 def half_edges(triangles: Ints) -> tuple[Ints, Ints]:
@@ -111,13 +116,13 @@ def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
     faces = faces[((faces >= 0) & (faces < len(points))).all(axis=1)]
     usable: NDArray[np.bool_] = np.all(np.abs(points) < _FARTHEST, axis=1)
     faces = with_three_corners(faces[usable[faces].all(axis=1)])
-    used, faces = np.unique(faces, return_inverse=True)
-    points, faces = points[used], faces.reshape(-1, 3)
+    used_vertices, faces = np.unique(faces, return_inverse=True)
+    points, faces = points[used_vertices], faces.reshape(-1, 3)
     if len(faces):
         faces = with_three_corners(_weld_borders(points, faces)[faces])
         faces = without_equal_triangles(faces)
-        used, faces = np.unique(faces, return_inverse=True)
-        points, faces = points[used], faces.reshape(-1, 3)
+        used_vertices, faces = np.unique(faces, return_inverse=True)
+        points, faces = points[used_vertices], faces.reshape(-1, 3)
     return measured(points, faces)
 
 
@@ -151,8 +156,8 @@ def rows_of_three(values: ArrayLike, what: str) -> NDArray[Any]:
 def with_three_corners(faces: Ints) -> Ints:
     """The triangles whose corners are three different vertices."""
     a, b, c = faces.T
-    kept: Ints = faces[(a != b) & (b != c) & (c != a)]
-    return kept
+    proper_faces: Ints = faces[(a != b) & (b != c) & (c != a)]
+    return proper_faces
 
 
 def measured(points: Floats, faces: Ints) -> Surface:

@@ -130,22 +130,22 @@ class _Parser:
         if text is None or element is None:
             return default
         try:
-            found = tuple(float(word) for word in text.replace(",", " ").split())
+            numbers = tuple(float(word) for word in text.replace(",", " ").split())
         except ValueError:
-            found = ()
-        if len(found) > len(default):
+            numbers = ()
+        if len(numbers) > len(default):
             self.warnings.append(f"<{element.tag} {name}={text[:60]!r}>: only the first {len(default)} are used")
-            found = found[: len(default)]
-        if len(found) != len(default) or not all(abs(value) <= _FARTHEST for value in found):
+            numbers = numbers[: len(default)]
+        if len(numbers) != len(default) or not all(abs(value) <= _FARTHEST for value in numbers):
             count = "a number" if len(default) == 1 else f"{len(default)} numbers"
             raise self.fail(f"<{element.tag} {name}={text[:60]!r}>: expected {count}")
-        return found
+        return numbers
 
     def name(self, element: ElementTree.Element | None, what: str, attribute: str = "name") -> str:
-        found = None if element is None else element.get(attribute)
-        if not found:
+        name = None if element is None else element.get(attribute)
+        if not name:
             raise self.fail(f"a <{what}> has no '{attribute}'")
-        return found
+        return name
 
     def origin(self, element: ElementTree.Element) -> Matrix:
         origin = element.find("origin")
@@ -154,7 +154,7 @@ class _Parser:
         return result
 
     def shapes(self, link: ElementTree.Element, tag: str) -> list[Shape]:
-        found = []
+        shapes = []
         for element in link.findall(tag):
             geometry = element.find("geometry")
             kinds = [] if geometry is None else [child for child in geometry if isinstance(child.tag, str)]
@@ -166,14 +166,14 @@ class _Parser:
             origin, color = self.origin(element), self.color(element)
             if shape.tag == "mesh":
                 scale = self.numbers(shape, "scale", (1.0, 1.0, 1.0))
-                found.append(Shape("mesh", scale, self.name(shape, "mesh", "filename"), origin, color))
+                shapes.append(Shape("mesh", scale, self.name(shape, "mesh", "filename"), origin, color))
                 continue
             size = self.size(shape)
             if min(size) <= 0.0:
                 self.warnings.append(f"a <{shape.tag}> of the link '{link.get('name')}' has no size; it is left out")
                 continue
-            found.append(Shape(shape.tag, size, "", origin, color))
-        return found
+            shapes.append(Shape(shape.tag, size, "", origin, color))
+        return shapes
 
     def size(self, shape: ElementTree.Element) -> tuple[float, ...]:
         if shape.tag == "box":
@@ -193,10 +193,10 @@ class _Parser:
         if color is None:
             return self.colors.get(material.get("name") or "")
         r, g, b, a = self.numbers(color, "rgba", (0.8, 0.8, 0.8, 1.0))
-        found = (min(max(r, 0.0), 1.0), min(max(g, 0.0), 1.0), min(max(b, 0.0), 1.0), min(max(a, 0.0), 1.0))
+        rgba = (min(max(r, 0.0), 1.0), min(max(g, 0.0), 1.0), min(max(b, 0.0), 1.0), min(max(a, 0.0), 1.0))
         if material.get("name"):
-            self.colors[str(material.get("name"))] = found
-        return found
+            self.colors[str(material.get("name"))] = rgba
+        return rgba
 
     def link(self, element: ElementTree.Element) -> Link:
         name = self.name(element, "link")
@@ -206,10 +206,10 @@ class _Parser:
 
     def inertial(self, link: str, element: ElementTree.Element) -> Inertial | None:
         inertial = element.find("inertial")
-        given = None if inertial is None else inertial.find("mass")
-        if inertial is None or given is None:
+        mass_element = None if inertial is None else inertial.find("mass")
+        if inertial is None or mass_element is None:
             return None
-        mass = self.numbers(given, "value", (0.0,))[0]
+        mass = self.numbers(mass_element, "value", (0.0,))[0]
         if mass < 0.0:
             raise self.fail(f"the link '{link}' has the mass {mass:g} kg")
         origin, tensor = self.origin(inertial), inertial.find("inertia")
@@ -218,10 +218,10 @@ class _Parser:
             moments = tuple(
                 self.numbers(tensor, name, (0.0,))[0] for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
             )
-        found, remark = inertial_of(mass, origin, moments)
+        inertia, remark = inertial_of(mass, origin, moments)
         if remark:
             self.warnings.append(f"the link '{link}': {remark}")
-        return found
+        return inertia
 
     def joint(self, element: ElementTree.Element) -> Joint:
         name, kind = self.name(element, "joint"), element.get("type") or ""
@@ -325,20 +325,20 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
     if len(roots) != 1:
         what = f"{len(roots)} links without a parent: {', '.join(roots[:4])}" if roots else "the joints form a cycle"
         raise parser.fail(f"it has {what}")
-    ordered, waiting, depth = [], [roots[0]], {roots[0]: 0}
-    while waiting:
-        link = waiting.pop(0)
+    ordered, queue, depth = [], [roots[0]], {roots[0]: 0}
+    while queue:
+        link = queue.pop(0)
         if depth[link] > _DEEPEST:
             raise parser.fail(f"there are more than {_DEEPEST} joints in a chain, up to the link '{link:.60}'")
         for joint in below.get(link, ()):
             ordered.append(joint)
-            waiting.append(joint.child)
+            queue.append(joint.child)
             depth[joint.child] = depth[link] + 1
     if len(ordered) != len(joints):
         raise parser.fail("its joints form a cycle")
-    named = {joint.name: joint for joint in ordered}
+    by_name = {joint.name: joint for joint in ordered}
     for joint in ordered:
-        leader = named.get(joint.mimic[0]) if joint.mimic else None
+        leader = by_name.get(joint.mimic[0]) if joint.mimic else None
         if joint.mimic and (leader is None or leader.mimic or not leader.has_value or not joint.has_value):
             parser.warnings.append(f"the joint '{joint.name}' cannot follow '{joint.mimic[0]}'; it moves by itself")
             joint.mimic = None

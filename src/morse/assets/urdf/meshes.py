@@ -20,11 +20,11 @@ class MeshError(ValueError):
     """A mesh cannot be used; the message contains the reason."""
 
 
-def mesh_nodes(path: Path, *, known: dict[Path, Library]) -> list[Node]:
+def mesh_nodes(path: Path, *, libraries: dict[Path, Library]) -> list[Node]:
     """Copies of the nodes of a mesh file.
 
     Args:
-        known: the files that have already been read; newly read files are added.
+        libraries: the files that have already been read; newly read files are added.
 
     Raises:
         AssetError: the file is damaged.
@@ -33,10 +33,10 @@ def mesh_nodes(path: Path, *, known: dict[Path, Library]) -> list[Node]:
     if path.suffix.lower() not in MESH_SUFFIXES:
         kinds = ", ".join(MESH_SUFFIXES)
         raise MeshError(f"files of type '{path.suffix}' cannot be read; supported: {kinds}")
-    if path not in known:
+    if path not in libraries:
         library = reader_of(path)(path)
         for mesh in (node.mesh for node in library.nodes() if node.mesh is not None):
             if mesh.vertices.size and not abs(mesh.vertices).max() < _FARTHEST:
                 raise MeshError(f"vertices of '{mesh.name}' are farther from the origin than {_FARTHEST:g} m")
-        known[path] = library
-    return [instantiate(root) for root in known[path].roots]
+        libraries[path] = library
+    return [instantiate(root) for root in libraries[path].roots]

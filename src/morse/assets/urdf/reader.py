@@ -82,13 +82,13 @@ class _Reader:
         armature.bones = tuple(self._bones())
         root.articulation = armature.articulation = Articulation(mass=mass)
         root.attach(armature)
-        frames, turned = self._start(armature.bones), {joint.child: _turn(joint) for joint in document.joints}
-        moved = {joint.child: joint.name for joint in document.joints}
+        frames, rotations = self._start(armature.bones), {joint.child: _turn(joint) for joint in document.joints}
+        joint_names = {joint.child: joint.name for joint in document.joints}
         for link in document.links.values():
             node = self._link(link)
-            if link.name in moved:
-                node.bone = moved[link.name]
-                frame = frames[node.bone] @ turned[link.name].inverted()
+            if link.name in joint_names:
+                node.bone = joint_names[link.name]
+                frame = frames[node.bone] @ rotations[link.name].inverted()
                 node.location, node.rotation_euler = list(frame.translation), list(frame.to_euler())
             armature.attach(node)
         return Library(str(self.path), roots=[root], sensors=document.sensors, warnings=self.warnings)
@@ -114,7 +114,7 @@ class _Reader:
         joints = self.document.joints
         index = {joint.name: i for i, joint in enumerate(joints)}
         above = {joint.child: i for i, joint in enumerate(joints)}
-        found = []
+        bones = []
         for joint in joints:
             parent = above.get(joint.parent, -1)
             local = joint.origin @ _turn(joint)
@@ -125,7 +125,7 @@ class _Reader:
             leader, factor, offset = joint.mimic or ("", 1.0, 0.0)
             x, y, z = local.translation
             turns = kind is JointKind.REVOLUTE
-            found.append(
+            bones.append(
                 Bone(
                     joint.name,
                     parent,
@@ -144,7 +144,7 @@ class _Reader:
                     dynamics=joint.dynamics,
                 )
             )
-        return found
+        return bones
 
     def _start(self, bones: tuple[Bone, ...]) -> dict[str, Matrix]:
         """The initial frame of each bone in the frame of the armature."""
@@ -196,7 +196,7 @@ class _Reader:
     def _mesh(self, shape: Shape) -> list[Node]:
         """The nodes of a mesh file; if it cannot be read, an empty list and a warning."""
         try:
-            return mesh_nodes(find_near(shape.file, self.path), known=self._libraries)
+            return mesh_nodes(find_near(shape.file, self.path), libraries=self._libraries)
         except (AssetError, FileRefusedError, MeshError, OSError) as error:
             if shape.file not in self._told:
                 self._told.add(shape.file)
@@ -220,5 +220,5 @@ def _turn(joint: Joint) -> Matrix:
     """4x4 rotation from the Z axis, about which bones rotate here, to the axis of a joint."""
     if not joint.has_value and joint.kind != "planar":
         return Matrix.Identity(4)
-    turned: Matrix = Vector((0.0, 0.0, 1.0)).rotation_difference(joint.axis).to_matrix().to_4x4()
-    return turned
+    rotation: Matrix = Vector((0.0, 0.0, 1.0)).rotation_difference(joint.axis).to_matrix().to_4x4()
+    return rotation

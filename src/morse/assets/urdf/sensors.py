@@ -39,23 +39,23 @@ _FARTHEST = 1e6
 
 def sensors_of(robot: ElementTree.Element, links: Container[str]) -> tuple[list[DeclaredSensor], list[str]]:
     """Return the sensors of a robot, and warnings about those that are left out."""
-    found: list[DeclaredSensor] = []
+    sensors: list[DeclaredSensor] = []
     unknown: list[str] = []
     wrong: list[str] = []
     for element, link in _elements(robot):
-        name = element.get("name") or f"sensor{len(found)}"
+        name = element.get("name") or f"sensor{len(sensors)}"
         kind = _kind(element)
         if kind not in _PRODUCTS or link not in links:
             what = kind or "no type" if kind not in _PRODUCTS else f"on the link '{link:.60}', which does not exist"
             unknown.append(f"'{name:.60}' ({what:.80})")
             continue
         try:
-            found.append(_sensor(element, name, kind, link))
+            sensors.append(_sensor(element, name, kind, link))
         except ValueError as error:
             wrong.append(f"the sensor '{name:.60}' is left out: {error}")
     if unknown:
         wrong.append(f"sensors that MORSE does not have are left out: {', '.join(unknown[:10])}")
-    return found, wrong
+    return sensors, wrong
 
 
 def _elements(robot: ElementTree.Element) -> Iterator[tuple[ElementTree.Element, str]]:
@@ -69,10 +69,10 @@ def _elements(robot: ElementTree.Element) -> Iterator[tuple[ElementTree.Element,
 
 
 def _kind(element: ElementTree.Element) -> str:
-    given = element.get("type")
-    if given is None:
-        given = next((child.tag for child in element if child.tag in ("camera", "ray")), "")
-    return given.lower()
+    kind = element.get("type")
+    if kind is None:
+        kind = next((child.tag for child in element if child.tag in ("camera", "ray")), "")
+    return kind.lower()
 
 
 def _sensor(element: ElementTree.Element, name: str, kind: str, link: str) -> DeclaredSensor:
@@ -97,29 +97,29 @@ def _sensor(element: ElementTree.Element, name: str, kind: str, link: str) -> De
 
 
 def _camera(element: ElementTree.Element) -> dict[str, float | int]:
-    found: dict[str, float | int] = {}
+    options: dict[str, float | int] = {}
     for name, paths in (("cam_width", (".//image/width",)), ("cam_height", (".//image/height",))):
         size = _number(element, paths, None)
         image = element.find(".//image")
         if size is None and image is not None and (text := image.get(name.removeprefix("cam_"))) is not None:
             size = _finite(text, name)
         if size is not None:
-            found[name] = int(min(max(size, 1.0), _MOST_PIXELS))
+            options[name] = int(min(max(size, 1.0), _MOST_PIXELS))
     image = element.find(".//image")
     angle = _number(element, (".//horizontal_fov",), None)
     if angle is None and image is not None and (text := image.get("hfov")) is not None:
         angle = _finite(text, "hfov")
     if angle is not None:
-        found["cam_fov"] = min(max(math.degrees(angle), 1.0), 179.0)
+        options["cam_fov"] = min(max(math.degrees(angle), 1.0), 179.0)
     near, far = _number(element, (".//clip/near",), None), _number(element, (".//clip/far",), None)
     if near is not None and far is not None and 0.0 < near < far:
-        found |= {"cam_near": near, "cam_far": min(far, _FARTHEST)}
-    return found
+        options |= {"cam_near": near, "cam_far": min(far, _FARTHEST)}
+    return options
 
 
 def _scan(element: ElementTree.Element) -> tuple[dict[str, float | int], float]:
     """Return the properties of a laser scanner, and the direction of the middle of its fan, rad."""
-    found: dict[str, float | int] = {"laser_range": _positive(element, (".//range/max",), 30.0)}
+    options: dict[str, float | int] = {"laser_range": _positive(element, (".//range/max",), 30.0)}
     low, high = (
         _number(element, (".//horizontal/min_angle",), None),
         _number(element, (".//horizontal/max_angle",), None),
@@ -128,20 +128,20 @@ def _scan(element: ElementTree.Element) -> tuple[dict[str, float | int], float]:
     if scan is not None and scan.get("min_angle") is not None:
         low, high = _finite(scan.get("min_angle", ""), "min_angle"), _finite(scan.get("max_angle", "0"), "max_angle")
     if low is None or high is None or not low < high:
-        return found, 0.0
+        return options, 0.0
     window = min(math.degrees(high - low), 360.0)
-    given = _number(element, (".//horizontal/samples",), None)
-    if given is None and scan is not None and scan.get("samples") is not None:
-        given = _finite(scan.get("samples", ""), "samples")
-    samples = min(max(given or 181.0, 2.0), _MOST_RAYS)
-    found |= {"scan_window": window, "resolution": max(window / (samples - 1.0), 1e-3)}
+    sample_count = _number(element, (".//horizontal/samples",), None)
+    if sample_count is None and scan is not None and scan.get("samples") is not None:
+        sample_count = _finite(scan.get("samples", ""), "samples")
+    samples = min(max(sample_count or 181.0, 2.0), _MOST_RAYS)
+    options |= {"scan_window": window, "resolution": max(window / (samples - 1.0), 1e-3)}
     rows = _number(element, (".//vertical/samples",), None)
     if rows is not None and 2.0 <= rows <= 256.0:
         bottom, top = (_number(element, (f".//vertical/{name}_angle",), 0.0) or 0.0 for name in ("min", "max"))
         if top > bottom:
-            found |= {"layers": int(rows), "layer_separation": math.degrees(top - bottom) / (int(rows) - 1)}
-            found["layer_offset"] = 0.0
-    return found, (low + high) / 2.0
+            options |= {"layers": int(rows), "layer_separation": math.degrees(top - bottom) / (int(rows) - 1)}
+            options["layer_offset"] = 0.0
+    return options, (low + high) / 2.0
 
 
 def _pose(element: ElementTree.Element) -> Matrix:
@@ -154,9 +154,9 @@ def _pose(element: ElementTree.Element) -> Matrix:
     if len(words) != 6:
         raise ValueError(f"its pose has {len(words)} numbers, expected 6")
     x, y, z, roll, pitch, yaw = (_finite(word, "pose") for word in words)
-    found: Matrix = Euler((roll, pitch, yaw)).to_matrix().to_4x4()
-    found.translation = (x, y, z)
-    return found
+    matrix: Matrix = Euler((roll, pitch, yaw)).to_matrix().to_4x4()
+    matrix.translation = (x, y, z)
+    return matrix
 
 
 def _number(element: ElementTree.Element, paths: tuple[str, ...], default: float | None) -> float | None:
@@ -168,8 +168,8 @@ def _number(element: ElementTree.Element, paths: tuple[str, ...], default: float
 
 
 def _positive(element: ElementTree.Element, paths: tuple[str, ...], default: float) -> float:
-    found = _number(element, paths, default) or default
-    return min(max(found, 1e-3), _FARTHEST)
+    number = _number(element, paths, default) or default
+    return min(max(number, 1e-3), _FARTHEST)
 
 
 def _finite(text: str, name: str) -> float:

@@ -88,22 +88,22 @@ def pick(
         The copies without a parent, in the order of the file; empty if nothing matches.
     """
     if names is not None:
-        wanted = [node for node in library.nodes() if node.name in names]
+        nodes = [node for node in library.nodes() if node.name in names]
     elif prefix is not None:
-        named = [node for node in library.nodes() if node.name.startswith(prefix)]
+        matches = [node for node in library.nodes() if node.name.startswith(prefix)]
         members = set(library.collections.get(prefix, ()))
-        wanted = named or [node for node in library.nodes() if node.name in members]
+        nodes = matches or [node for node in library.nodes() if node.name in members]
     else:
         viewpoint = viewpoint_of(library) if role == "environment" else None
-        wanted = [root for root in library.roots if root.name not in library.outside_scene and root is not viewpoint]
-    roots = [_copy(node) for node in _topmost(wanted) if not node.name.startswith("_")]
+        nodes = [root for root in library.roots if root.name not in library.outside_scene and root is not viewpoint]
+    roots = [_copy(node) for node in _topmost(nodes) if not node.name.startswith("_")]
     _settle_physics(roots, role)
     return roots
 
 
 def _topmost(nodes: Iterable[Node]) -> list[Node]:
-    chosen = dict.fromkeys(nodes)
-    return [node for node in chosen if not any(ancestor in chosen for ancestor in node.ancestors())]
+    selection = dict.fromkeys(nodes)
+    return [node for node in selection if not any(ancestor in selection for ancestor in node.ancestors())]
 
 
 def _copy(original: Node) -> Node:

@@ -42,7 +42,7 @@ def describe_newcomer(
     make: Callable[[], Any],
     position: Sequence[float],
     rotation: Sequence[float],
-    taken: Iterable[Node],
+    present: Iterable[Node],
     interfaces: Iterable[str],
 ) -> Newcomer:
     """Return the robot or object that a function of the builder describes, with a name and a pose.
@@ -52,44 +52,44 @@ def describe_newcomer(
             keeps its pose.
         position: x, y, z in the world, m.
         rotation: roll, pitch, yaw, rad.
-        taken: nodes of the running scene; new nodes get names that do not exist there.
+        present: nodes of the running scene; new nodes get names that do not exist there.
         interfaces: names of the middlewares to which a robot is connected.
 
     Raises:
         MorseBuilderError: the function does not return a robot or an object, or the name already exists.
     """
-    taken = list(taken)
+    present = list(present)
     with workspace.described() as described:
-        described.reserve(taken)
-        made = make()
-        if isinstance(made, Newcomer):
-            return _checked(made, taken)
-        if not isinstance(made, AbstractComponent):
+        described.reserve(present)
+        newcomer = make()
+        if isinstance(newcomer, Newcomer):
+            return _checked(newcomer, present)
+        if not isinstance(newcomer, AbstractComponent):
             raise MorseBuilderError(
-                f"expected a robot or an object of morse.builder, such as ATRV(), not {checks.shown(made)}"
+                f"expected a robot or an object of morse.builder, such as ATRV(), not {checks.shown(newcomer)}"
             )
-        made.name = name
-        made.location = list(position)
-        made.rotation_euler = list(rotation)
-        if isinstance(made, WheeledRobot):
-            made.unparent_wheels()
+        newcomer.name = name
+        newcomer.location = list(position)
+        newcomer.rotation_euler = list(rotation)
+        if isinstance(newcomer, WheeledRobot):
+            newcomer.unparent_wheels()
         naming.rename_all()
-        if isinstance(made, Robot):
+        if isinstance(newcomer, Robot):
             for interface in interfaces:
-                made.add_default_interface(interface)
-            connect_by_default(made)
-        if made.name != name:
+                newcomer.add_default_interface(interface)
+            connect_by_default(newcomer)
+        if newcomer.name != name:
             raise MorseBuilderError(f"there is already an object '{name}' in the scene")
         parts = [part for part in described.components if isinstance(part, AbstractComponent) and part.is_morseable()]
         return Newcomer(list(described.roots), [declare(part) for part in parts], list(described.models))
 
 
-def _checked(made: Newcomer, taken: Iterable[Node]) -> Newcomer:
-    present = {node.name for node in taken}
-    for node in (node for root in made.roots for node in root.walk()):
+def _checked(newcomer: Newcomer, others: Iterable[Node]) -> Newcomer:
+    present = {node.name for node in others}
+    for node in (node for root in newcomer.roots for node in root.walk()):
         if node.name in present:
             raise MorseBuilderError(f"there is already an object '{short(node.name)}' in the scene")
-    return made
+    return newcomer
 
 
 def maker_of(kind: str) -> Callable[[], Any]:
@@ -100,9 +100,9 @@ def maker_of(kind: str) -> Callable[[], Any]:
     """
     import morse.builder
 
-    found = getattr(morse.builder, kind, None) if kind in morse.builder.__all__ else None
-    if isinstance(found, type) and issubclass(found, Robot):
-        return found
+    maker = getattr(morse.builder, kind, None) if kind in morse.builder.__all__ else None
+    if isinstance(maker, type) and issubclass(maker, Robot):
+        return maker
     if "/" in kind or "." in kind:
         return lambda: PassiveObject(kind)
     robots = [

@@ -59,9 +59,9 @@ class _Materials(list[Any]):
         self._node.materials.clear()
 
     def pop(self, index: Any = -1, *_: Any) -> Any:
-        taken = super().pop(index)
+        material = super().pop(index)
         self._store()
-        return taken
+        return material
 
 
 def _check(material: Any) -> None:

@@ -226,9 +226,9 @@ class GameSettings:
 
     @use_collision_bounds.setter
     def use_collision_bounds(self, value: bool) -> None:
-        wanted = checks.boolean(value, "game.use_collision_bounds")
-        if wanted != self.use_collision_bounds:
-            self.node.body.bounds = Bounds.BOX if wanted else None
+        flag = checks.boolean(value, "game.use_collision_bounds")
+        if flag != self.use_collision_bounds:
+            self.node.body.bounds = Bounds.BOX if flag else None
             self.node.shapes = None
 
     @property

@@ -186,9 +186,9 @@ class SharedMaterial(_Surface):
 
 def all_materials() -> Iterator[Material]:
     """The materials that a script has created, and those of the objects in the scene, each once."""
-    seen: set[int] = set()
+    visited: set[int] = set()
     slots = (material for node in workspace.current().nodes() for material in material_slots(node))
     for material in [*workspace.current().materials, *slots]:
-        if material is not None and id(material) not in seen:
-            seen.add(id(material))
+        if material is not None and id(material) not in visited:
+            visited.add(id(material))
             yield material

@@ -188,8 +188,8 @@ class SceneObject:
 
     @dimensions.setter
     def dimensions(self, value: Iterable[float]) -> None:
-        wanted = checks.triple(value, "dimensions")
-        for axis, (length, now) in enumerate(zip(wanted, self.dimensions, strict=True)):
+        size = checks.triple(value, "dimensions")
+        for axis, (length, now) in enumerate(zip(size, self.dimensions, strict=True)):
             if now > 0.0:
                 self.node.scale[axis] *= length / now
 

@@ -61,19 +61,19 @@ class Armature(ActuatorCreator):
     def _existing(self, name: str | None) -> SceneObject:
         """Return the armature of that name in the scene; if several are from the same file, the first unused one."""
         space = workspace.current()
-        used = {part.scene_node for part in space.components if isinstance(part, Armature) and part.is_complete}
+        bound_nodes = {part.scene_node for part in space.components if isinstance(part, Armature) and part.is_complete}
         for node in space.nodes():
-            if node.bones and name in (node.name, node.source_name) and node not in used:
+            if node.bones and name in (node.name, node.source_name) and node not in bound_nodes:
                 return SceneObject(node)
         return super()._existing(name)
 
     def _only_armature(self, model: str) -> str:
         self._category = "actuators"
-        found = [node.name for node in self._library(model).nodes() if node.kind is NodeKind.ARMATURE]
-        if len(found) != 1:
-            known = f"one of {', '.join(found)}" if found else "it contains none"
-            raise MorseBuilderNoComponentError(f"{type(self).__name__}: which armature of '{model}'? {known}")
-        return found[0]
+        armatures = [node.name for node in self._library(model).nodes() if node.kind is NodeKind.ARMATURE]
+        if len(armatures) != 1:
+            contents = f"one of {', '.join(armatures)}" if armatures else "it contains none"
+            raise MorseBuilderNoComponentError(f"{type(self).__name__}: which armature of '{model}'? {contents}")
+        return armatures[0]
 
     def control(self, control: str, joints: Iterable[str] | None = None) -> None:
         """Set the quantity that the motors of dynamic joints control; see `morse.actuators.armature.Armature`.
@@ -91,16 +91,16 @@ class Armature(ActuatorCreator):
         if joints is None:
             self.properties(Control=str(kind))
             return
-        known = Chain(self.scene_node.bones).names
-        chosen = [joints] if isinstance(joints, str) else list(joints)
-        for joint in chosen:
-            if joint not in known:
+        names = Chain(self.scene_node.bones).names
+        joint_names = [joints] if isinstance(joints, str) else list(joints)
+        for joint in joint_names:
+            if joint not in names:
                 raise MorseBuilderError(
-                    f"control: '{self.name}' has no joint {checks.shown(joint)}{checks.suggestion(joint, known)}"
+                    f"control: '{self.name}' has no joint {checks.shown(joint)}{checks.suggestion(joint, names)}"
                 )
         settings = self.scene_node.articulation or Articulation()
-        told = dict(settings.control) | dict.fromkeys(chosen, kind)
-        self.scene_node.articulation = replace(settings, control=tuple(told.items()))
+        kinds = dict(settings.control) | dict.fromkeys(joint_names, kind)
+        self.scene_node.articulation = replace(settings, control=tuple(kinds.items()))
         self.scene_node.properties.setdefault(DYNAMIC, True)
 
     def create_ik_targets(self, bones: Iterable[str]) -> None:
@@ -119,10 +119,8 @@ class Armature(ActuatorCreator):
         for bone in bones:
             index = chain.index(bone) if isinstance(bone, str) else None
             if index is None:
-                known = [one.name for one in chain.bones]
-                raise MorseBuilderError(
-                    f"create_ik_targets: '{self.name}' has no bone {checks.shown(bone)}{checks.suggestion(bone, known)}"
-                )
+                hint = checks.suggestion(bone, [one.name for one in chain.bones])
+                raise MorseBuilderError(f"create_ik_targets: '{self.name}' has no bone {checks.shown(bone)}{hint}")
             if bone in self.ik_targets:
                 continue
             position, r = chain.tip(frames[index], index)
@@ -172,16 +170,16 @@ class KukaLWR(Armature):
 
     def _end_effector(self) -> Node:
         walk = list(self.scene_node.walk())
-        marked = [node for node in walk if node.properties.get("end_effector")]
+        effectors = [node for node in walk if node.properties.get("end_effector")]
         last = [node for node in walk if node.bone == self.scene_node.bones[-1].name]
-        if not marked and not last:
+        if not effectors and not last:
             raise MorseBuilderError(f"'{self.name}' has no end effector: no object is attached to its last bone")
-        return (marked or last)[0]
+        return (effectors or last)[0]
 
     def _seen_from(self, node: Node) -> Matrix:
         """4x4 from the frame of a part to that of the arm."""
-        seen: Matrix = self.scene_node.world_matrix().inverted() @ node.world_matrix()
-        return seen
+        relative: Matrix = self.scene_node.world_matrix().inverted() @ node.world_matrix()
+        return relative
 
     def _scene_options(self) -> dict[str, object]:
         chain = Chain(self.scene_node.bones)

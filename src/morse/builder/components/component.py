@@ -52,8 +52,8 @@ class Component(AbstractComponent):
 
     def _load(self, root_name: str | None) -> SceneObject:
         if root_name is not None:
-            found = self.append_meshes(objects=[root_name])
-            return found[0]
+            nodes = self.append_meshes(objects=[root_name])
+            return nodes[0]
         return self.append_model()
 
 

@@ -18,9 +18,9 @@ DRIVES: Mapping[str, type[Robot]] = {"free": Robot, "ground": GroundRobot, "whee
 
 def robot_defaults(cls: type) -> RobotDefaults:
     """Return the declaration of a robot class; the default is a ground robot with the model of the same name."""
-    declared = getattr(cls, "_builder", None)
-    if isinstance(declared, RobotDefaults):
-        return declared
+    defaults = getattr(cls, "_builder", None)
+    if isinstance(defaults, RobotDefaults):
+        return defaults
     project, _, file = cls.__module__.rpartition(".robots.")
     own = f"{project}/robots/{file}.blend"
     try:

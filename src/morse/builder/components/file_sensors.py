@@ -16,26 +16,26 @@ if TYPE_CHECKING:
     from morse.scene.declared_sensor import DeclaredSensor
 
 
-def add_sensors(robot: AbstractComponent, declared: Iterable[DeclaredSensor]) -> dict[str, Any]:
+def add_sensors(robot: AbstractComponent, declarations: Iterable[DeclaredSensor]) -> dict[str, Any]:
     """Create the sensors of a file on the links of a robot, and return them by name."""
-    found: dict[str, Any] = {}
-    for one in declared:
+    sensors: dict[str, Any] = {}
+    for one in declarations:
         name = base = re.sub(r"\W", "_", one.name, flags=re.ASCII) or "sensor"
         number = 1
-        while name in found:
+        while name in sensors:
             number += 1
             name = f"{base}_{number}"
-        made = load_class(f"morse.builder.sensors.{one.product}")(name)
+        sensor = load_class(f"morse.builder.sensors.{one.product}")(name)
         r = one.rotation
-        turned = Matrix((r[:3], r[3:6], r[6:]))
-        if hasattr(made, "rotate") and made.scene_node.rotation_euler[:] == list(MOUNTED):
-            turned = turned @ Euler(MOUNTED).to_matrix()
-        made.scene_node.location[:] = one.position
-        made.scene_node.rotation_euler[:] = list(turned.to_euler())
+        rotation = Matrix((r[:3], r[3:6], r[6:]))
+        if hasattr(sensor, "rotate") and sensor.scene_node.rotation_euler[:] == list(MOUNTED):
+            rotation = rotation @ Euler(MOUNTED).to_matrix()
+        sensor.scene_node.location[:] = one.position
+        sensor.scene_node.rotation_euler[:] = list(rotation.to_euler())
         if one.properties:
-            made.properties(**dict(one.properties))
+            sensor.properties(**dict(one.properties))
         if one.frequency is not None:
-            made.frequency(one.frequency)
-        robot.append(made, one.link)
-        found[name] = made
-    return found
+            sensor.frequency(one.frequency)
+        robot.append(sensor, one.link)
+        sensors[name] = sensor
+    return sensors

@@ -71,22 +71,26 @@ class Interfaces:
             )
         way = self._direction(direction)
         # scripts of 1.4 give the module of a method as a file: "morse/middleware/ros/imu"
-        chosen = classpath or (f"{path.replace('/', '.')}.{method}" if path and method else method)
+        stream_class = classpath or (f"{path.replace('/', '.')}.{method}" if path and method else method)
         options = dict(kwargs)
-        middleware = registry.middleware_of_stream_manager(manager) if chosen is not None else None
+        middleware = registry.middleware_of_stream_manager(manager) if stream_class is not None else None
         # a class of the user has a module
-        if chosen is None or "." not in chosen or (middleware is not None and not middleware.has_stream(chosen)):
+        if (
+            stream_class is None
+            or "." not in stream_class
+            or (middleware is not None and not middleware.has_stream(stream_class))
+        ):
             usual = self._default_stream(manager, datastream, way)
-            if chosen is not None:
+            if stream_class is not None:
                 logger.warning(
                     "%s: there is no class %s: %s uses the usual stream of '%s'",
-                    frames.source_line(), chosen, self.name, datastream,
+                    frames.source_line(), stream_class, self.name, datastream,
                 )  # fmt: skip
-            chosen = usual
-        if chosen.startswith("morse."):
+            stream_class = usual
+        if stream_class.startswith("morse."):
             # a class of the user may have options of its own
             options = stream_options(manager, kwargs)
-        stream = StreamDeclaration(manager, chosen, way, options, frames.source_line())
+        stream = StreamDeclaration(manager, stream_class, way, options, frames.source_line())
         self._streams.append(stream)
 
     def _direction(self, direction: str | None) -> str:
@@ -231,14 +235,14 @@ class Interfaces:
         Raises:
             MorseBuilderError: the component does not declare the level.
         """
-        wanted = checks.text(level, "level(name)")
+        level_name = checks.text(level, "level(name)")
         cls = self.component_class()
-        declared = declarations.levels(cls) if cls is not None else {}
-        if wanted == "default" and declared:
-            wanted = next((name for name, entry in declared.items() if entry.default), next(iter(declared)))
-        if wanted not in declared:
-            known = f"has {', '.join(declared)}" if declared else "has no abstraction levels"
-            near = checks.closest(wanted, declared)
+        levels = declarations.levels(cls) if cls is not None else {}
+        if level_name == "default" and levels:
+            level_name = next((name for name, entry in levels.items() if entry.default), next(iter(levels)))
+        if level_name not in levels:
+            choices = f"has {', '.join(levels)}" if levels else "has no abstraction levels"
+            near = checks.closest(level_name, levels)
             hint = f"; did you mean '{near}'?" if near else ""
-            raise MorseBuilderError(f"no level '{wanted}': {type(self).__name__} {known}{hint}")
-        self._level = wanted
+            raise MorseBuilderError(f"no level '{level_name}': {type(self).__name__} {choices}{hint}")
+        self._level = level_name

@@ -26,10 +26,10 @@ class LaserSensorWithArc(SensorCreator):
         from morse.helpers.fans import fan
 
         cls = self.component_class()
-        declared = {} if cls is None else {p.name: p.default for p in declarations.properties(cls).values()}
+        defaults = {} if cls is None else {p.name: p.default for p in declarations.properties(cls).values()}
         values = [self.property_value(name) for name in _SHAPE]
-        given = [declared[name] if value is None else value for name, value in zip(_SHAPE, values, strict=True)]
+        shape = [defaults[name] if value is None else value for name, value in zip(_SHAPE, values, strict=True)]
         try:
-            fan(*given)
+            fan(*shape)
         except ValueError as error:
             raise MorseBuilderError(f"{type(self).__name__}.create_laser_arc(): {error}") from None

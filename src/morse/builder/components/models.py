@@ -57,10 +57,10 @@ class Models:
         names = None if objects is None else tuple(checks.names(objects, "append_meshes(objects)"))
         roots = _into_scene(library, Choice(self._role, names=names, prefix=prefix))
         if not roots:
-            wanted = prefix if prefix is not None else ", ".join(names or ())
-            known = [node.plain_name for node in library.nodes()] + list(library.collections)
-            what = f"'{wanted}'" if wanted else "object"
-            raise MorseBuilderNoComponentError(f"no {what} in {library.path}{checks.suggestion(wanted, known)}")
+            pattern = prefix if prefix is not None else ", ".join(names or ())
+            candidates = [node.plain_name for node in library.nodes()] + list(library.collections)
+            what = f"'{pattern}'" if pattern else "object"
+            raise MorseBuilderNoComponentError(f"no {what} in {library.path}{checks.suggestion(pattern, candidates)}")
         return [SceneObject(root) for root in roots]
 
     def append_scenes(self, filename: str | None = None) -> list[SceneObject]:

@@ -63,8 +63,8 @@ class RealisticSensor:
             MorseBuilderError: the sensor has no such field, or the field is not numeric.
         """
         what = type(self).__name__ + ".noise"
-        given = {"gaussian": gaussian, "bias_walk": bias_walk, "quantization": quantization, "dropout": dropout}
-        values = {name: checks.number(value, f"{what}({name})", minimum=0.0) for name, value in given.items()}
+        models = {"gaussian": gaussian, "bias_walk": bias_walk, "quantization": quantization, "dropout": dropout}
+        values = {name: checks.number(value, f"{what}({name})", minimum=0.0) for name, value in models.items()}
         if values["dropout"] > 1.0:
             raise ValueError(f"{what}(dropout) takes a probability from 0 to 1, got {dropout:g}")
         if field is not None:
@@ -75,20 +75,20 @@ class RealisticSensor:
     def _check_field(self, field: str, what: str) -> None:
         cls = self.component_class()
         fields = {} if cls is None else declarations.data_fields(cls)
-        measured = {name: entry for name, entry in fields.items() if name != "timestamp" and not entry.follows}
+        measurements = {name: entry for name, entry in fields.items() if name != "timestamp" and not entry.follows}
         without = getattr(cls, "without_noise", ())
-        known = [name for name, entry in measured.items() if is_numeric(entry.default) and name not in without]
-        if field in known or (cls is None):
+        names = [name for name, entry in measurements.items() if is_numeric(entry.default) and name not in without]
+        if field in names or (cls is None):
             return
         if field in fields and fields[field].follows:
             followed = ", ".join(map(repr, fields[field].follows))
             raise MorseBuilderError(f"{what}(field): '{field}' is computed from {followed}, which can have noise")
         if field in fields:
             raise MorseBuilderError(
-                f"{what}(field): '{field}' is not a measured number{checks.suggestion(field, known)}"
+                f"{what}(field): '{field}' is not a measured number{checks.suggestion(field, names)}"
             )
         raise MorseBuilderError(
-            f"{what}(field): {type(self).__name__} has no data field '{field}'{checks.suggestion(field, known)}"
+            f"{what}(field): {type(self).__name__} has no data field '{field}'{checks.suggestion(field, names)}"
         )
 
     def _scene_options(self) -> dict[str, object]:

@@ -56,11 +56,11 @@ class Robot(Component):
         if name is not None:
             self.name = name
         self.sensors: dict[str, AbstractComponent] = {}
-        declared = self._library().sensors if filename and sensors and blender_object_name is None else ()
-        if declared:
+        declarations = self._library().sensors if filename and sensors and blender_object_name is None else ()
+        if declarations:
             from morse.builder.components.file_sensors import add_sensors
 
-            self.sensors = add_sensors(self, declared)
+            self.sensors = add_sensors(self, declarations)
 
     def add_default_interface(self, stream: str) -> None:
         """Connect all components of the robot to a middleware; existing streams are not changed.
@@ -184,22 +184,22 @@ class Robot(Component):
         Raises:
             MorseBuilderError: the robot has no such part.
         """
-        found = self.get_child(checks.text(obj_name, "make_grasper(obj_name)"))
-        if found is None:
+        child = self.get_child(checks.text(obj_name, "make_grasper(obj_name)"))
+        if child is None:
             parts = [node.plain_name for node in self.own_nodes()]
             raise MorseBuilderError(f"'{self.name}' has no part '{obj_name}'{checks.suggestion(obj_name, parts)}")
-        found.node.properties["Grasper"] = True
+        child.node.properties["Grasper"] = True
 
     def _scene_kind(self) -> str:
         return "external_robot" if self.is_external else "robot"
 
     def _declaration(self, robot: AbstractComponent) -> ComponentDeclaration:
-        declared = super()._declaration(robot)
+        declaration = super()._declaration(robot)
         # its node moves it, with its wheels and legs
         return (
-            replace(declared, classpath=Robot._classpath, options={}, streams=[], managers=[])
+            replace(declaration, classpath=Robot._classpath, options={}, streams=[], managers=[])
             if self.is_external
-            else declared
+            else declaration
         )
 
     def _scene_options(self) -> dict[str, object]:

@@ -138,11 +138,11 @@ class TimeMethods(EnvironmentDescription):
         Raises:
             MorseMiddlewareError: the middleware is unknown.
         """
-        found = registry.middleware(checks.text(interface, "env.add_default_interface(interface)"))
-        if found.request_manager is not None and found.request_manager not in self._simulation_managers:
-            self._simulation_managers.append(found.request_manager)
-        if found.name not in self._default_interfaces:
-            self._default_interfaces.append(found.name)
+        middleware = registry.middleware(checks.text(interface, "env.add_default_interface(interface)"))
+        if middleware.request_manager is not None and middleware.request_manager not in self._simulation_managers:
+            self._simulation_managers.append(middleware.request_manager)
+        if middleware.name not in self._default_interfaces:
+            self._default_interfaces.append(middleware.name)
 
     def add_service(self, datastream: str) -> None:
         """Offer the services of the simulation on an additional middleware; the socket always offers them.
@@ -160,9 +160,9 @@ class TimeMethods(EnvironmentDescription):
         Raises:
             MorseMiddlewareError: the middleware is unknown.
         """
-        found = registry.middleware(checks.text(interface, "env.add_interface(interface)"))
-        if found.request_manager is not None:
-            self.add_service(found.name)
+        middleware = registry.middleware(checks.text(interface, "env.add_interface(interface)"))
+        if middleware.request_manager is not None:
+            self.add_service(middleware.name)
 
     def add_stream(self, datastream: str, *_: Any, **__: Any) -> None:
         """Accepted for old scripts, without effect, because the simulation itself has no data to stream.
@@ -241,8 +241,8 @@ class TimeMethods(EnvironmentDescription):
         """Set the log level of ``morse.<component>``: ``DEBUG``, ``INFO``, ``WARNING``, ``ERROR`` or ``CRITICAL``."""
         name = checks.text(component, "env.set_log_level(component)")
         if not log.is_component(name):
-            expected = "the name of a module, such as 'core.request_manager'"
-            raise ValueError(f"env.set_log_level(component) takes {expected}, got {name!r:.80}")
+            expectation = "the name of a module, such as 'core.request_manager'"
+            raise ValueError(f"env.set_log_level(component) takes {expectation}, got {name!r:.80}")
         word = checks.text(level, "env.set_log_level(level)").upper()
         self._log_levels[name] = checks.choice(word, _LOG_LEVELS, "env.set_log_level(level)")
 

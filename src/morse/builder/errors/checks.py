@@ -20,9 +20,9 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def suggestion(word: str, known: Iterable[str], *, limit: int = 12) -> str:
+def suggestion(word: str, candidates: Iterable[str], *, limit: int = 12) -> str:
     """``; did you mean 'x'?`` for a near miss, else ``; there are: a, b, c`` (at most ``limit`` names)."""
-    return nearest(word, sorted(set(known)), say="there are", limit=limit)
+    return nearest(word, sorted(set(candidates)), say="there are", limit=limit)
 
 
 def number(
@@ -138,8 +138,8 @@ def names(value: Any, what: str) -> list[str]:
     Raises:
         TypeError: the value is not a list of strings.
     """
-    given = values.names(value, what)
-    words = list(given) if hasattr(given, "__iter__") else [given]
+    result = values.names(value, what)
+    words = list(result) if hasattr(result, "__iter__") else [result]
     if not all(isinstance(word, str) for word in words):
         raise TypeError(f"{what} takes a list of names, got {shown(value)}")
     return words

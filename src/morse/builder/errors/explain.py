@@ -66,8 +66,8 @@ def _describe(error: BaseException, by_us: bool, frame: FrameType | None) -> tup
             return _name_error(error.name, frame)
         case ModuleNotFoundError() if error.name is not None:
             return _no_module(error.name)
-        case ImportError() if (found := _IMPORTED.match(str(error))) is not None:
-            return _no_member(found[1], error)
+        case ImportError() if (match := _IMPORTED.match(str(error))) is not None:
+            return _no_member(match[1], error)
         case AttributeError() if not by_us and error.name is not None and error.obj is not None:
             near = checks.closest(error.name, dir(error.obj))
             return str(error), f"Did you mean '{near}'?" if near and near != error.name else ""
@@ -83,17 +83,17 @@ def _describe(error: BaseException, by_us: bool, frame: FrameType | None) -> tup
 def _name_error(name: str, frame: FrameType | None) -> tuple[str, str]:
     import morse.builder
 
-    if (missing := missing_component(name)) is not None:
-        return missing
+    if (hint := missing_component(name)) is not None:
+        return hint
     ours = morse.builder.__all__
     if name in ours:
         return f"the name '{name}' is not defined", "Write at the beginning of the script: from morse.builder import *"
-    known = set(ours) | set(dir(builtins))
+    names = set(ours) | set(dir(builtins))
     if frame is not None:
-        known |= set(frame.f_locals) | set(frame.f_globals)
+        names |= set(frame.f_locals) | set(frame.f_globals)
     if mend := language.mend_of_name(name):
         return f"the name '{name}' is not defined", mend
-    near = checks.closest(name, known)
+    near = checks.closest(name, names)
     return f"the name '{name}' is not defined", f"Did you mean '{near}'?" if near else ""
 
 
@@ -104,8 +104,8 @@ def _no_module(name: str) -> tuple[str, str]:
     except (ImportError, ValueError):
         spec = None
     paths = list(spec.submodule_search_locations or ()) if spec is not None else [] if parent else sys.path
-    derived = KINDS if parent.endswith(".builder") else ()
-    near = checks.closest(last, [*derived, *(info.name for info in pkgutil.iter_modules(paths))])
+    candidates = KINDS if parent.endswith(".builder") else ()
+    near = checks.closest(last, [*candidates, *(info.name for info in pkgutil.iter_modules(paths))])
     if near is not None:
         return f"there is no module '{name}'", f"Did you mean '{f'{parent}.{near}' if parent else near}'?"
     if spec is not None:
@@ -118,8 +118,8 @@ def _no_module(name: str) -> tuple[str, str]:
 
 
 def _no_member(name: str, error: ImportError) -> tuple[str, str]:
-    if (error.name or "").startswith("morse.builder") and (missing := missing_component(name)) is not None:
-        return missing
+    if (error.name or "").startswith("morse.builder") and (hint := missing_component(name)) is not None:
+        return hint
     if (error.name or "").startswith("morse.") and (mend := language.mend_of_name(name)):
         return f"there is no '{name}' in '{error.name}'", mend
     module = sys.modules.get(error.name or "")
@@ -144,11 +144,11 @@ def _bad_call(qualified: str, problem: str) -> tuple[str, str]:
 def _function(qualified: str) -> Any:
     """The function of a class or module of the builder, or None."""
     for module_name in [name for name in sys.modules if name.startswith("morse.builder")]:
-        found: Any = sys.modules[module_name]
+        target: Any = sys.modules[module_name]
         for part in qualified.split("."):
-            found = getattr(found, part, None) if found is not None else None
-        if inspect.isfunction(found):
-            return found
+            target = getattr(target, part, None) if target is not None else None
+        if inspect.isfunction(target):
+            return target
     return None
 
 

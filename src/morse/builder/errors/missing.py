@@ -32,13 +32,13 @@ def missing_component(name: str) -> tuple[str, str] | None:
     """
     import morse.builder
 
-    by_folded = {known.casefold(): (known, kind) for kind, names in _OF_1_4.items() for known in names}
-    known, kind = by_folded.get(name.casefold(), ("", ""))
-    if not known or hasattr(morse.builder, known):
+    by_folded = {present.casefold(): (present, kind) for kind, names in _OF_1_4.items() for present in names}
+    present, kind = by_folded.get(name.casefold(), ("", ""))
+    if not present or hasattr(morse.builder, present):
         return None
     there = sorted(getattr(morse.builder, f"{kind}s").__all__)
-    listed = ", ".join(other for other in there if not other.endswith("Creator"))
+    choices = ", ".join(other for other in there if not other.endswith("Creator"))
     return (
-        f"MORSE has no {kind} {known} yet (it was in MORSE 1.4)",
-        f"Available {kind}s: {listed}. To write one, use: morse add {kind} NAME ENVIRONMENT",
+        f"MORSE has no {kind} {present} yet (it was in MORSE 1.4)",
+        f"Available {kind}s: {choices}. To write one, use: morse add {kind} NAME ENVIRONMENT",
     )

@@ -24,63 +24,63 @@ logger = logging.getLogger(__name__)
 _OF_SOME_MIDDLEWARE = ("topic", "frame_id", "parent_frame_id", "child_frame_id", "device")
 
 
-def stream_options(manager: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def stream_options(manager: str, values: Mapping[str, Any]) -> dict[str, Any]:
     """The options of a stream.
 
     Args:
         manager: class path of the stream manager.
-        given: options by name.
+        values: options by name.
 
     Raises:
         OptionError: there is no such option, or the value is not valid.
     """
     middleware = registry.middleware_of_stream_manager(manager)
     if middleware is None or middleware.stream_options is None:
-        return dict(given)
-    declared = {**COMMON_OPTIONS, **middleware.stream_options}
-    known = {}
-    for name, value in given.items():
-        if name in _OF_SOME_MIDDLEWARE and name not in declared:
+        return dict(values)
+    options = {**COMMON_OPTIONS, **middleware.stream_options}
+    common = {}
+    for name, value in values.items():
+        if name in _OF_SOME_MIDDLEWARE and name not in options:
             logger.warning("%s: the option '%s' has no effect on %s", frames.source_line(), name, middleware.name)
         else:
-            known[name] = value
-    return checked_options(f"a stream of {middleware.name}", declared, known)
+            common[name] = value
+    return checked_options(f"a stream of {middleware.name}", options, common)
 
 
-def manager_options(manager: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def manager_options(manager: str, values: Mapping[str, Any]) -> dict[str, Any]:
     """The options of a stream manager.
 
     Args:
         manager: its class path.
-        given: options by name.
+        values: options by name.
 
     Raises:
         OptionError: there is no such option, or the value is not valid.
     """
     middleware = registry.middleware_of_stream_manager(manager)
     if middleware is None or middleware.manager_options is None:
-        return dict(given)
-    return checked_options(f"the stream manager of {middleware.name}", middleware.manager_options, given)
+        return dict(values)
+    return checked_options(f"the stream manager of {middleware.name}", middleware.manager_options, values)
 
 
-def modifier_options(classpath: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def modifier_options(classpath: str, values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the options of a modifier; a class without ``options`` accepts any option.
 
     Args:
         classpath: class path of the modifier.
-        given: options by name.
+        values: options by name.
 
     Raises:
         OptionError: there is no such option, or the value is not valid.
     """
-    if not given:
+    if not values:
         return {}
     try:
         cls = load_class(classpath)
     except MorseBuilderNoComponentError:
-        return dict(given)  # the error is reported when the scene is loaded
-    declared: Mapping[str, Option] | None = getattr(cls, "options", None)
-    if declared is None:
-        return dict(given)
+        return dict(values)  # the error is reported when the scene is loaded
+    options: Mapping[str, Option] | None = getattr(cls, "options", None)
+    if options is None:
+        return dict(values)
     owner = f"the modifier {cls.__name__}"
-    return checked_options(owner, declared, declared_values.options(owner, declared, given))
+    return checked_options(owner, options, declared_values.options(owner, options, values))

@@ -21,24 +21,24 @@ logger = logging.getLogger(__name__)
 _GENERAL = frozenset({"classpath", "frequency", "abstraction_level", "Component_Tag", "Robot_Tag"})
 
 
-def check_declared(cls: type[Any], given: Mapping[str, Any]) -> dict[str, Any]:
+def check_declared(cls: type[Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """Return properties as they are to be stored, with a warning for those that a component does not declare.
 
     Raises:
         PropertyError: a value has the wrong type, or is outside of the declared range or choices.
     """
-    declared = {p.name: p for p in declarations.properties(cls).values()}
-    given = declared_values.properties(cls.__name__, declared, given)
-    for name, value in given.items():
-        if name in declared:
-            checked_value(cls.__name__, declared[name], value, script=True)
+    properties = {p.name: p for p in declarations.properties(cls).values()}
+    values = declared_values.properties(cls.__name__, properties, values)
+    for name, value in values.items():
+        if name in properties:
+            checked_value(cls.__name__, properties[name], value, script=True)
         elif name not in _GENERAL:
             logger.warning(
                 "%s: %s has no property '%s'%s (it is kept, but %s does not use it)",
                 frames.source_line() or "?",
                 cls.__name__,
                 name,
-                checks.suggestion(name, declared),
+                checks.suggestion(name, properties),
                 cls.__name__,
             )
-    return given
+    return values

@@ -14,21 +14,21 @@ if TYPE_CHECKING:
     from morse.core.validation.spec import Spec
 
 
-def properties(owner: str, declared: Mapping[str, Property], given: Mapping[str, Any]) -> dict[str, Any]:
+def properties(owner: str, declarations: Mapping[str, Property], parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Return the properties of a component, with numbers and truth values instead of the texts for them."""
     return {
-        name: _value(spec_of_property(declared[name], script=True), value, f"the property '{name}' of {owner}")
-        if name in declared
+        name: _value(spec_of_property(declarations[name], script=True), value, f"the property '{name}' of {owner}")
+        if name in declarations
         else value
-        for name, value in given.items()
+        for name, value in parameters.items()
     }
 
 
-def options(owner: str, declared: Mapping[str, Option], given: Mapping[str, Any]) -> dict[str, Any]:
+def options(owner: str, declarations: Mapping[str, Option], parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Return the options of a modifier, with numbers and truth values instead of the texts for them."""
     return {
-        name: _option(declared[name], value, f"the option '{name}' of {owner}") if name in declared else value
-        for name, value in given.items()
+        name: _option(declarations[name], value, f"the option '{name}' of {owner}") if name in declarations else value
+        for name, value in parameters.items()
     }
 
 

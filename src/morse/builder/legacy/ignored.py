@@ -22,9 +22,9 @@ class Ignored:
 
     _path: str
 
-    def __init__(self, path: str, *, said: bool = False) -> None:
+    def __init__(self, path: str, *, silent: bool = False) -> None:
         object.__setattr__(self, "_path", path)
-        if not said:
+        if not silent:
             notice(f"{path} has no effect: MORSE does not have it")
 
     def __repr__(self) -> str:
@@ -35,17 +35,17 @@ class Ignored:
         def __getattr__(self, name: str) -> Ignored:
             if name.startswith("__"):
                 raise AttributeError(name)
-            return Ignored(f"{self._path}.{name}", said=True)
+            return Ignored(f"{self._path}.{name}", silent=True)
 
     def __setattr__(self, name: str, value: Any) -> None:
         pass
 
     def __call__(self, *args: Any, **kwargs: Any) -> Ignored:
         """Another ignored value."""
-        return Ignored(f"{self._path}()", said=True)
+        return Ignored(f"{self._path}()", silent=True)
 
     def __getitem__(self, key: Any) -> Ignored:
-        return Ignored(f"{self._path}[{key!r}]", said=True)
+        return Ignored(f"{self._path}[{key!r}]", silent=True)
 
     def __setitem__(self, key: Any, value: Any) -> None:
         pass

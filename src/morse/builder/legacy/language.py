@@ -57,9 +57,9 @@ def mend_of_syntax(error: SyntaxError) -> str:
 def mended_line(line: str) -> str:
     """A line that is not valid today, as it is written today; unchanged if that is unknown."""
     for pattern, _, new in _LINES:
-        changed = re.sub(pattern, new, line)
-        if changed != line:
-            return changed
+        new_line = re.sub(pattern, new, line)
+        if new_line != line:
+            return new_line
     return line
 
 

@@ -44,6 +44,6 @@ def old_method(component: Any, name: str) -> Callable[..., Any] | None:
         return functools.partial(_nothing, component)
     if name not in OLD_METHODS:
         return None
-    written, function = OLD_METHODS[name]
-    notice(f"{name} is an old name, write {written}", name, written)
+    replacement, function = OLD_METHODS[name]
+    notice(f"{name} is an old name, write {replacement}", name, replacement)
     return functools.partial(function, component)

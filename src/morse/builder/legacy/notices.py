@@ -19,7 +19,7 @@ def notice(message: str, old: str = "", new: str = "") -> None:
         new: its replacement.
     """
     line = str(frames.source_line() or "?")
-    said = workspace.current().notices
-    if (line, message) not in said:
-        said.add((line, message))
+    notices = workspace.current().notices
+    if (line, message) not in notices:
+        notices.add((line, message))
         logger.warning("%s: %s", line, message, extra={"edit": (old, new)} if old else None)

@@ -55,12 +55,12 @@ class WithRemoved(ModuleType):
         self.__dict__.update(vars(module))
 
     def __getattr__(self, name: str) -> Any:
-        written = REMOVED[self.__name__].get(name)
-        if written is None:
+        replacement = REMOVED[self.__name__].get(name)
+        if replacement is None:
             raise AttributeError(f"module '{self.__name__}' has no attribute '{name}'", name=name, obj=self)
         old = f"{self.__name__}.{name}"
-        notice(f"Python has removed {old}; write {written}", old, written)
-        module, _, value = _ADAPTED.get(old, written).rpartition(".")
+        notice(f"Python has removed {old}; write {replacement}", old, replacement)
+        module, _, value = _ADAPTED.get(old, replacement).rpartition(".")
         return getattr(importlib.import_module(module), value)
 
 

@@ -53,26 +53,26 @@ class Entry:
 @cache
 def components(package: str) -> dict[str, Entry]:
     """The components of ``morse.sensors``, ``morse.actuators`` or ``morse.robots`` by name, sorted."""
-    found = (entry for module, definition in _definitions(package) for entry in entries(module, definition))
-    return {entry.name: entry for entry in sorted(found, key=lambda entry: entry.name)}
+    entry_lists = (entry for module, definition in _definitions(package) for entry in entries(module, definition))
+    return {entry.name: entry for entry in sorted(entry_lists, key=lambda entry: entry.name)}
 
 
-def entries(module: str, definition: Definition, *, named: bool = False) -> Iterator[Entry]:
+def entries(module: str, definition: Definition, *, with_name: bool = False) -> Iterator[Entry]:
     """Return the entries of a class: the class itself, and the products that it simulates.
 
     Args:
         module: module of the class.
         definition: the class.
-        named: include the class even if its body does not set ``_name``.
+        with_name: include the class even if its body does not set ``_name``.
     """
     attributes = definition.attributes
-    if not isinstance(attributes.get("_name"), str) and not named:
+    if not isinstance(attributes.get("_name"), str) and not with_name:
         return
     classpath = f"{module}.{definition.name}"
     doc = attributes.get("_short_desc") or definition.doc or attributes.get("_name", definition.name)
     defaults = next(iter(definition.defaults["_builder"]), None)
-    given = defaults or {}
-    yield Entry(given.get("name") or definition.name, classpath, _text(given, doc), attributes, defaults)
+    values = defaults or {}
+    yield Entry(values.get("name") or definition.name, classpath, _text(values, doc), attributes, defaults)
     for product in definition.defaults["_products"]:
         yield Entry(product["name"], classpath, _text(product, doc), attributes, product, product["name"])
 

@@ -39,14 +39,14 @@ def user_frames() -> Iterator[FrameType]:
         frame = frame.f_back
 
 
-def source_line(made: object = None) -> SourceLine | None:
+def source_line(owner: object = None) -> SourceLine | None:
     """Return the currently executed line of the script.
 
     Args:
-        made: an object that is being created, whose ``__init__`` methods are skipped.
+        owner: an object that is being created, whose ``__init__`` methods are skipped.
     """
     frames = user_frames()
-    frame = next((f for f in frames if made is None or f.f_locals.get("self") is not made), None)
+    frame = next((f for f in frames if owner is None or f.f_locals.get("self") is not owner), None)
     return None if frame is None else SourceLine(frame.f_code.co_filename, frame.f_lineno)
 
 

@@ -31,8 +31,8 @@ def find_modifier(name: str, component: type | None) -> str:
     if name in suitable:
         return suitable[name]
     what = component.__name__ if component is not None else "an object without behaviour"
-    listed = f"; there are {', '.join(sorted(suitable))}" if suitable else f"; there are none for {what}"
-    hint = checks.suggestion(name, suitable) or listed
+    choices = f"; there are {', '.join(sorted(suitable))}" if suitable else f"; there are none for {what}"
+    hint = checks.suggestion(name, suitable) or choices
     if name in everywhere:
         raise MorseBuilderError(f"the modifier '{name}' is not for {what}{hint}")
     raise MorseBuilderError(f"there is no modifier '{name}' for {what}{hint}")
@@ -40,8 +40,8 @@ def find_modifier(name: str, component: type | None) -> str:
 
 def modifier_classes() -> dict[str, dict[str, str]]:
     """The class paths of all modifiers, by name and by the name of the component class."""
-    found: dict[str, dict[str, str]] = {}
+    classes: dict[str, dict[str, str]] = {}
     for entry in catalog.modifiers():
         for name in entry.attributes["_names"]:
-            found.setdefault(name, {}).update(dict.fromkeys(entry.attributes.get("_components", ()), entry.classpath))
-    return found
+            classes.setdefault(name, {}).update(dict.fromkeys(entry.attributes.get("_components", ()), entry.classpath))
+    return classes

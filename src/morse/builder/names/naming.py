@@ -48,8 +48,8 @@ def check_address(name: str) -> None:
         ValueError: the name contains a space, which separates the words of a request.
     """
     if any(character.isspace() or not character.isprintable() for character in name):
-        written = "_".join("".join(c if c.isprintable() else " " for c in name).split())
-        raise ValueError(f"the name {name!r} contains a space, which clients cannot send; write '{written}'")
+        address = "_".join("".join(c if c.isprintable() else " " for c in name).split())
+        raise ValueError(f"the name {name!r} contains a space, which clients cannot send; write '{address}'")
 
 
 def name_in_frame(component: Part, parent: Part, frame: FrameType) -> str | None:
@@ -89,29 +89,29 @@ def guess_names() -> None:
 
 def rename_all() -> None:
     """Give every component its name in the simulation: ``robot.arm.pose`` for a component of a robot."""
-    used: set[str] = set()
+    used_names: set[str] = set()
     for component in workspace.current().components:
         if component.parent is None:
-            _rename_tree(component, (), used, component.is_robot)
+            _rename_tree(component, (), used_names, component.is_robot)
 
 
-def _rename_tree(component: Part, prefix: tuple[str, ...], used: set[str], on_robot: bool) -> None:
+def _rename_tree(component: Part, prefix: tuple[str, ...], used_names: set[str], on_robot: bool) -> None:
     path = (*prefix, component.plain_name)
     # an object keeps its name in the file, unless a variable still refers to it
     if not on_robot and component.name_strength < Strength.VARIABLE:
         name = component.name
     else:
-        name = _free(".".join(path), used)
+        name = _free(".".join(path), used_names)
         workspace.current().claim(component.scene_node, name)
         path = (*prefix, name.rpartition(".")[2])
-    used.add(name)
+    used_names.add(name)
     for child in component.children:
-        _rename_tree(child, path if on_robot else (), used, on_robot)
+        _rename_tree(child, path if on_robot else (), used_names, on_robot)
 
 
-def _free(name: str, used: set[str]) -> str:
+def _free(name: str, used_names: set[str]) -> str:
     candidate, count = name, 0
-    while candidate in used:
+    while candidate in used_names:
         count += 1
         candidate = f"{name}_{count:03d}"
     return candidate

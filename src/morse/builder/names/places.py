@@ -15,9 +15,9 @@ _LEVELS = 4
 
 def _around(script: Path) -> Iterator[Path]:
     """The folder of a script and those above it, without folders that contain many projects."""
-    shared = {Path.home(), Path(tempfile.gettempdir()), Path(script.anchor)}
+    shared_folders = {Path.home(), Path(tempfile.gettempdir()), Path(script.anchor)}
     for folder in list(script.absolute().parents)[:_LEVELS]:
-        if folder in shared:
+        if folder in shared_folders:
             return
         yield folder
 

@@ -18,20 +18,20 @@ def project_files(script: Path, directories: Iterable[str]) -> Iterator[ast.Modu
     Files that cannot be parsed are left out.
     """
     places = list(directories)
-    seen: set[Path] = set()
-    waiting = [script]
-    while waiting:
-        file = waiting.pop()
-        if file in seen:
+    visited: set[Path] = set()
+    queue = [script]
+    while queue:
+        file = queue.pop()
+        if file in visited:
             continue
-        seen.add(file)
+        visited.add(file)
         try:
             tree = ast.parse(read_regular(file))
         except (OSError, SyntaxError, ValueError):
             continue
         yield tree
         for node in ast.walk(tree):
-            waiting += [path for name in _modules(node) for path in _files(name, places)]
+            queue += [path for name in _modules(node) for path in _files(name, places)]
 
 
 def _modules(node: ast.AST) -> list[str]:

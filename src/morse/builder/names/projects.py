@@ -61,19 +61,19 @@ class ProjectFinder:
             return None
         if project.partition(".")[0] == "morse":
             return None
-        found = PathFinder.find_spec(name, path)
+        spec = PathFinder.find_spec(name, path)
         if kind == "builder":
             # also used for projects without a file for builder classes
-            return found or (ModuleSpec(name, None, is_package=True) if any(_files(project)) else None)
-        if found is None or found.loader is None or found.origin is None:
+            return spec or (ModuleSpec(name, None, is_package=True) if any(_files(project)) else None)
+        if spec is None or spec.loader is None or spec.origin is None:
             if not any(True for _ in sources.files(package)):
-                return found
-            folders = [] if found is None else list(found.submodule_search_locations or ())
-            found = ModuleSpec(name, _Derived(), is_package=True)  # type: ignore[arg-type] # importlib.abc costs time
-            found.submodule_search_locations = folders
-        elif type(found.loader) is SourceFileLoader:
-            found.loader = _Completed(found.loader.name, found.loader.path)
-        return found
+                return spec
+            folders = [] if spec is None else list(spec.submodule_search_locations or ())
+            spec = ModuleSpec(name, _Derived(), is_package=True)  # type: ignore[arg-type] # importlib.abc costs time
+            spec.submodule_search_locations = folders
+        elif type(spec.loader) is SourceFileLoader:
+            spec.loader = _Completed(spec.loader.name, spec.loader.path)
+        return spec
 
 
 def _files(project: str) -> Iterator[str]:
@@ -152,7 +152,7 @@ class _Classes:
     def _entries(self, module: str, file: Any) -> Iterator[Entry]:
         for definition in sources.classes_of(file):
             if definition.bases:
-                yield from catalog.entries(module, definition, named=True)
+                yield from catalog.entries(module, definition, with_name=True)
 
     def _class(self, entry: Entry) -> type:
         return builder_class(load_class(entry.classpath), entry.product, self._module)

@@ -78,8 +78,8 @@ def builder_defaults(cls: type, product: str | None = None) -> BuilderDefaults:
         LookupError: there is no such product.
     """
     if product is None:
-        declared = getattr(cls, "_builder", None)
-        return declared if isinstance(declared, BuilderDefaults) else BuilderDefaults()
+        own_defaults = getattr(cls, "_builder", None)
+        return own_defaults if isinstance(own_defaults, BuilderDefaults) else BuilderDefaults()
     for defaults in getattr(cls, "_products", ()):
         if defaults.name == product:
             return defaults  # type: ignore[no-any-return]

@@ -48,10 +48,10 @@ def load_class(classpath: str) -> type[Any]:
                 "is its directory in src/ of the simulation or on PYTHONPATH?"
             ) from None
         raise
-    found = getattr(module, class_name, None)
-    if inspect.isclass(found):
-        _read_sources(found)
-        return found
+    cls = getattr(module, class_name, None)
+    if inspect.isclass(cls):
+        _read_sources(cls)
+        return cls
     classes = [name for name, member in vars(module).items() if inspect.isclass(member)]
     close = closest(class_name, classes)
     hint = f"did you mean '{close}'?" if close else f"it has: {', '.join(classes) or 'no class at all'}"

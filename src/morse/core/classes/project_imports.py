@@ -77,12 +77,12 @@ class ProjectImports:
     def sources(self) -> dict[str, str]:
         """Return the imported modules of the project and their files."""
         table = sys.modules if self._entered else self._modules
-        found = {}
+        paths = {}
         for name, module in list(table.items()):
             file = getattr(module, "__file__", None)
             if name.partition(".")[0] in self._names and isinstance(file, str) and file.endswith(".py"):
-                found[name] = file
-        return found
+                paths[name] = file
+        return paths
 
     @contextmanager
     def renewed(self, names: Iterable[str]) -> Iterator[None]:
@@ -164,22 +164,22 @@ class ProjectImports:
             self._modules[name] = sys.modules.pop(name)
         sys.modules.update(hidden)
         # entries that the script added to the path are for its own modules
-        added = [entry for entry in sys.path if entry not in path and entry not in self._directories]
-        self._directories += added
+        new_entries = [entry for entry in sys.path if entry not in path and entry not in self._directories]
+        self._directories += new_entries
         sys.path[:], sys.argv[:] = path, argv
         sys.meta_path[:] = [finder for finder in sys.meta_path if all(finder is not own for own in self._finders)]
         self._kept = ([], [], {})
 
     def _offered(self) -> set[str]:
         """Return the modules imported in the process whose names are also names of files of the project."""
-        found: set[str] = set()
+        names: set[str] = set()
         for directory in self._directories:
             try:
                 entries = os.listdir(directory or ".")
             except OSError:
                 continue
-            found.update(name for entry in entries if (name := entry.partition(".")[0]) in sys.modules)
-        return found
+            names.update(name for entry in entries if (name := entry.partition(".")[0]) in sys.modules)
+        return names
 
     # -- finding ---------------------------------------------------------------------------
 
@@ -281,8 +281,8 @@ class _Loader:
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
         """See `importlib.abc.Loader`."""
-        made: ModuleType | None = self._loader.create_module(spec)
-        return made
+        module: ModuleType | None = self._loader.create_module(spec)
+        return module
 
     def exec_module(self, module: ModuleType) -> None:
         """See `importlib.abc.Loader`."""

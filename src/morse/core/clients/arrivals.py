@@ -146,10 +146,10 @@ class Sender:
         """The rest that is left, s."""
         if self._until is None:
             return 0.0
-        left = self._until - self._arrivals.wall()
-        if left <= 0.0:
+        remaining = self._until - self._arrivals.wall()
+        if remaining <= 0.0:
             self._until = None
-        return max(0.0, left)
+        return max(0.0, remaining)
 
     def rest_if_due(self) -> None:
         """Begin a rest, which `rests` tells, if the client has used its time."""

@@ -57,8 +57,8 @@ class Complaints:
                 line = None
             else:
                 self._last[kind] = (now, 0, (level, message))
-                counted = last[1] if last is not None else 0
-                line = message + (f" ({counted} more of this kind)" if counted else "")
+                count = last[1] if last is not None else 0
+                line = message + (f" ({count} more of this kind)" if count else "")
                 if self._others:
                     line += self._counted_others()
         if line is None:
@@ -77,10 +77,10 @@ class Complaints:
                     lines.append((level, f"{message} ({count} more of this kind)"))
             if self._others and (now or time - self._others_since >= _PERIOD):
                 lines.append((logging.WARNING, self._counted_others().strip(" ()")))
-            left = bool(self._others) or any(count for _, count, _ in self._last.values())
+            has_more = bool(self._others) or any(count for _, count, _ in self._last.values())
         for level, line in lines:
             self._logger.log(level, "%s", line)
-        return left
+        return has_more
 
     def _counted_others(self) -> str:
         count, self._others = self._others, 0

@@ -65,9 +65,9 @@ class _Loop(asyncio.SelectorEventLoop):
         """
         if acceptor is None:
             return await super().create_server(protocol_factory, *args, **options)
-        bound = await super().create_server(protocol_factory, *args, start_serving=False, **options)
-        listeners = [sock.dup() for sock in bound.sockets]
-        bound.close()
+        listener = await super().create_server(protocol_factory, *args, start_serving=False, **options)
+        listeners = [sock.dup() for sock in listener.sockets]
+        listener.close()
         server: asyncio.AbstractServer = acceptor.serve(listeners, protocol_factory)
         return server
 
@@ -185,9 +185,9 @@ class Network:
     def _after_reading(self, functions: list[Callable[[], object]]) -> None:
         if self._first:
             for key, _ in self._selector.ready():
-                read = self._first.get(key.fd)
-                if read is not None:
-                    read()
+                reader = self._first.get(key.fd)
+                if reader is not None:
+                    reader()
         for function in functions:
             function()
 

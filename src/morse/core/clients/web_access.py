@@ -53,22 +53,22 @@ def checked_origin(text: str) -> str:
     Raises:
         ValueError: the text is not the origin of a web page.
     """
-    given = text.strip().lower().rstrip("/")
-    expected = f"expected the origin of a page, such as 'http://localhost:8080', got {text!r:.80}"
+    lower = text.strip().lower().rstrip("/")
+    message = f"expected the origin of a page, such as 'http://localhost:8080', got {text!r:.80}"
     try:
-        parts = urlsplit(given)
+        parts = urlsplit(lower)
         port = parts.port
     except ValueError:
-        raise ValueError(expected) from None
+        raise ValueError(message) from None
     if parts.scheme not in ("http", "https") or not parts.hostname:
-        raise ValueError(expected)
+        raise ValueError(message)
     # brackets and colons of an IPv6 address are allowed; separators of words in a header are not
     if not set(parts.hostname) <= _OF_HOSTS or parts.username is not None:
-        raise ValueError(f"{expected}; a pattern such as '*' is not possible: list each origin")
+        raise ValueError(f"{message}; a pattern such as '*' is not possible: list each origin")
     host = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
     origin = f"{parts.scheme}://{host}" + (f":{port}" if port is not None else "")
-    if origin != given:
-        raise ValueError(f"{expected}; did you mean {origin!r}?")
+    if origin != lower:
+        raise ValueError(f"{message}; did you mean {origin!r}?")
     return origin
 
 
@@ -133,10 +133,10 @@ class Access:
 
     def _shown(self, path: str, headers: Mapping[str, str], name: str) -> bool:
         assert self.token is not None
-        given = parse_qs(urlsplit(path).query).get("token", [])
+        tokens = parse_qs(urlsplit(path).query).get("token", [])
         try:
             morsel = SimpleCookie(headers.get("Cookie", "")).get(name)
         except CookieError:
             morsel = None
-        given += [unquote(morsel.value)] if morsel is not None else []
-        return any(secrets.compare_digest(value.encode(), self.token.encode()) for value in given)
+        tokens += [unquote(morsel.value)] if morsel is not None else []
+        return any(secrets.compare_digest(value.encode(), self.token.encode()) for value in tokens)

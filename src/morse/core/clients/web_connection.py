@@ -134,8 +134,8 @@ class PacedConnection(Connection):
         account = self._newcomers if self.protocol.state is State.CONNECTING else self.sender
         with account.measured():
             super().data_received(piece)
-        grown = self._valve.get_write_buffer_size() - unsent
-        self._answers = self._answers + max(0, grown) if unsent or grown > 0 else 0
+        growth = self._valve.get_write_buffer_size() - unsent
+        self._answers = self._answers + max(0, growth) if unsent or growth > 0 else 0
         if self.sender.must_rest:
             self._rest(self.sender.begin_rest())
         elif self._answers > _MOST_UNSENT:

@@ -51,5 +51,5 @@ def kinds(cls: type) -> tuple[KindUse, ...]:
 
 def says_nothing(cls: type) -> bool:
     """Whether a class declares that it has no message kinds (``add_kind(None)``): no middleware carries its data."""
-    declared = (vars(base).get("_kinds") for base in cls.__mro__)
-    return next((not own for own in declared if own is not None), False)
+    own_kinds = (vars(base).get("_kinds") for base in cls.__mro__)
+    return next((not own for own in own_kinds if own is not None), False)

@@ -80,13 +80,16 @@ def _check_default(field: DataField) -> None:
 
 
 def _has_shape(value: Any, shape: tuple[int | None, ...]) -> bool:
-    given = shape_of(value)
-    if given == (0,) and shape[0] is None:  # an empty list has rows of any length
+    shape_of_value = shape_of(value)
+    if shape_of_value == (0,) and shape[0] is None:  # an empty list has rows of any length
         return True
     return (
-        given is not None
-        and len(given) == len(shape)
-        and all(wanted is None or wanted == size for wanted, size in zip(shape, given, strict=True))
+        shape_of_value is not None
+        and len(shape_of_value) == len(shape)
+        and all(
+            expected_size is None or expected_size == size
+            for expected_size, size in zip(shape, shape_of_value, strict=True)
+        )
     )
 
 
@@ -147,9 +150,9 @@ def _check_unit(unit: Any) -> None:
         known_unit(unit)
 
 
-def _check_name(name: Any, known: Iterable[str], what: str) -> None:
-    if name and name not in known:
-        raise MorseDeclarationError(f"the {what} {shown(name)} is unknown{nearest(name, known, limit=20)}")
+def _check_name(name: Any, candidates: Iterable[str], what: str) -> None:
+    if name and name not in candidates:
+        raise MorseDeclarationError(f"the {what} {shown(name)} is unknown{nearest(name, candidates, limit=20)}")
 
 
 def _check_range(low: float | None, high: float | None) -> None:

@@ -72,16 +72,16 @@ class BoundKind:
         self.topic, self.on_request = use.topic, use.on_request
         self._sources: list[tuple[Slot, Source]] = []
         findings = []
-        declared = fields_of_component(component)
-        for name, given in use.slots.items():
+        data_fields = fields_of_component(component)
+        for name, argument in use.slots.items():
             slot = self.kind.slots[name]
             among = ""
-            if isinstance(given, Each):
-                among, given = given.among, tuple(getattr(component, given.attribute))
-            if slot.optional and _names(given) - fields.keys() and _names(given) <= declared.keys():
+            if isinstance(argument, Each):
+                among, argument = argument.among, tuple(getattr(component, argument.attribute))
+            if slot.optional and _names(argument) - fields.keys() and _names(argument) <= data_fields.keys():
                 continue  # the field may belong to another level
             try:
-                source = source_of(slot, given, fields, units)
+                source = source_of(slot, argument, fields, units)
             except MorseDeclarationError as error:
                 findings.append(f"{component.name()}: slot '{name}' of kind '{use.kind}': {error}")
                 continue
@@ -89,8 +89,8 @@ class BoundKind:
                 self._sources.append((slot, Among(source, component, among) if among else source))
         if findings:
             raise KindError(findings)
-        used = {name for _, source in self._sources for name in source.fields}
-        self.rest = tuple(name for name in fields if name not in used and name != "timestamp")
+        names = {name for _, source in self._sources for name in source.fields}
+        self.rest = tuple(name for name in fields if name not in names and name != "timestamp")
         self._turns = self._find_turns()
         self._is_picture = kind.name in PICTURES
         self.frame = next((_frame_in_message(slot, s) for slot, s in self._sources if slot.frame), "own")
@@ -102,23 +102,23 @@ class BoundKind:
         turns = {}
         for slot, source in self._sources:
             frame = source.frame or slot.frame
-            wanted = leading.setdefault(slot.frame, _frame_in_message(slot, source))
-            if not slot.moves or frame == wanted:
+            target_frame = leading.setdefault(slot.frame, _frame_in_message(slot, source))
+            if not slot.moves or frame == target_frame:
                 continue
-            if frame not in TURNABLE or wanted not in TURNABLE:
+            if frame not in TURNABLE or target_frame not in TURNABLE:
                 raise KindError(
                     [
                         f"{self.component.name()}: slot '{slot.name}' of kind '{self.kind.name}' is in the frame "
-                        f"'{frame}', and cannot be converted into '{wanted}', the frame of its first slot"
+                        f"'{frame}', and cannot be converted into '{target_frame}', the frame of its first slot"
                     ]
                 )
-            turns[slot.name] = (frame, wanted)
+            turns[slot.name] = (frame, target_frame)
         return turns
 
     def has(self, slot: str) -> bool:
         """Whether the component has fields for a slot at present, or declared noise for a covariance slot."""
         return slot in self._covariances or any(
-            known.name == slot and source.is_present for known, source in self._sources
+            entry.name == slot and source.is_present for entry, source in self._sources
         )
 
     @property
@@ -245,23 +245,23 @@ class BoundKind:
             return dict(slots), None
         fields: dict[str, Any] = {}
         remarks = []
-        known = {slot.name: (slot, source) for slot, source in self._sources}
+        by_name = {slot.name: (slot, source) for slot, source in self._sources}
         for name, value in slots.items():
             if value is None:
                 continue
-            if name not in known:
+            if name not in by_name:
                 if name in self.kind.slots:
                     remarks.append(f"slot '{name}' has no effect")
                     continue
                 raise CommandError(
                     shown(name), f"kind '{self.kind.name}' has no slot {shown(name)}{nearest(name, self.kind.slots)}"
                 )
-            slot, source = known[name]
+            slot, source = by_name[name]
             try:
                 remark = source.put(self._given(slot, source, value, frame), fields)
             except (TypeError, ValueError, AttributeError) as error:
-                said = str(error) if isinstance(error, ValueError) and str(error) else f"the shape {slot.shape}"
-                raise CommandError(name, f"slot '{name}' is {shown(value)}, expected {said}") from None
+                problem = str(error) if isinstance(error, ValueError) and str(error) else f"the shape {slot.shape}"
+                raise CommandError(name, f"slot '{name}' is {shown(value)}, expected {problem}") from None
             if remark is not None:
                 remarks.append(f"{remark} in slot '{name}'")
         return fields, "; ".join(remarks) or None
@@ -271,19 +271,19 @@ class BoundKind:
             value = _checked_array(slot, value)
         if slot.name in self._turns:
             # all slots of the sender are in the frame of its first slot
-            given, wanted = self._turns[slot.name][1], self._turns[slot.name][0]
+            own_frame, message_frame = self._turns[slot.name][1], self._turns[slot.name][0]
         else:
-            given = wanted = source.frame or slot.frame
+            own_frame = message_frame = source.frame or slot.frame
         leading = next((s.frame for s, _ in self._sources if s.frame), "")
         if frame and slot.frame == leading:
-            given = frame
-        if not slot.moves or given == wanted:
+            own_frame = frame
+        if not slot.moves or own_frame == message_frame:
             return value
-        if given not in TURNABLE or wanted not in TURNABLE:
-            raise ValueError(f"the frame '{wanted}', into which '{given}' cannot be converted")
+        if own_frame not in TURNABLE or message_frame not in TURNABLE:
+            raise ValueError(f"the frame '{message_frame}', into which '{own_frame}' cannot be converted")
         if slot.moves == ORIENTATION and not any(value):
             return value
-        return turned(value, slot.moves, given, wanted, self.component)
+        return turned(value, slot.moves, own_frame, message_frame, self.component)
 
 
 def _frame_in_message(slot: Slot, source: Source) -> str:
@@ -299,14 +299,15 @@ def _checked_array(slot: Slot, value: Any) -> Any:
         raise ValueError(f"numbers of the shape {slot.shape}")
     for shape in (slot.shape, *slot.shapes):
         if array.ndim == len(shape) and all(
-            wanted is None or wanted == size for wanted, size in zip(shape, array.shape, strict=True)
+            expected_size is None or expected_size == size
+            for expected_size, size in zip(shape, array.shape, strict=True)
         ):
             return array
     raise ValueError(f"the shape {slot.shape}")
 
 
-def _names(given: Any) -> set[str]:
-    return {given} if isinstance(given, str) else set()
+def _names(entry: Any) -> set[str]:
+    return {entry} if isinstance(entry, str) else set()
 
 
 def stamp_of(component: Any) -> int:
@@ -321,8 +322,8 @@ def fields_of(component: Any) -> dict[str, DataField]:
     for changes in [component.field_changes, *(getattr(modifier, "changes", {}) for modifier in modifiers)]:
         for name, change in changes.items():
             if name in fields:
-                known = {key: value for key, value in change.items() if key in _CHANGEABLE}
-                fields[name] = fields[name]._replace(**known)
+                own_changes = {key: value for key, value in change.items() if key in _CHANGEABLE}
+                fields[name] = fields[name]._replace(**own_changes)
     return fields
 
 
@@ -337,22 +338,22 @@ def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
         KindError: the message lists all mistakes.
     """
     fields = fields_of(component)
-    units = {name: declared.unit for name, declared in properties(type(component)).items()}
-    bound, findings = [], []
+    units = {name: declaration.unit for name, declaration in properties(type(component)).items()}
+    bound_kinds, findings = [], []
     for use in uses_after_modifiers(_uses(component, on_request), fields):
         try:
-            bound.append(BoundKind(component, use, fields, units))
+            bound_kinds.append(BoundKind(component, use, fields, units))
         except KindError as error:
             findings += error.findings
-    bound += _of_members(component, on_request)
-    topics = [one.topic for one in bound]
+    bound_kinds += _of_members(component, on_request)
+    topics = [one.topic for one in bound_kinds]
     for topic in dict.fromkeys(topic for topic in topics if topics.count(topic) > 1):
-        names = ", ".join(f"'{one.kind.name}'" for one in bound if one.topic == topic)
+        names = ", ".join(f"'{one.kind.name}'" for one in bound_kinds if one.topic == topic)
         findings.append(f"{component.name()}: the kinds {names} have the same topic; set topic=... in add_kind")
     if findings:
         raise KindError(findings)
-    if bound or not fields or says_nothing(type(component)):
-        return tuple(bound)
+    if bound_kinds or not fields or says_nothing(type(component)):
+        return tuple(bound_kinds)
     return (general_kind(component),)
 
 
@@ -373,8 +374,8 @@ def _of_members(component: Any, on_request: bool) -> Iterator[BoundKind]:
 
 def _uses(component: Any, on_request: bool) -> Iterable[KindUse]:
     for use in kinds(type(component)):
-        wanted = use.on_level(component.level) and (on_request or not use.on_request)
-        if wanted and (use.when is None or use.when(component)):
+        applies = use.on_level(component.level) and (on_request or not use.on_request)
+        if applies and (use.when is None or use.when(component)):
             yield use
 
 
@@ -384,14 +385,14 @@ def findings_of(components: Iterable[Any]) -> list[tuple[Any, str]]:
     Of components with the same declarations only the first is checked.
     """
     findings = []
-    seen = set()
+    visited = set()
     for component in components:
         modifiers = tuple(type(m) for m in [*component.output_modifiers, *component.input_modifiers])
         by_properties = any(use.when is not None for use in kinds(type(component)))
         alike = type(component), component.level, modifiers, component if by_properties else None
-        if alike in seen:
+        if alike in visited:
             continue
-        seen.add(alike)
+        visited.add(alike)
         try:
             bind(component, on_request=True)
         except KindError as error:

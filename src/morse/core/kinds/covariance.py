@@ -36,13 +36,13 @@ def covariances(
 def _deviations(component: Any) -> dict[str, float]:
     """Standard deviation of the white noise of each field, in the unit of the field."""
     realism = getattr(component, "realism", None)
-    found = dict(realism.deviations()) if realism is not None else {}
+    deviations = dict(realism.deviations()) if realism is not None else {}
     modifiers = (getattr(modifier, "changes", {}) for modifier in component.output_modifiers)
     for changes in (component.field_changes, *modifiers):
         for name, change in changes.items():
             if "stddev" in change:
-                found[name] = (found.get(name, 0.0) ** 2 + change["stddev"] ** 2) ** 0.5
-    return {name: deviation for name, deviation in found.items() if deviation > 0.0}
+                deviations[name] = (deviations.get(name, 0.0) ** 2 + change["stddev"] ** 2) ** 0.5
+    return {name: deviation for name, deviation in deviations.items() if deviation > 0.0}
 
 
 def _matrix(

@@ -29,24 +29,24 @@ def kind_named(name: Any) -> Kind | None:
 
 def kinds_of_packages() -> dict[str, Kind]:
     """Return the kinds of all installed packages by name."""
-    found: dict[str, Kind] = {}
+    kinds: dict[str, Kind] = {}
     for point in entry_points("morse.kinds"):
         for kind in _loaded(point):
-            if kind.name in KINDS or kind.name in found:
+            if kind.name in KINDS or kind.name in kinds:
                 logger.warning("the message kind '%s' of %s already exists, and is left out", kind.name, point.value)
             else:
-                found[kind.name] = kind
-    return found
+                kinds[kind.name] = kind
+    return kinds
 
 
 @lru_cache(maxsize=64)
 def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
     try:
-        given = point.load()
+        entry = point.load()
     except Exception as error:  # a broken package must not prevent loading the others
         logger.warning("the message kinds of %s cannot be loaded: %s: %s", point.value, type(error).__name__, error)
         return ()
-    kinds = (given,) if isinstance(given, Kind) else tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    kinds = (entry,) if isinstance(entry, Kind) else tuple(entry) if isinstance(entry, (list, tuple)) else (entry,)
     good = tuple(kind for kind in kinds if _is_kind(kind))
     if len(good) < len(kinds):
         logger.warning("%s provides an object that is not a message kind (morse.core.kinds.Kind)", point.value)

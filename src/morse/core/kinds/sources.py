@@ -195,13 +195,13 @@ class Stack(Source):
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
         """Write each number to its field; numbers without a field have no effect."""
-        lost = []
+        unused = []
         for index, ((name, (factor, offset)), number) in enumerate(zip(self._parts, value, strict=True)):
             if name is not None:
                 fields[name] = (float(number) - offset) / factor
             elif number:
-                lost.append(index)
-        return f"item {', '.join(map(str, lost))} has no effect" if lost else None
+                unused.append(index)
+        return f"item {', '.join(map(str, unused))} has no effect" if unused else None
 
 
 class Among(Source):
@@ -218,8 +218,8 @@ class Among(Source):
         self._stack, self._component, self._attribute = stack, component, attribute
 
     def _chosen(self) -> Collection[str | None]:
-        chosen: Collection[str | None] = getattr(self._component, self._attribute)
-        return chosen
+        names: Collection[str | None] = getattr(self._component, self._attribute)
+        return names
 
     @property
     def is_present(self) -> bool:
@@ -230,18 +230,18 @@ class Among(Source):
         """The numbers, NaN for fields to which the slot does not apply; None if it applies to none."""
         if not self.is_present:
             return None
-        chosen, values = self._chosen(), self._stack.get(component)
-        return [value if name in chosen else math.nan for name, value in zip(self.fields, values, strict=True)]
+        names, values = self._chosen(), self._stack.get(component)
+        return [value if name in names else math.nan for name, value in zip(self.fields, values, strict=True)]
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
         """Write the numbers of the fields to which the slot applies; NaN stands for no command."""
-        chosen, given = self._chosen(), dict[str, Any]()
-        remark = self._stack.put(value, given)
-        set_now = {name: number for name, number in given.items() if name in chosen and number == number}
+        names, numbers = self._chosen(), dict[str, Any]()
+        remark = self._stack.put(value, numbers)
+        set_now = {name: number for name, number in numbers.items() if name in names and number == number}
         fields.update(set_now)
-        lost = [name for name, number in given.items() if name not in chosen and number and number == number]
-        if lost:
-            return f"{', '.join(lost)}: another control mode; the value has no effect"
+        unused = [name for name, number in numbers.items() if name not in names and number and number == number]
+        if unused:
+            return f"{', '.join(unused)}: another control mode; the value has no effect"
         return remark
 
 
@@ -308,63 +308,63 @@ class FromWord(Source):
         return None
 
 
-def source_of(slot: Slot, given: Any, fields: Mapping[str, DataField], units: Mapping[str, str]) -> Source | None:
+def source_of(slot: Slot, value: Any, fields: Mapping[str, DataField], units: Mapping[str, str]) -> Source | None:
     """Return the source of a slot; None if the slot is optional and the component does not have its fields.
 
     Args:
-        given: the argument of `add_kind` for the slot.
+        value: the argument of `add_kind` for the slot.
         fields: declarations of the fields of the component at its level, after its modifiers.
         units: units of its properties, by name in Python.
 
     Raises:
         MorseDeclarationError: the source does not fit the slot.
     """
-    if isinstance(given, Euler):
-        return _euler(given.fields, fields)
-    if isinstance(given, Prop):
-        if given.name not in units:
-            raise MorseDeclarationError(f"there is no property {shown(given.name)}{nearest(given.name, units)}")
-        factor, offset = _converted(f"property '{given.name}'", units[given.name], slot)
-        return FromProperty(given, factor, offset)
-    if isinstance(given, Scaled):
-        field = _field(given.field, fields)
-        _check_shape(slot, given.field, field)
-        return FromField(given.field, field, given.factor, 0.0)
-    if isinstance(given, Computed):
-        return FromData(given, fields[slot.name].frame if slot.name in fields else "")
-    if isinstance(given, Mapped):
-        _field(given.field, fields)
-        unknown = [word for word in given.words.values() if slot.choices and word not in slot.choices]
+    if isinstance(value, Euler):
+        return _euler(value.fields, fields)
+    if isinstance(value, Prop):
+        if value.name not in units:
+            raise MorseDeclarationError(f"there is no property {shown(value.name)}{nearest(value.name, units)}")
+        factor, offset = _converted(f"property '{value.name}'", units[value.name], slot)
+        return FromProperty(value, factor, offset)
+    if isinstance(value, Scaled):
+        field = _field(value.field, fields)
+        _check_shape(slot, value.field, field)
+        return FromField(value.field, field, value.factor, 0.0)
+    if isinstance(value, Computed):
+        return FromData(value, fields[slot.name].frame if slot.name in fields else "")
+    if isinstance(value, Mapped):
+        _field(value.field, fields)
+        unknown = [word for word in value.words.values() if slot.choices and word not in slot.choices]
         if unknown:
             raise MorseDeclarationError(
                 f"{shown(unknown[0])} is not one of its words{nearest(unknown[0], slot.choices)}"
             )
-        return FromWord(given)
-    if callable(given):
-        return FromFunction(given, fields[slot.name].frame if slot.name in fields else "")
-    if isinstance(given, str):
+        return FromWord(value)
+    if callable(value):
+        return FromFunction(value, fields[slot.name].frame if slot.name in fields else "")
+    if isinstance(value, str):
         return (
-            _word(slot, given, fields) if slot.dtype == "str" and given not in fields else _single(slot, given, fields)
+            _word(slot, value, fields) if slot.dtype == "str" and value not in fields else _single(slot, value, fields)
         )
-    if isinstance(given, (tuple, list)) and slot.dtype != "str" and any(isinstance(n, str) for n in given):
-        return _stack(slot, tuple(given), fields)
-    return Constant(given)
+    if isinstance(value, (tuple, list)) and slot.dtype != "str" and any(isinstance(n, str) for n in value):
+        return _stack(slot, tuple(value), fields)
+    return Constant(value)
 
 
 def _field(name: Any, fields: Mapping[str, DataField]) -> DataField:
-    found = fields.get(name)
-    if found is None:
+    field = fields.get(name)
+    if field is None:
         raise MorseDeclarationError(f"there is no field {shown(name)}{nearest(name, fields)}")
-    return found
+    return field
 
 
-def _word(slot: Slot, given: str, fields: Mapping[str, DataField]) -> Source:
-    if slot.choices and given not in slot.choices:
-        known = [*slot.choices, *fields]
-        raise MorseDeclarationError(f"{shown(given)} is neither a field nor one of its words{nearest(given, known)}")
-    if not slot.choices and (near := closest(given, fields)) is not None:
-        raise MorseDeclarationError(f"there is no field {shown(given)}; did you mean '{near}'?")
-    return Constant(given)
+def _word(slot: Slot, word: str, fields: Mapping[str, DataField]) -> Source:
+    if slot.choices and word not in slot.choices:
+        candidates = [*slot.choices, *fields]
+        raise MorseDeclarationError(f"{shown(word)} is neither a field nor one of its words{nearest(word, candidates)}")
+    if not slot.choices and (near := closest(word, fields)) is not None:
+        raise MorseDeclarationError(f"there is no field {shown(word)}; did you mean '{near}'?")
+    return Constant(word)
 
 
 def _single(slot: Slot, name: str, fields: Mapping[str, DataField]) -> Source:
@@ -383,59 +383,59 @@ def _check_shape(slot: Slot, name: str, field: DataField) -> None:
     # the default is a text that describes the value, or an empty list
     if shape is None or (0 in shape and field.shape is None):
         return
-    for wanted in (slot.shape, *slot.shapes):
-        if len(wanted) == len(shape) and all(
-            a is None or b is None or a == b for a, b in zip(wanted, shape, strict=True)
+    for slot_shape in (slot.shape, *slot.shapes):
+        if len(slot_shape) == len(shape) and all(
+            a is None or b is None or a == b for a, b in zip(slot_shape, shape, strict=True)
         ):
             return
     raise MorseDeclarationError(f"it takes the shape {slot.shape}, field '{name}' has {shape}")
 
 
 def _stack(slot: Slot, names: tuple[Any, ...], fields: Mapping[str, DataField]) -> Source:
-    found = [None if name is None else _field(name, fields) for name in names]
+    fields_of_slot = [None if name is None else _field(name, fields) for name in names]
     if len(slot.shape) != 1 or (slot.shape[0] is not None and slot.shape[0] != len(names)):
         raise MorseDeclarationError(f"it takes the shape {slot.shape}, {len(names)} fields are given")
     scales = tuple(
         (1.0, 0.0) if field is None else _converted(f"field '{name}'", field.unit, slot)
-        for name, field in zip(names, found, strict=True)
+        for name, field in zip(names, fields_of_slot, strict=True)
     )
-    return Stack(names, _common_frame(names, found), scales)
+    return Stack(names, _common_frame(names, fields_of_slot), scales)
 
 
 def _euler(names: tuple[str | None, ...], fields: Mapping[str, DataField]) -> Source:
-    found = [None if name is None else _field(name, fields) for name in names]
+    angles = [None if name is None else _field(name, fields) for name in names]
     factors = set()
-    for name, field in zip(names, found, strict=True):
+    for name, field in zip(names, angles, strict=True):
         if field is not None:
             if not field.unit:
                 raise MorseDeclarationError(f"an angle needs the unit rad or deg; field '{name}' has no unit")
             factors.add(conversion(field.unit, "rad")[0])
     if len(factors) > 1:
         raise MorseDeclarationError(f"the angles {shown(names)} have different units")
-    return FromEuler(names, _common_frame(names, found), factors.pop() if factors else 1.0)
+    return FromEuler(names, _common_frame(names, angles), factors.pop() if factors else 1.0)
 
 
 def _common_frame(names: tuple[Any, ...], fields: list[DataField | None]) -> str:
     frames = {field.frame: name for name, field in zip(names, fields, strict=True) if field is not None}
     if len(frames) > 1:
-        listed = ", ".join(f"'{name}' in {frame or 'none'}" for frame, name in frames.items())
-        raise MorseDeclarationError(f"its fields are in different frames: {listed}")
+        pairs = ", ".join(f"'{name}' in {frame or 'none'}" for frame, name in frames.items())
+        raise MorseDeclarationError(f"its fields are in different frames: {pairs}")
     return next(iter(frames), "")
 
 
-def _converted(what: str, given: str, slot: Slot) -> tuple[float, float]:
-    if not slot.unit or given == slot.unit:
+def _converted(what: str, unit: str, slot: Slot) -> tuple[float, float]:
+    if not slot.unit or unit == slot.unit:
         return 1.0, 0.0
-    if not given:
+    if not unit:
         if slot.unit == "1":
             return 1.0, 0.0
         raise MorseDeclarationError(f"it takes {slot.unit}; {what} has no unit")
     try:
-        return conversion(given, slot.unit)
+        return conversion(unit, slot.unit)
     except UnitError as error:
-        known = str(error).partition("; known: ")[2]
+        units = str(error).partition("; known: ")[2]
         raise MorseDeclarationError(
-            f"it takes {slot.unit}; {what} has {given}" + (f"; known: {known}" if known else "")
+            f"it takes {slot.unit}; {what} has {unit}" + (f"; known: {units}" if units else "")
         ) from None
 
 
@@ -462,14 +462,14 @@ def as_slot_rows(slot: Slot, value: Any) -> Any:
     Raises:
         TypeError: they are neither numbers nor words.
     """
-    given = getattr(value, "dtype", None)
-    if given is None:
+    value_dtype = getattr(value, "dtype", None)
+    if value_dtype is None:
         return as_slot(slot, value)
-    if slot.dtype in ("str", "object") or given.kind not in "iufb":
+    if slot.dtype in ("str", "object") or value_dtype.kind not in "iufb":
         raise TypeError(f"slot '{slot.name}' is read one by one")
     dtype = "bool" if slot.dtype == "bool" else "int64" if slot.dtype in _SCALAR else "float64"
     if slot.shape:
-        dtype = str(given) if str(given) in slot.dtypes else slot.dtype
+        dtype = str(value_dtype) if str(value_dtype) in slot.dtypes else slot.dtype
     return value.astype(dtype, copy=False)
 
 
@@ -481,12 +481,12 @@ def as_slot(slot: Slot, value: Any) -> Any:
         return tuple(value)
     import numpy as np
 
-    given = getattr(value, "dtype", None)
-    if given is None:
-        made = np.array(value, slot.dtype, order="C")
-        made.setflags(write=False)  # three times as fast as assigning flags.writeable
-        return made
-    dtype = str(given) if str(given) in slot.dtypes else slot.dtype
+    value_dtype = getattr(value, "dtype", None)
+    if value_dtype is None:
+        result = np.array(value, slot.dtype, order="C")
+        result.setflags(write=False)  # three times as fast as assigning flags.writeable
+        return result
+    dtype = str(value_dtype) if str(value_dtype) in slot.dtypes else slot.dtype
     array = np.ascontiguousarray(value, dtype=dtype).view()
     array.flags.writeable = False
     return array

@@ -53,7 +53,7 @@ def normalized(quaternion: Sequence[float]) -> tuple[float, ...] | None:
     return tuple(number / length for number in quaternion) if length > _SHORTEST else None
 
 
-def turned(value: Any, moves: str, given: str, wanted: str, component: Any) -> Any:
+def turned(value: Any, moves: str, source_frame: str, target_frame: str, component: Any) -> Any:
     """Convert a value into another frame of its component.
 
     Args:
@@ -66,7 +66,7 @@ def turned(value: Any, moves: str, given: str, wanted: str, component: Any) -> A
 
     from morse.mathutils.portable import matmul
 
-    origin, rotation = _between(given, wanted, component)
+    origin, rotation = _between(source_frame, target_frame, component)
     if moves == ORIENTATION:
         w, x, y, z = value
         return np.array(quaternion_from_rotation(product(rotation, rotation_from_quaternion(w, x, y, z))))
@@ -74,9 +74,9 @@ def turned(value: Any, moves: str, given: str, wanted: str, component: Any) -> A
     return result + np.array(origin) if moves == POINT else result
 
 
-def _between(given: str, wanted: str, component: Any) -> tuple[tuple[float, ...], Rotation9]:
+def _between(source_frame: str, target_frame: str, component: Any) -> tuple[tuple[float, ...], Rotation9]:
     """Return the origin and rotation of the transformation from one frame into another."""
-    (p, a), (q, b) = _pose(given, component), _pose(wanted, component)
+    (p, a), (q, b) = _pose(source_frame, component), _pose(target_frame, component)
     inverse = (b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8])
     x, y, z = (one - other for one, other in zip(p, q, strict=True))
     origin = tuple(inverse[i] * x + inverse[i + 1] * y + inverse[i + 2] * z for i in (0, 3, 6))

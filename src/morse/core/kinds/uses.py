@@ -30,9 +30,9 @@ def check_use(use: KindUse) -> None:
             raise MorseDeclarationError(
                 f"{use.where}: kind '{kind.name}' has no slot '{name}'{nearest(name, kind.slots)}"
             )
-    missing = [name for name, slot in kind.slots.items() if not slot.optional and name not in use.slots]
-    if missing:
-        raise MorseDeclarationError(f"{use.where}: kind '{kind.name}' needs the slot {_quoted(missing)}")
+    absent = [name for name, slot in kind.slots.items() if not slot.optional and name not in use.slots]
+    if absent:
+        raise MorseDeclarationError(f"{use.where}: kind '{kind.name}' needs the slot {_quoted(absent)}")
     if kind.name in NEEDS_ONE and not use.slots:
         raise MorseDeclarationError(f"{use.where}: kind '{kind.name}' needs one of the slots {_quoted(kind.slots)}")
 

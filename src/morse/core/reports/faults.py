@@ -113,17 +113,17 @@ def message(error: BaseException) -> str:
     if type(text) is not str:
         return "(its message cannot be read)"
     # a terminal must not obey it, and every log must be able to encode it
-    shown = "\n".join(map(escaped, text[:_LONGEST].split("\n")))
-    return shown if len(text) <= _LONGEST else f"{shown}… ({len(text)} characters)"
+    text_shown = "\n".join(map(escaped, text[:_LONGEST].split("\n")))
+    return text_shown if len(text) <= _LONGEST else f"{text_shown}… ({len(text)} characters)"
 
 
 def name_of(part: object) -> str:
     """Return the name of a component, else that of the class or the function that a part of the simulation is."""
-    named: Any = part
-    name = _safely(lambda: named.name(), None)
+    owner: Any = part
+    name = _safely(lambda: owner.name(), None)
     if type(name) is str and name:
         return escaped(name[:_LONGEST])
-    own = _safely(lambda: named.__qualname__, None)
+    own = _safely(lambda: owner.__qualname__, None)
     return escaped(own[:_LONGEST] if type(own) is str and own else class_name(type(part)))
 
 

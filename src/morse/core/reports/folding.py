@@ -123,8 +123,8 @@ class Folding(logging.Filter):
         """See `Counting`."""
         time = self._clock()
         with self._lock:
-            due = [kind for kind, (begin, _, last) in self._kinds.items() if last and (now or time - begin >= PERIOD)]
-        for kind in due:
+            kinds = [kind for kind, (begin, _, last) in self._kinds.items() if last and (now or time - begin >= PERIOD)]
+        for kind in kinds:
             self._tell_kind(kind)
         with self._lock:
             return any(last is not None for _, _, last in self._kinds.values())
@@ -137,9 +137,9 @@ class Folding(logging.Filter):
         most = _MOST_WARNINGS if last.levelno >= logging.WARNING else _MOST_OTHERS
         seconds = max(1, round(self._clock() - begin))
         text = f"{_beginning(last)} (repeated {count - most} times in {seconds} s)"
-        told = logging.LogRecord(last.name, last.levelno, last.pathname, last.lineno, text, None, None)
-        told.is_count = True
-        self._handler.handle(told)
+        record = logging.LogRecord(last.name, last.levelno, last.pathname, last.lineno, text, None, None)
+        record.is_count = True
+        self._handler.handle(record)
 
     def _forget(self, now: float) -> None:
         for kind, (begin, _, last) in list(self._kinds.items()):

@@ -20,27 +20,27 @@ _MOST_LISTED = 50
 _SHORTER, _LONGER = 3, 7
 
 
-def closest(word: object, known: Iterable[object]) -> str | None:
+def closest(word: object, candidates: Iterable[object]) -> str | None:
     """Return the known name most similar to ``word``, ignoring case, or None."""
     if not isinstance(word, str) or len(word) > _LONGEST_WORD:
         return None
     size = len(word)
     names = [
         name
-        for name in known
+        for name in candidates
         if isinstance(name, str) and min(size, len(name)) * _LONGER >= max(size, len(name)) * _SHORTER
     ]
-    folded = word.casefold()
+    lower = word.casefold()
     if len(names) > _MOST_COMPARED:
-        names = [name for name in names if name[:1].casefold() == folded[:1]][:_MOST_COMPARED]
+        names = [name for name in names if name[:1].casefold() == lower[:1]][:_MOST_COMPARED]
     by_folded = {name.casefold(): name for name in names}
-    found = difflib.get_close_matches(folded, by_folded, n=1)
-    return by_folded[found[0]] if found else None
+    matches = difflib.get_close_matches(lower, by_folded, n=1)
+    return by_folded[matches[0]] if matches else None
 
 
-def nearest(word: object, known: Iterable[str], *, say: str = "known", limit: int = _MOST_LISTED) -> str:
+def nearest(word: object, candidates: Iterable[str], *, say: str = "known", limit: int = _MOST_LISTED) -> str:
     """Return ``; did you mean 'x'?`` for a near miss, else ``; known: a, b, c`` with at most ``limit`` names."""
-    names = list(dict.fromkeys(known))
+    names = list(dict.fromkeys(candidates))
     near = closest(word, names)
     if near is not None:
         return f"; did you mean {quoted(near)}?"

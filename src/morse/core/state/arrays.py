@@ -23,13 +23,13 @@ def type_of(kind: np.dtype[Any]) -> Any:
     return kind.str if kind.names is None else dtype_to_descr(kind)
 
 
-def dtype(saved: Any) -> np.dtype[Any]:
+def dtype(data: Any) -> np.dtype[Any]:
     """Return the dtype for a result of `type_of`.
 
     Raises:
         StateError: the type contains Python objects.
     """
-    kind = np.dtype(saved) if isinstance(saved, str) else descr_to_dtype(saved)
+    kind = np.dtype(data) if isinstance(data, str) else descr_to_dtype(data)
     if kind.hasobject:
         raise StateError("an array of objects cannot be read from bytes")
     return kind

@@ -43,8 +43,8 @@ def check_name(cls: Any, name: Any) -> None:
         raise StateError(f"the saved state is damaged: an attribute has the name {name!r:.40}")
     if name in left_out(cls):
         raise StateError(f"the attribute '{name:.40}' is not part of a saved state")
-    declared = inspect.getattr_static(cls, name, None)
-    if inspect.isdatadescriptor(declared) and not inspect.ismemberdescriptor(declared):
+    attribute = inspect.getattr_static(cls, name, None)
+    if inspect.isdatadescriptor(attribute) and not inspect.ismemberdescriptor(attribute):
         raise StateError(f"'{name:.40}' is computed by the class {cls.__name__}, and is not part of a saved state")
 
 
@@ -78,8 +78,8 @@ def reorder(attributes: dict[str, Any], order: Iterable[str]) -> None:
 
     Names that are not in the order come first.
     """
-    wanted = [name for name in order if name in attributes]
-    known = set(wanted)
-    if [name for name in attributes if name in known] != wanted:
-        for name in wanted:
+    names = [name for name in order if name in attributes]
+    name_set = set(names)
+    if [name for name in attributes if name in name_set] != names:
+        for name in names:
             attributes[name] = attributes.pop(name)

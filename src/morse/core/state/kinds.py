@@ -83,16 +83,16 @@ def is_data(value: Any) -> bool:
     return is_a(value, _DATA)
 
 
-def fits(value: Any, present: Any, created: frozenset[type] = frozenset()) -> bool:
+def fits(value: Any, present: Any, new_types: frozenset[type] = frozenset()) -> bool:
     """Whether a value may replace the present value of an attribute that MORSE has set.
 
     Args:
-        created: the classes of objects that may take the place of None.
+        new_types: the classes of objects that may take the place of None.
     """
     kind, before = kind_of(value), kind_of(present)
     if kind == before:
         return kind != "a function" or value == present or _names(value) == _names(present)
-    return kind == "nothing" or (before == "nothing" and (is_data(value) or kind in created))
+    return kind == "nothing" or (before == "nothing" and (is_data(value) or kind in new_types))
 
 
 def fits_roughly(value: Any, present: Any) -> bool:

@@ -121,7 +121,7 @@ class Reader:
             "text": lambda data, _: data[1].decode("utf-8", "surrogatepass"),
         }
 
-    def part(self, name: str, saved: Any, now: Any, holder: Any = None) -> Any:
+    def part(self, name: str, data: Any, now: Any, holder: Any = None) -> Any:
         """Return the restored state of a part of the simulation.
 
         Args:
@@ -135,11 +135,11 @@ class Reader:
         self._holder = holder
         self._strict = not self._trusted and (holder is None or is_of_morse(type(holder)))
         try:
-            if holder is not None and type(now) is dict and type(saved) is list and saved[0] == "dict":
+            if holder is not None and type(now) is dict and type(data) is list and data[0] == "dict":
                 target = self._keep({})
-                target.update(self._attributes(type(holder), saved[1], now))
+                target.update(self._attributes(type(holder), data[1], now))
                 return target
-            value = self.value(saved, now)
+            value = self.value(data, now)
             self._check(value, now)
             return value
         except StateError as error:
@@ -159,15 +159,15 @@ class Reader:
             if self._deep and self._strict and now is not MISSING and type(now) is not type(data):
                 self._check(data, now)
             return data
-        read = self._readers.get(data[0])
-        if read is None:
+        reader = self._readers.get(data[0])
+        if reader is None:
             raise StateError(f"the saved state is damaged: there is no type {data[0]!r:.40}")
         self._depth += 1
         if self._depth > DEEPEST + 20:
             raise StateError("the saved state is nested too deeply")
         outer = self._extents.begin()
         try:
-            value = read(data, now)
+            value = reader(data, now)
         finally:
             self._depth -= 1
         self._extents.end(outer, value, counts=data[0] not in _OBJECTS)
@@ -196,10 +196,10 @@ class Reader:
         self._used.add(id(now))
         return self._keep(now)
 
-    def _items(self, saved: list[Any], now: Any) -> list[Any]:
+    def _items(self, data: list[Any], now: Any) -> list[Any]:
         present = list(now) if is_a(now, (list, tuple, deque)) else []
-        self._extents.count(len(saved))
-        return [self.value(item, present[i] if i < len(present) else MISSING) for i, item in enumerate(saved)]
+        self._extents.count(len(data))
+        return [self.value(item, present[i] if i < len(present) else MISSING) for i, item in enumerate(data)]
 
     def _list(self, data: list[Any], now: Any) -> list[Any]:
         target: list[Any] = self._target(now, list, list)
@@ -231,13 +231,13 @@ class Reader:
             target.default_factory = FACTORIES[data[2]]
         return target
 
-    def _pairs(self, saved: list[Any], present: dict[Any, Any]) -> dict[Any, Any]:
+    def _pairs(self, data: list[Any], present: dict[Any, Any]) -> dict[Any, Any]:
         items = {}
-        self._extents.count(len(saved))
+        self._extents.count(len(data))
         # the keys are read one by one, because later ones may refer to the values of earlier ones
-        keys = Extents.spread(self.value(key) for key, _ in saved)
-        for read, (_, item) in zip(keys, saved, strict=True):
-            items[read] = self.value(item, present.get(read, MISSING))
+        keys = Extents.spread(self.value(key) for key, _ in data)
+        for restored_key, (_, item) in zip(keys, data, strict=True):
+            items[restored_key] = self.value(item, present.get(restored_key, MISSING))
         return items
 
     def _namespace(self, data: list[Any], now: Any) -> SimpleNamespace:
@@ -271,11 +271,11 @@ class Reader:
         # the shape is used only if the number of items matches
         if any(type(n) is not int or n < 0 for n in data[1]) or np.prod(data[1], dtype=object) != len(data[2]):
             raise StateError("the number of items of an array does not match its shape")
-        made = self._keep(np.empty(data[1], dtype=object))
-        flat = made.ravel()
+        array = self._keep(np.empty(data[1], dtype=object))
+        flat = array.ravel()
         for place, item in enumerate(self._items(data[2], MISSING)):
             flat[place] = item
-        return made
+        return array
 
     def _generator(self, data: list[Any], now: Any) -> Any:
         name = data[1]
@@ -340,20 +340,20 @@ class Reader:
             set.update(target, Extents.spread(items))
         return target
 
-    def _assign(self, target: Any, saved: list[Any], present: dict[str, Any]) -> None:
-        for name, _ in saved:
+    def _assign(self, target: Any, data: list[Any], present: dict[str, Any]) -> None:
+        for name, _ in data:
             check_name(type(target), name)
-        for name, value in self._attributes(type(target), saved, present):
+        for name, value in self._attributes(type(target), data, present):
             object.__setattr__(target, name, value)
         if not self._fresh:
-            for name in present.keys() - {name for name, _ in saved}:
+            for name in present.keys() - {name for name, _ in data}:
                 object.__delattr__(target, name)
-            reorder(getattr(target, "__dict__", {}), [name for name, _ in saved])
+            reorder(getattr(target, "__dict__", {}), [name for name, _ in data])
 
-    def _attributes(self, cls: Any, saved: list[Any], present: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    def _attributes(self, cls: Any, data: list[Any], present: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         """Iterate over the names and the values of the attributes of an object of a class."""
         outer, of_morse = (self._strict, self._deep, self._created), own_attributes(cls)
-        for name, item in saved:
+        for name, item in data:
             before = present.get(name, MISSING)
             if item == AS_IS and before is MISSING:
                 continue
@@ -393,29 +393,34 @@ class Reader:
         return getattr(owner, name)
 
     def _global(self, data: list[Any], now: Any) -> Any:
-        found = self._references.find_global(data[1])
-        if inspect.isroutine(found):
+        target = self._references.find_global(data[1])
+        if inspect.isroutine(target):
             if not (is_routine(now) or self._trusted):
                 raise StateError(f"the saved state contains the function {data[1]!r:.80} in place of {word_of(now)}")
-            return found
+            return target
         place = len(self._met)
         if self._fresh:
-            return found if data[2] == AS_IS else self.value(data[2])
-        self._named.add(id(found))
-        read = self.value(data[2], found)
-        if read is not found and type(found) is np.ndarray and read.shape == found.shape and read.dtype == found.dtype:
-            if found.flags.writeable:
-                found[...] = read
-            self._met[place] = read = found
-        return read
+            return target if data[2] == AS_IS else self.value(data[2])
+        self._named.add(id(target))
+        value = self.value(data[2], target)
+        if (
+            value is not target
+            and type(target) is np.ndarray
+            and value.shape == target.shape
+            and value.dtype == target.dtype
+        ):
+            if target.flags.writeable:
+                target[...] = value
+            self._met[place] = value = target
+        return value
 
     def _class(self, path: str, now: Any) -> type[Any]:
         if now is not MISSING and class_path(type(now)) == path:
             return type(now)
-        found = self._references.find_class(path)
-        if found is None:
+        cls = self._references.find_class(path)
+        if cls is None:
             raise StateError(f"the saved state contains a {path!r:.80}, which the simulation does not know")
-        return found
+        return cls
 
     def _attributed(self, path: str, now: Any) -> type[Any]:
         """Return a class whose objects are created without calling it."""

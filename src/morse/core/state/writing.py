@@ -137,9 +137,9 @@ class Writer:
             return value
         if cls is int or cls is str:
             return self._writers[cls](value)
-        known = self._numbers.get(id(value))
-        if known is not None:
-            return ["again", known]
+        number = self._numbers.get(id(value))
+        if number is not None:
+            return ["again", number]
         if self._depth >= DEEPEST:
             return self._cannot_be_saved(value, f"nested more than {DEEPEST} deep")
         self._depth += 1
@@ -205,14 +205,14 @@ class Writer:
         self._references.met_class(cls)
         if own:
             return ["own", class_path(cls), self.value(value.get_state())]
-        written = ["object", class_path(cls), self._pairs(attributes_of(value).items())]
+        entry = ["object", class_path(cls), self._pairs(attributes_of(value).items())]
         if base is dict:
-            written.append([[self.value(key), self.value(item)] for key, item in dict.items(value)])
+            entry.append([[self.value(key), self.value(item)] for key, item in dict.items(value)])
         elif base is set:
-            written.append(self._sorted(value))
+            entry.append(self._sorted(value))
         elif base is list:
-            written.append([self.value(item) for item in list.__iter__(value)])
-        return written
+            entry.append([self.value(item) for item in list.__iter__(value)])
+        return entry
 
     def _method(self, value: Any) -> Any:
         owner = getattr(value, "__self__", None)
@@ -220,8 +220,8 @@ class Writer:
             return AS_IS
         names = [value.__name__, *(f"_{cls.__name__.lstrip('_')}{value.__name__}" for cls in type(owner).__mro__)]
         name = next((name for name in names if getattr(owner, name, None) == value), None)
-        written = AS_IS if name is None else self.value(owner)
-        return AS_IS if written == AS_IS else ["method", written, name]
+        entry = AS_IS if name is None else self.value(owner)
+        return AS_IS if entry == AS_IS else ["method", entry, name]
 
     def _simple(self, value: Any) -> Any:
         word, apart = TAKEN_APART[type(value)]
@@ -240,9 +240,9 @@ class Writer:
 
     def _sorted(self, values: Iterable[Any]) -> list[Any]:
         met = len(self._met)
-        written = [self.value(value) for value in values]
+        entries = [self.value(value) for value in values]
         # sets are unordered, but objects are numbered in the order in which they are restored
-        return sorted(written, key=repr) if len(self._met) == met else written
+        return sorted(entries, key=repr) if len(self._met) == met else entries
 
     def _array(self, value: arrays.Array) -> Any:
         if value.dtype.hasobject:
@@ -253,8 +253,8 @@ class Writer:
             return self._cannot_be_saved(value, f"an array of {value.nbytes:,} bytes; at most {_MOST_BYTES:,}")
         kind, root = arrays.type_of(value.dtype), arrays.root_of(value)
         # a small view of a large array without other references is saved without its root
-        shared = root is not value and (id(root) in self._numbers or root.nbytes == value.nbytes)
-        if shared and arrays.can_be_shared(root):
+        is_view = root is not value and (id(root) in self._numbers or root.nbytes == value.nbytes)
+        if is_view and arrays.can_be_shared(root):
             return ["view", self.value(root), kind, list(value.shape), *arrays.place_in(root, value)]
         return ["array", kind, *arrays.content(value)]
 

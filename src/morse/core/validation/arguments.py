@@ -96,24 +96,24 @@ class Arguments:
             except ValueError as error:
                 raise MorseRPCTypeError(f"{self._service}: '{name}' is {error}, not {shown(value)}") from None
 
-    def _wrong_number(self, given: int) -> str:
+    def _wrong_number(self, count: int) -> str:
         assert self._signature is not None
-        if given == 0:
+        if count == 0:
             return f"some parameters are expected: {self._service}{self._signature}"
         names = ", ".join(str(p).partition(":")[0].partition(" =")[0] for p in self._signature.parameters.values())
-        return f"wrong # of parameters for service. {self._service} takes ({names}), got {given}"
+        return f"wrong # of parameters for service. {self._service} takes ({names}), got {count}"
 
 
 def argument_ranges(method: Callable[..., Any]) -> dict[str, str]:
     """Return the declared ranges and choices of the arguments of a service as text, by argument name."""
-    found = {}
+    ranges = {}
     for name, hint in hints_of(method).items():
         words = []
         for spec in specs_of(hint):
             words += [", ".join(map(str, spec.choices))] if spec.choices else [spec.range_text().strip()]
         if any(words) and name != "return":
-            found[name] = " or ".join(filter(None, words))
-    return found
+            ranges[name] = " or ".join(filter(None, words))
+    return ranges
 
 
 def _anything(value: Any) -> Any:
@@ -128,7 +128,7 @@ def check_of(hint: Any) -> Callable[[Any], Any]:
     if len(specs) == 1:
         return specs[0].check()
     checks = [spec.check() for spec in specs]
-    expected = " or ".join(_NAMES[spec.kind] + spec.range_text() for spec in specs)
+    expectation = " or ".join(_NAMES[spec.kind] + spec.range_text() for spec in specs)
 
     def check(value: Any) -> Any:
         for one in checks:
@@ -136,7 +136,7 @@ def check_of(hint: Any) -> Callable[[Any], Any]:
                 return one(value)
             except ValueError:
                 continue
-        raise ValueError(expected)
+        raise ValueError(expectation)
 
     return check
 

@@ -26,20 +26,20 @@ def array_check(spec: Spec, shape: tuple[int | None, ...], item: Callable[[Any],
         item: check of a single number.
     """
     dtype = spec.dtype
-    expected = f"{'an array' if dtype else 'a list'} of {shape_text(shape)}{spec.range_text()}"
+    expectation = f"{'an array' if dtype else 'a list'} of {shape_text(shape)}{spec.range_text()}"
 
     def check(value: Any) -> Any:
         if hasattr(value, "dtype"):
             if not _fits(value, spec, shape):
-                raise ValueError(expected)
-            return _as_array(value, shape, dtype, expected) if dtype else value.tolist()
+                raise ValueError(expectation)
+            return _as_array(value, shape, dtype, expectation) if dtype else value.tolist()
         if not isinstance(value, (list, tuple)):
-            value = _listed(value, expected)
+            value = _listed(value, expectation)
         try:
-            checked = _nested(value, shape, item)
+            items = _nested(value, shape, item)
         except ValueError:
-            raise ValueError(expected) from None
-        return _as_array(checked, shape, dtype, expected) if dtype else checked
+            raise ValueError(expectation) from None
+        return _as_array(items, shape, dtype, expectation) if dtype else items
 
     return check
 
@@ -49,7 +49,10 @@ def _fits(array: Any, spec: Spec, shape: tuple[int | None, ...]) -> bool:
 
     if array.dtype.kind not in "iuf" or array.ndim != len(shape):
         return False
-    if any(wanted is not None and wanted != given for wanted, given in zip(shape, array.shape, strict=True)):
+    if any(
+        expected_size is not None and expected_size != size
+        for expected_size, size in zip(shape, array.shape, strict=True)
+    ):
         return False
     fine = np.isfinite(array)
     if spec.low is not None:
@@ -61,10 +64,10 @@ def _fits(array: Any, spec: Spec, shape: tuple[int | None, ...]) -> bool:
     return bool(fine.all())
 
 
-def _listed(value: Any, expected: str) -> list[Any]:
+def _listed(value: Any, expectation: str) -> list[Any]:
     # accepts mathutils vectors and tuples; strings are sequences as well, and are refused
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
-        raise ValueError(expected)
+        raise ValueError(expectation)
     return list(value)
 
 
@@ -81,7 +84,7 @@ def _nested(value: Any, shape: tuple[int | None, ...], item: Callable[[Any], Any
     return rows
 
 
-def _as_array(value: list[Any], shape: tuple[int | None, ...], dtype: str, expected: str) -> Any:
+def _as_array(value: list[Any], shape: tuple[int | None, ...], dtype: str, expectation: str) -> Any:
     import numpy as np
 
     if len(value) == 0:
@@ -91,9 +94,9 @@ def _as_array(value: list[Any], shape: tuple[int | None, ...], dtype: str, expec
         with np.errstate(over="ignore"):
             array = np.array(wide, dtype)
     except OverflowError:
-        raise ValueError(f"{expected} that fit {dtype}") from None
+        raise ValueError(f"{expectation} that fit {dtype}") from None
     if array.dtype.kind in "iu" and not (array == wide).all():
-        raise ValueError(f"{expected} that fit {dtype}")
+        raise ValueError(f"{expectation} that fit {dtype}")
     return array
 
 
@@ -101,19 +104,19 @@ def list_check(
     least: int, item: Callable[[Any], Any], allow: frozenset[str], range_text: str
 ) -> Callable[[Any], list[Any]]:
     """Return a check for lists without declared shape: at least ``least`` numbers, or any items if it is 0."""
-    expected = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"
+    expectation = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"
 
     def check(value: Any) -> list[Any]:
         if hasattr(value, "tolist"):
             value = value.tolist()
         if not isinstance(value, (list, tuple)) or (least > 1 and len(value) < least):
-            raise ValueError(expected + range_text)
+            raise ValueError(expectation + range_text)
         if not least:
             check_plain(value, allow)
             return value if isinstance(value, list) else list(value)
         try:
             return [item(number) for number in value]
         except ValueError:
-            raise ValueError(expected + range_text) from None
+            raise ValueError(expectation + range_text) from None
 
     return check

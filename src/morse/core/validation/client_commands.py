@@ -42,26 +42,26 @@ class ClientCommands:
         """Whether messages have to wait, because earlier ones took more than their share of the time."""
         return self._sender.rests
 
-    def take(self, read: Callable[[Any], Any], message: Any) -> bool:
+    def take(self, decode: Callable[[Any], Any], message: Any) -> bool:
         """Write the fields of a message into the data of the component; whether that was possible.
 
         If the simulation is not paced by the wall clock, its clients wait for it, and messages never wait.
 
         Args:
-            read: returns the fields of the message, or None if it has none. It may be code of a user: an exception only
-                refuses the message.
+            decode: returns the fields of the message, or None if it has none. It may be code of a user: an exception
+                only refuses the message.
             message: as it has arrived.
         """
         if not self._component.context.paced():
-            return self._take(read, message)
+            return self._take(decode, message)
         with self._sender.measured():
-            taken = self._take(read, message)
+            command = self._take(decode, message)
         self._sender.rest_if_due()
-        return taken
+        return command
 
-    def _take(self, read: Callable[[Any], Any], message: Any) -> bool:
+    def _take(self, decode: Callable[[Any], Any], message: Any) -> bool:
         try:
-            fields = read(message)
+            fields = decode(message)
         except CommandError as error:
             self._refuse_field(error)
             return False

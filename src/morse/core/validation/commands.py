@@ -37,9 +37,9 @@ class Commands:
 
     def __init__(self, component: Checked) -> None:
         self._component = component
-        declared = fields_of_component(component)
+        fields = fields_of_component(component)
         self._checks: dict[str, Callable[[Any], Any]] = {
-            name: spec_of_field(declared.get(name), value).check() for name, value in component.local_data.items()
+            name: spec_of_field(fields.get(name), value).check() for name, value in component.local_data.items()
         }
         self._extra: dict[str, int] = {}
         self._is_full = False
@@ -102,7 +102,7 @@ class Commands:
     def _take_unknown(self, unknown: dict[str, Any]) -> str | None:
         if self._component.context.strict:
             self._refuse(unknown)
-        taken, remarks = {}, []
+        values, remarks = {}, []
         for name, value in unknown.items():
             size = self._size(name, value)
             new = name not in self._extra
@@ -116,8 +116,8 @@ class Commands:
             if new:
                 remarks.append(self._remark(name))
             self._extra[name] = size
-            taken[name] = value
-        self._component.local_data.update(taken)
+            values[name] = value
+        self._component.local_data.update(values)
         return "; ".join(remarks) or None
 
     def _size(self, name: Any, value: Any) -> int:

@@ -19,15 +19,15 @@ _WORDS = {
 }  # fmt: skip
 
 
-def spec_of_field(field: DataField | None, held: Any) -> Spec:
+def spec_of_field(field: DataField | None, value: Any) -> Spec:
     """Return the spec of a data field: as declared, or derived from its value if it is not declared.
 
     Args:
         field: its declaration, or None if the component added the field without a declaration.
-        held: value of the field before the first command. The declared default may be only a string such as "initial
+        value: value of the field before the first command. The declared default may be only a string such as "initial
             position".
     """
-    default = held if held is not None or field is None else field.default
+    default = value if value is not None or field is None else field.default
     if field is None:
         return _like(default)._replace(allow=_occurring(default))
     allow = frozenset(field.allow) | _occurring(default)

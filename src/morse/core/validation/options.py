@@ -15,24 +15,24 @@ if TYPE_CHECKING:
     from morse.core.declarations import Option
 
 
-def checked_options(owner: str, declared: Mapping[str, Option], given: Mapping[str, Any]) -> dict[str, Any]:
+def checked_options(owner: str, declarations: Mapping[str, Option], values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the given options as they are to be stored.
 
     Args:
         owner: owner of the options, for messages.
-        declared: declared options by name.
-        given: values by name.
+        declarations: declared options by name.
+        values: values by name.
 
     Raises:
         OptionError: the message contains the option and the expected value, or the nearest name.
     """
-    checked = {}
-    for name, value in given.items():
-        option = declared.get(name)
+    result = {}
+    for name, value in values.items():
+        option = declarations.get(name)
         if option is None:
-            raise OptionError(f"{owner} has no option {shown(name)}{nearest(name, declared)}")
-        checked[name] = _checked(owner, name, option, value)
-    return checked
+            raise OptionError(f"{owner} has no option {shown(name)}{nearest(name, declarations)}")
+        result[name] = _checked(owner, name, option, value)
+    return result
 
 
 def _checked(owner: str, name: str, option: Option, value: Any) -> Any:
@@ -44,6 +44,6 @@ def _checked(owner: str, name: str, option: Option, value: Any) -> Any:
         raise OptionError(f"option '{name}' of {owner} is {shown(value)}, expected {error}") from None
 
 
-def with_defaults(declared: Mapping[str, Option], given: Mapping[str, Any]) -> dict[str, Any]:
+def with_defaults(declarations: Mapping[str, Option], values: Mapping[str, Any]) -> dict[str, Any]:
     """Return all options: the given values, and the defaults of the others."""
-    return {name: given.get(name, option.default) for name, option in declared.items()}
+    return {name: values.get(name, option.default) for name, option in declarations.items()}

@@ -34,9 +34,9 @@ def check_plain(value: Any, allow: frozenset[str] = frozenset()) -> None:
     Raises:
         ValueError: the message contains the expected value.
     """
-    waiting: list[tuple[Any, int]] = [(value, 0)]
-    while waiting:
-        item, depth = waiting.pop()
+    queue: list[tuple[Any, int]] = [(value, 0)]
+    while queue:
+        item, depth = queue.pop()
         if isinstance(item, float):
             if not math.isfinite(item) and str(float(item)) not in allow:
                 raise ValueError("finite numbers")
@@ -49,23 +49,23 @@ def check_plain(value: Any, allow: frozenset[str] = frozenset()) -> None:
             if depth >= DEEPEST:
                 raise ValueError(f"lists and objects nested at most {DEEPEST} deep")
             if isinstance(item, dict):
-                waiting.extend((key, depth + 1) for key in item)
+                queue.extend((key, depth + 1) for key in item)
                 item = item.values()
-            waiting.extend((inner, depth + 1) for inner in item)
+            queue.extend((inner, depth + 1) for inner in item)
 
 
 def size_of(value: Any) -> int:
     """Estimate the size of a value in bytes; strings and list items are counted, objects of other types are not."""
     size = 0
-    waiting = [value]
-    while waiting:
-        item = waiting.pop()
+    queue = [value]
+    while queue:
+        item = queue.pop()
         size += 16
         if isinstance(item, (str, bytes)):
             size += len(item)
         elif isinstance(item, dict):
-            waiting.extend(item)
-            waiting.extend(item.values())
+            queue.extend(item)
+            queue.extend(item.values())
         elif isinstance(item, (list, tuple)):
-            waiting.extend(item)
+            queue.extend(item)
     return size

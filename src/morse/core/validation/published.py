@@ -48,8 +48,8 @@ def misfits(component: Object, is_checked: Callable[[DataField], bool] = lambda 
             # the data of a compound sensor are those of its members
             if name not in component.context.components:
                 near = closest(name, fields)
-                meant = f"; did you mean '{near}'?" if near is not None else ""
-                yield Misfit(name, False, f"it publishes '{name}' without declaring it: add_data('{name}', ...){meant}")
+                hint = f"; did you mean '{near}'?" if near is not None else ""
+                yield Misfit(name, False, f"it publishes '{name}' without declaring it: add_data('{name}', ...){hint}")
         elif isinstance(component, Sensor) and is_checked(fields[name]):
             try:
                 text = _misfit(value, fields[name])

@@ -65,8 +65,8 @@ class Spec(NamedTuple):
         return "" if self.high is None else f" up to {_brief(self.high)}{unit}"
 
 
-def _brief(bound: float) -> str:
-    return str(bound) if isinstance(bound, int) else f"{bound:g}"
+def _brief(limit: float) -> str:
+    return str(limit) if isinstance(limit, int) else f"{limit:g}"
 
 
 def _number(spec: Spec) -> Callable[[Any], Any]:
@@ -74,25 +74,25 @@ def _number(spec: Spec) -> Callable[[Any], Any]:
     high = LARGEST if spec.high is None else spec.high
     allow = spec.allow
     whole = spec.whole
-    expected = f"a number{spec.range_text()}"
+    expectation = f"a number{spec.range_text()}"
 
     def check(value: Any) -> Any:
         number = value
         if type(value) is not float:
             number = real(value)
             if number is None:
-                raise ValueError(expected)
+                raise ValueError(expectation)
             if whole and isinstance(value, int):
                 if not (low <= value <= high and -_INTEGER <= value < _INTEGER):
-                    raise ValueError(expected)
+                    raise ValueError(expectation)
                 return int(value)
         if low <= number <= high:  # not true of NaN
             return number
         if not math.isfinite(number):
             if str(float(number)) in allow:
                 return number
-            raise ValueError(expected if math.isnan(number) else expected.replace("a number", "a finite number"))
-        raise ValueError(expected)
+            raise ValueError(expectation if math.isnan(number) else expectation.replace("a number", "a finite number"))
+        raise ValueError(expectation)
 
     return check
 
@@ -100,13 +100,13 @@ def _number(spec: Spec) -> Callable[[Any], Any]:
 def _integer(spec: Spec) -> Callable[[Any], Any]:
     low = -_INTEGER if spec.low is None else spec.low
     high = _INTEGER - 1 if spec.high is None else spec.high
-    expected = f"an integer{spec.range_text()}"
+    expectation = f"an integer{spec.range_text()}"
 
     def check(value: Any) -> int:
         number = real(value)
         # an integer is compared exactly, not as the nearest float
         if number is None or not math.isfinite(number) or number != math.floor(number) or not low <= int(value) <= high:
-            raise ValueError(expected)
+            raise ValueError(expectation)
         return int(value)
 
     return check

@@ -56,40 +56,40 @@ class NativeDrawer:
         self._room: dict[str, NDArray[Any]] = {}
 
     def draw(
-        self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int, kept: Sequence[Kept | None] = ()
+        self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int, memories: Sequence[Kept | None] = ()
     ) -> Pictures:
         """Render the images of cameras.
 
         Args:
             cameras: (K,) `CAMERA`; their first tiles and pixels are set.
             samples: number of samples per pixel for the colour: 1 or 5.
-            kept: of each camera, so that tiles that do not change are not rendered again; None for none.
+            memories: of each camera, so that tiles that do not change are not rendered again; None for none.
         """
         frame, count = self._frame, len(cameras)
         tiles, pixels = number_tiles(cameras)
         self._light(light, poses, samples)
         frame.point(cameras=cameras, **self._room_for(count, tiles))
         frame.camera_count, frame.tile_count = count, tiles
-        lit, begun = self._begin(cameras, kept, poses, light, samples)
+        lit, pointers = self._begin(cameras, memories, poses, light, samples)
         frame.job_count = self._library.morse_draw_find(ctypes.byref(frame))
         colour = np.empty((pixels if cameras["color"].any() else 0, 4), np.uint8)
         normals = np.empty((pixels if cameras["normals"].any() else 0, 3), np.float32)
-        made = Pictures(colour, np.empty(pixels, np.float32), np.empty(pixels, np.int32), normals)
-        frame.point(**made._asdict())
+        pictures = Pictures(colour, np.empty(pixels, np.float32), np.empty(pixels, np.int32), normals)
+        frame.point(**pictures._asdict())
         self._draw(tiles)
         frame.forget(*_OF_ONE_CALL)
-        for one in begun:
+        for one in pointers:
             one.end(lit)
         self.drawn_tiles = frame.drawn_count
-        return made
+        return pictures
 
     def _begin(
-        self, cameras: NDArray[Any], kept: Sequence[Kept | None], poses: Poses, light: Light, samples: int
+        self, cameras: NDArray[Any], memories: Sequence[Kept | None], poses: Poses, light: Light, samples: int
     ) -> tuple[Lit, list[NativeKept]]:
         """Point to the images of standing cameras that are kept."""
-        lit, frame, begun = Lit(light, samples), self._frame, []
-        addresses = np.zeros(len(kept), np.uintp)
-        for number, one in enumerate(kept):
+        lit, frame, pointers = Lit(light, samples), self._frame, []
+        addresses = np.zeros(len(memories), np.uintp)
+        for number, one in enumerate(memories):
             if one is None:
                 continue
             if one.of is None or one.of.owner is not self:
@@ -97,9 +97,9 @@ class NativeDrawer:
             place = one.of.begin(cameras[number : number + 1], lit, len(poses.models))
             if place is not None:
                 addresses[number] = place
-                begun.append(one.of)
-        frame.point(kept=addresses if begun else None)
-        return lit, begun
+                pointers.append(one.of)
+        frame.point(kept=addresses if pointers else None)
+        return lit, pointers
 
     def _room_for(self, cameras: int, tiles: int) -> dict[str, NDArray[Any]]:
         """Arrays for that many cameras and tiles; they are kept for the next images."""

@@ -35,7 +35,7 @@ def simplify(library: ctypes.CDLL, mesh: Simplification, limit: float) -> int:
         np.empty(vertices + 1, np.uint8),
         np.empty(vertices + 1, np.uint8),
     )
-    given = _Structure(*addresses(*mesh[:7], *room), limit, vertices, triangles, mesh.textured)
+    structure = _Structure(*addresses(*mesh[:7], *room), limit, vertices, triangles, mesh.textured)
     library.morse_draw_simplify.restype = ctypes.c_int64
-    left: int = library.morse_draw_simplify(ctypes.byref(given))
-    return left
+    remaining: int = library.morse_draw_simplify(ctypes.byref(structure))
+    return remaining

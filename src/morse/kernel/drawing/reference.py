@@ -36,15 +36,15 @@ class ReferenceDrawer:
         self.drawn_tiles = 0
 
     def draw(
-        self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int, kept: Sequence[Kept | None] = ()
+        self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int, memories: Sequence[Kept | None] = ()
     ) -> Pictures:
         """The images of cameras (K,) `CAMERA`; nothing is kept."""
         self.drawn_tiles, _ = number_tiles(cameras)
         with np.errstate(all="ignore"):
-            made = [self._draw(camera, poses, light, samples) for camera in cameras]
+            images = [self._draw(camera, poses, light, samples) for camera in cameras]
         no_pixels = np.zeros(0, np.float32)
         empty = Pictures(np.zeros((0, 4), np.uint8), no_pixels, np.zeros(0, np.int32), no_pixels.reshape(0, 3))
-        return Pictures(*(np.concatenate(column) for column in zip(empty, *made, strict=True)))
+        return Pictures(*(np.concatenate(column) for column in zip(empty, *images, strict=True)))
 
     def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
         """Draw parts into the shadow map; returns the texels (N, 4) that each part may have filled."""
@@ -60,39 +60,39 @@ class ReferenceDrawer:
 
     def _draw(self, camera: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
         count = samples if camera["color"] else 1
-        seen = project(self.drawing, camera, poses, count)
+        projected = project(self.drawing, camera, poses, count)
         shape = (count, int(camera["height"]), int(camera["width"]))
         inverse = np.full(shape, np.float32(1) / camera["far"], np.float32)
-        shown = np.full(shape, -1, np.int32)
-        for number in range(len(seen)):
-            self._cover(camera, seen, number, samples, inverse, shown)
-        who = shown[0].ravel()
-        instances = self.drawing.parts[seen.part, 1] if len(seen) else np.zeros(1, np.int32)
+        visible = np.full(shape, -1, np.int32)
+        for number in range(len(projected)):
+            self._cover(camera, projected, number, samples, inverse, visible)
+        who = visible[0].ravel()
+        instances = self.drawing.parts[projected.part, 1] if len(projected) else np.zeros(1, np.int32)
         ids = np.where(who < 0, np.int32(-1), instances[np.maximum(who, 0)])
         depth = np.where(who < 0, np.float32(0), np.float32(1) / inverse[0].ravel())
         rgba = np.zeros((len(who), 4), np.uint8)
         if camera["color"]:
-            rgba = reference_colors.paint(self.drawing, camera, poses, light, seen, shown.reshape(count, -1))
+            rgba = reference_colors.paint(self.drawing, camera, poses, light, projected, visible.reshape(count, -1))
         normals = np.zeros((len(who), 3), np.float32)
         if camera["normals"]:
-            normals = reference_normals.normals(self.drawing, camera, poses, seen, who)
+            normals = reference_normals.normals(self.drawing, camera, poses, projected, who)
         return Pictures(rgba, depth.astype(np.float32), ids.astype(np.int32), normals)
 
     def _cover(
         self,
         camera: NDArray[Any],
-        seen: Projected,
+        projected: Projected,
         number: int,
         samples: int,
         inverse: NDArray[np.float32],
-        shown: NDArray[np.int32],
+        visible: NDArray[np.int32],
     ) -> None:
         """Write a triangle into the samples where it is the nearest."""
-        x0, y0, x1, y1 = seen.box[number].tolist()
+        x0, y0, x1, y1 = projected.box[number].tolist()
         columns, rows = np.arange(x0, x1 + 1), np.arange(y0, y1 + 1)
-        e, w = seen.e[number], seen.w[number]
-        allowed = _tiles(seen.box[number], e, columns, rows)
-        holes = self.drawing.materials[seen.material[number]]["flags"] & (MASKED | DITHERED)
+        e, w = projected.e[number], projected.w[number]
+        tiles = _tiles(projected.box[number], e, columns, rows)
+        holes = self.drawing.materials[projected.material[number]]["flags"] & (MASKED | DITHERED)
         nearest = np.float32(1) / camera["near"]
         for sample in range(len(inverse)):
             shift = np.array(SAMPLES[samples][sample], np.float32)
@@ -100,17 +100,17 @@ class ReferenceDrawer:
                 columns % _LANES
             ).astype(np.float32)
             fy = rows.astype(np.float32) + np.float32(0.5) + shift[1]
-            at, who = inverse[sample, y0 : y1 + 1, x0 : x1 + 1], shown[sample, y0 : y1 + 1, x0 : x1 + 1]
+            at, who = inverse[sample, y0 : y1 + 1, x0 : x1 + 1], visible[sample, y0 : y1 + 1, x0 : x1 + 1]
             plane = [e[i, 0] * fx[None] + (e[i, 1] * fy + e[i, 2])[:, None] for i in range(3)]
             depth = w[0] * fx[None] + (w[1] * fy + w[2])[:, None]
-            inside = (plane[0] >= 0) & (plane[1] >= 0) & (plane[2] >= 0) & (depth > at) & (depth < nearest) & allowed
+            inside = (plane[0] >= 0) & (plane[1] >= 0) & (plane[2] >= 0) & (depth > at) & (depth < nearest) & tiles
             if holes and inside.any():
-                inside &= self._opaque(seen, number, fx, fy, columns + sample, rows + 2 * sample)
+                inside &= self._opaque(projected, number, fx, fy, columns + sample, rows + 2 * sample)
             at[inside], who[inside] = depth[inside], number
 
     def _opaque(
         self,
-        seen: Projected,
+        projected: Projected,
         number: int,
         fx: NDArray[np.float32],
         fy: NDArray[np.float32],
@@ -119,16 +119,16 @@ class ReferenceDrawer:
     ) -> NDArray[np.bool_]:
         """Where a surface has no holes, and is not translucent."""
         d = self.drawing
-        material = d.materials[seen.material[number]]
+        material = d.materials[projected.material[number]]
         limit = (_BAYER[rows & 3][:, columns & 3] + np.float32(0.5)) / np.float32(16)
         opaque = np.asarray(material["color"][3] > limit)
         if material["texture"] < 0:
             return opaque
         texture = d.textures[material["texture"]]
-        e = seen.e[number]
+        e = projected.e[number]
         x, y = np.broadcast_arrays(fx[None], fy[:, None])
         weights = [e[i, 0] * x + e[i, 1] * y + e[i, 2] for i in range(3)]
-        uv = seen.vertices(d, np.array([number]))["uv"][0]
+        uv = projected.vertices(d, np.array([number]))["uv"][0]
         whole = weights[0] + weights[1] + weights[2]
         at = []
         for axis, size in ((0, texture["width"]), (1, texture["height"])):

@@ -27,19 +27,19 @@ _ONE_LIGHT = np.float32(4095.0 * (1 << _LIGHT_SHIFT))
 
 
 def paint(
-    drawing: Drawing, camera: NDArray[Any], poses: Poses, light: Light, seen: Projected, shown: NDArray[np.int32]
+    drawing: Drawing, camera: NDArray[Any], poses: Poses, light: Light, projected: Projected, visible: NDArray[np.int32]
 ) -> NDArray[np.uint8]:
     """(N, 4) the colours of pixels that show triangles (samples, N)."""
-    samples, pixels = shown.shape
+    samples, pixels = visible.shape
     total = np.full((pixels, 3), 1 << (_LIGHT_SHIFT - 1), np.int32)
     column = (np.arange(pixels) % int(camera["width"])).astype(np.float32)
     row = (np.arange(pixels) // int(camera["width"])).astype(np.float32)
-    kinds = _kinds(drawing, poses, seen, shown, column, row)
+    kinds = _kinds(drawing, poses, projected, visible, column, row)
     for sample in range(samples):
         new = kinds[sample] == sample
         share = (kinds[:, new] == sample).sum(axis=0).astype(np.float32) / np.float32(samples)
         x, y = _place(samples, sample, column[new], row[new])
-        color = _colors(drawing, camera, poses, light, seen, shown[sample, new], x, y)
+        color = _colors(drawing, camera, poses, light, projected, visible[sample, new], x, y)
         total[new] += (within(color, 0, 1) * (share * _ONE_LIGHT)[:, None]).astype(np.int32)
     codes = ENCODED[total >> _LIGHT_SHIFT]
     return np.concatenate([codes, np.full((pixels, 1), 255, np.uint8)], axis=1)
@@ -52,30 +52,32 @@ def _place(samples: int, sample: int, column: Floats, row: Floats) -> tuple[Floa
 
 
 def _kinds(
-    drawing: Drawing, poses: Poses, seen: Projected, shown: NDArray[np.int32], column: Floats, row: Floats
+    drawing: Drawing, poses: Poses, projected: Projected, visible: NDArray[np.int32], column: Floats, row: Floats
 ) -> NDArray[np.intp]:
     """(samples, N) the first sample of the pixel with which each sample is shaded."""
-    samples = len(shown)
-    kinds = np.zeros(shown.shape, np.intp)
-    flat = [_Flat(drawing, poses, seen, shown[n], *_place(samples, n, column, row)) for n in range(samples)]
+    samples = len(visible)
+    kinds = np.zeros(visible.shape, np.intp)
+    flat = [_Flat(drawing, poses, projected, visible[n], *_place(samples, n, column, row)) for n in range(samples)]
     for sample in range(1, samples):
-        free = np.ones(shown.shape[1], bool)
+        free = np.ones(visible.shape[1], bool)
         kinds[sample] = sample
         for other in range(sample):
-            joined = free & (shown[other] == shown[sample])
-            kinds[sample, joined] = kinds[other, joined]
-            free &= ~joined
+            is_same = free & (visible[other] == visible[sample])
+            kinds[sample, is_same] = kinds[other, is_same]
+            free &= ~is_same
         for other in range(sample):
-            joined = free & (kinds[other] == other) & flat[other].is_like(flat[sample])
-            kinds[sample, joined] = other
-            free &= ~joined
+            is_same = free & (kinds[other] == other) & flat[other].is_like(flat[sample])
+            kinds[sample, is_same] = other
+            free &= ~is_same
     return kinds
 
 
 class _Flat:
     """The planes of surfaces at samples (N,)."""
 
-    def __init__(self, d: Drawing, poses: Poses, seen: Projected, who: NDArray[np.int32], x: Floats, y: Floats) -> None:
+    def __init__(
+        self, d: Drawing, poses: Poses, projected: Projected, who: NDArray[np.int32], x: Floats, y: Floats
+    ) -> None:
         count = len(who)
         self.material, self.textured = np.full(count, -1), np.zeros(count, bool)
         self.inverse = np.zeros(count, np.float32)
@@ -85,14 +87,14 @@ class _Flat:
         solid = np.flatnonzero(who >= 0)
         if not len(solid):
             return
-        number, w, e = who[solid], seen.w[who[solid]], seen.e[who[solid]]
+        number, w, e = who[solid], projected.w[who[solid]], projected.e[who[solid]]
         x, y = x[solid], y[solid]
-        self.material[solid] = seen.material[number]
-        self.textured[solid] = d.materials["texture"][seen.material[number]] >= 0
+        self.material[solid] = projected.material[number]
+        self.textured[solid] = d.materials["texture"][projected.material[number]] >= 0
         self.inverse[solid] = w[:, 0] * x + w[:, 1] * y + w[:, 2]
-        for part, values in zip(self.normal, normals_at(d, poses, seen, number, x, y), strict=True):
+        for part, values in zip(self.normal, normals_at(d, poses, projected, number, x, y), strict=True):
             part[solid] = values
-        uv = seen.vertices(d, number)["uv"]
+        uv = projected.vertices(d, number)["uv"]
         ones = np.ones_like(uv[..., 0])
         for b, values in enumerate((uv[..., 0], uv[..., 1], ones)):
             p = [along(e, values, a) for a in range(3)]
@@ -124,7 +126,7 @@ def _colors(
     k: NDArray[Any],
     poses: Poses,
     light: Light,
-    seen: Projected,
+    projected: Projected,
     who: NDArray[np.int32],
     x: Floats,
     y: Floats,
@@ -140,11 +142,11 @@ def _colors(
     if not len(solid):
         return result
     x, y, number = x[solid], y[solid], who[solid]
-    e, w = seen.e[number], seen.w[number]
-    material = d.materials[seen.material[number]]
-    v = seen.vertices(d, number)
+    e, w = projected.e[number], projected.w[number]
+    material = d.materials[projected.material[number]]
+    v = projected.vertices(d, number)
     inverse = w[:, 0] * x + w[:, 1] * y + w[:, 2]
-    normal = unit(normals_at(d, poses, seen, number, x, y))
+    normal = unit(normals_at(d, poses, projected, number, x, y))
     base = [material["color"][:, i].copy() for i in range(3)]
     textured = np.flatnonzero(material["texture"] >= 0)
     if len(textured):
@@ -208,8 +210,8 @@ def _texture(d: Drawing, numbers: NDArray[np.int32], e: Floats, uv: Floats, x: F
         share = weight * _SQUARED_TEXEL * part
         for n in range(4):
             s = (np.float32(n) + np.float32(0.5)) * part - np.float32(0.5)
-            shown = np.where(number > n, share, np.float32(0))
-            _bilinear(d.texels, t["first"][rows, which], wide, high, at[0] + s * du, at[1] + s * dv, shown, total)
+            coverage = np.where(number > n, share, np.float32(0))
+            _bilinear(d.texels, t["first"][rows, which], wide, high, at[0] + s * du, at[1] + s * dv, coverage, total)
     return total
 
 

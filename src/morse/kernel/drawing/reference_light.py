@@ -60,15 +60,15 @@ def power(base: Floats, exponent: np.float32) -> Floats:
     r = (p - n) * f(0.69314718)
     two = ((n.astype(np.int32) + 127) * 8388608).astype(np.int32).view(np.float32)
     rest = f(1) + r * (f(0.5) + r * (f(0.16666667) + r * (f(0.041666667) + r * f(0.0083333333))))
-    made: Floats = (f(1) + r * rest) * two
-    return made
+    base_two: Floats = (f(1) + r * rest) * two
+    return base_two
 
 
 def sky_in(sky: Floats, d: Vectors) -> list[Floats]:
     """The light of the sky in unit directions."""
     up, down = np.where(d[2] > 0, d[2], f(0)), np.where(-d[2] > 0, -d[2], f(0)) * f(3)
-    left = f(1) - up
-    rise = f(1) - power(np.where(left > f(1e-6), left, f(1e-6)), f(2.6))
+    remaining = f(1) - up
+    rise = f(1) - power(np.where(remaining > f(1e-6), remaining, f(1e-6)), f(2.6))
     fall = f(1) - np.where(down < f(1), down, f(1))
     n = dot(d, [sky[12], sky[13], sky[14]])
     n = np.where(n > 0, n, f(0))
@@ -85,8 +85,8 @@ def sky_in(sky: Floats, d: Vectors) -> list[Floats]:
 
 
 def _filmic(v: Floats) -> Floats:
-    made: Floats = (v * (v + f(0.0245786)) - f(0.000090537)) / (v * (f(0.983729) * v + f(0.4329510)) + f(0.238081))
-    return made
+    value: Floats = (v * (v + f(0.0245786)) - f(0.000090537)) / (v * (f(0.983729) * v + f(0.4329510)) + f(0.238081))
+    return value
 
 
 def tone(c: Vectors) -> list[Floats]:
@@ -167,7 +167,7 @@ def lit(
     a2 = alpha * alpha
     rest, toward = f(1) - a2, dot(n, v)
     nv = np.where(toward > f(1e-4), toward, f(1e-4))
-    seen = np.sqrt(a2 + rest * nv * nv)
+    visibility = np.sqrt(a2 + rest * nv * nv)
     f0 = mixed([f(0.04)] * 3, base, metallic)
     diffuse = [np.zeros_like(a2) for _ in range(3)]
     shine = [np.zeros_like(a2) for _ in range(3)]
@@ -205,7 +205,7 @@ def lit(
         q = f(1) - f(0.5) * np.sqrt(square)
         q = np.where(q > 0, q, f(0))
         q2 = q * q
-        shadowed = nl * seen + nv * np.sqrt(a2 + rest * nl * nl)
+        shadowed = nl * visibility + nv * np.sqrt(a2 + rest * nl * nl)
         shadowed = np.where(shadowed > f(1e-6), shadowed, f(1e-6))
         factor = a2 * (square * square) * (f(0.5) / f(3.14159265)) / (t * t * shadowed)
         for i, mirrored in enumerate(mixed(f0, [f(1)] * 3, q2 * q2 * q)):

@@ -48,13 +48,13 @@ class Projected:
     def vertices(self, drawing: Drawing, numbers: NDArray[np.integer]) -> NDArray[Any]:
         """(N, 3) `VERTEX`, the corners of some triangles."""
         first = drawing.clusters[drawing.parts[self.part[numbers], 0], 0]
-        found: NDArray[Any] = drawing.vertices[drawing.triangles[self.triangle[numbers], :3] + first[:, None]]
-        return found
+        vertices: NDArray[Any] = drawing.vertices[drawing.triangles[self.triangle[numbers], :3] + first[:, None]]
+        return vertices
 
 
 def project(drawing: Drawing, camera: NDArray[Any], poses: Poses, samples: int) -> Projected:
     """The triangles that may be visible to a camera."""
-    found = [
+    batches = [
         one
         for part in range(len(drawing.parts))
         if _is_level(drawing, camera, poses, part) and _may_be_seen(drawing, camera, poses, part)
@@ -70,7 +70,7 @@ def project(drawing: Drawing, camera: NDArray[Any], poses: Poses, samples: int) 
         none,
         np.zeros(0, bool),
     )
-    columns = zip(*(vars(one).values() for one in [empty, *found]), strict=True)
+    columns = zip(*(vars(one).values() for one in [empty, *batches]), strict=True)
     return Projected(*(np.concatenate(column) for column in columns))
 
 
@@ -105,9 +105,9 @@ def _is_level(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> boo
         depth += r[6 + i] * (m[i, 0] * s[0] + m[i, 1] * s[1] + m[i, 2] * s[2] + m[i, 3] - k["eye"][i])
     scale = _scale(m)
     nearest = depth - s[3] * scale
-    allowed = nearest * k["tolerance"] if nearest > k["near"] else zero
+    tolerance = nearest * k["tolerance"] if nearest > k["near"] else zero
     # the error of the last level is infinite
-    return bool(s[4] * scale <= allowed and not (s[5] < np.inf and s[5] * scale <= allowed))
+    return bool(s[4] * scale <= tolerance and not (s[5] < np.inf and s[5] * scale <= tolerance))
 
 
 def _scale(m: NDArray[np.float32]) -> np.float32:
@@ -154,19 +154,19 @@ def _part(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int, reach: flo
     back = (volume > 0) != bool(flags & MIRRORED)
     two_sided = drawing.materials["flags"][material] & DOUBLE_SIDED != 0
     near = ~(q[:, :, 2] > k["far"]).all(axis=1)
-    chosen = near & inside & ((volume > 0) | (volume < 0)) & (two_sided | ~back)
+    selection = near & inside & ((volume > 0) | (volume < 0)) & (two_sided | ~back)
     if _is_outside(drawing, k, poses, part):
         holes = drawing.materials["flags"][material] & (MASKED | DITHERED) != 0
         kinds = CLOSED | MIXED if flags & SOLID else CLOSED
-        chosen &= ~back | holes | (drawing.closed[first : first + count] & kinds == 0)
+        selection &= ~back | holes | (drawing.closed[first : first + count] & kinds == 0)
     edges = np.where((volume > 0)[:, None, None], e, -e).astype(np.float32)
     inverse = ((e[:, 0] + e[:, 1] + e[:, 2]) / volume[:, None]).astype(np.float32)
     sizes = np.abs(inverse)
-    chosen &= (sizes[:, 0] + sizes[:, 1] + sizes[:, 2] < _LARGEST) & _is_finite(a, drawing.spheres[cluster])
+    selection &= (sizes[:, 0] + sizes[:, 1] + sizes[:, 2] < _LARGEST) & _is_finite(a, drawing.spheres[cluster])
     numbers = np.arange(first, first + count)
     return Projected(
-        edges[chosen], inverse[chosen], box[chosen], numbers[chosen],
-        np.full(int(chosen.sum()), part), material[chosen], back[chosen],
+        edges[selection], inverse[selection], box[selection], numbers[selection],
+        np.full(int(selection.sum()), part), material[selection], back[selection],
     )  # fmt: skip
 
 
@@ -208,10 +208,10 @@ def _bounds(
 
 
 def _visible(
-    cut: float, q: NDArray[np.float64], at: NDArray[np.float64]
+    cut_depth: float, q: NDArray[np.float64], at: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Lowest and highest coordinates (N, 2) of the parts of triangles beyond a depth."""
-    front = q[:, :, 2] >= cut
+    front = q[:, :, 2] >= cut_depth
     low = np.where(front[..., None], at, np.inf).min(axis=1)
     high = np.where(front[..., None], at, -np.inf).max(axis=1)
     for i in range(3):
@@ -219,9 +219,9 @@ def _visible(
         crosses = front[:, i] != front[:, n]
         # the same numbers in both directions
         a, b = (np.where(front[:, [i]], q[:, u], q[:, v]) for u, v in ((n, i), (i, n)))
-        t = (cut - a[:, 2]) / (b[:, 2] - a[:, 2])
-        place = (a[:, :2] + t[:, None] * (b[:, :2] - a[:, :2])) / cut
-        margin = _CLIP_MARGIN + _CLIP_ROUNDING * (np.abs(a[:, :2]) + np.abs(b[:, :2])) / cut
+        t = (cut_depth - a[:, 2]) / (b[:, 2] - a[:, 2])
+        place = (a[:, :2] + t[:, None] * (b[:, :2] - a[:, :2])) / cut_depth
+        margin = _CLIP_MARGIN + _CLIP_ROUNDING * (np.abs(a[:, :2]) + np.abs(b[:, :2])) / cut_depth
         low = np.where(crosses[:, None], np.minimum(low, place - margin), low)
         high = np.where(crosses[:, None], np.maximum(high, place + margin), high)
     return low, high

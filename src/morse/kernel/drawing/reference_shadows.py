@@ -35,14 +35,16 @@ def cast(drawing: Drawing, parts: NDArray[np.integer], poses: Poses, light: Ligh
             for i in range(3)
         ]
         p = drawing.vertices["p"][first_vertex : first_vertex + vertices]
-        seen = np.stack([a[i][0] * p[:, 0] + a[i][1] * p[:, 1] + a[i][2] * p[:, 2] + a[i][3] for i in range(3)], axis=1)
-        low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
+        light_space = np.stack(
+            [a[i][0] * p[:, 0] + a[i][1] * p[:, 1] + a[i][2] * p[:, 2] + a[i][3] for i in range(3)], axis=1
+        )
+        low, high = light_space[:, :2].min(axis=0), light_space[:, :2].max(axis=0)
         row[:2] = np.maximum(np.minimum(low, size), 0)
         row[2:] = np.maximum(np.minimum(high + f(1), size), 0)
         # the back faces of closed parts are farther from the sun than their front faces
         back = f(1) if drawing.parts[part, 3] & MIRRORED else f(-1)
         for number in range(first, first + count):
-            _fill(shadow, seen[drawing.triangles[number, :3]], back if drawing.closed[number] else f(0))
+            _fill(shadow, light_space[drawing.triangles[number, :3]], back if drawing.closed[number] else f(0))
     return rectangles
 
 
@@ -73,24 +75,24 @@ class ReferenceMovers:
         shadow = self._light.shadow
         assert shadow is not None
         now = poses.models[self._drawing.parts[self._parts, 1]]
-        drawn = np.ones(len(now), bool) if left_out is None else ~left_out
+        is_drawn = np.ones(len(now), bool) if left_out is None else ~left_out
         # without a pose, like an invisible object, so that a change of `left_out` counts as a motion
-        now[~drawn] = 0.0
-        moved = (now != self._models).any(axis=1)
-        if not moved.any():
+        now[~is_drawn] = 0.0
+        has_moved = (now != self._models).any(axis=1)
+        if not has_moved.any():
             return
-        left = self.touched[moved]
-        for x0, y0, x1, y1 in left.tolist():
+        tiles = self.touched[has_moved]
+        for x0, y0, x1, y1 in tiles.tolist():
             shadow[y0:y1, x0:x1] = self._base[y0:y1, x0:x1]
         # objects in the same region are rendered again as well
-        mine, gone = self.touched[:, None], left[None]
-        moved |= ((mine[..., :2] < gone[..., 2:]) & (gone[..., :2] < mine[..., 2:])).all(axis=2).any(axis=1)
+        mine, previous = self.touched[:, None], tiles[None]
+        has_moved |= ((mine[..., :2] < previous[..., 2:]) & (previous[..., :2] < mine[..., 2:])).all(axis=2).any(axis=1)
         self._models = now
-        self.touched[moved] = 0
-        moved &= drawn
-        if moved.any():
+        self.touched[has_moved] = 0
+        has_moved &= is_drawn
+        if has_moved.any():
             with np.errstate(all="ignore"):
-                self.touched[moved] = cast(self._drawing, self._parts[moved], poses, self._light)
+                self.touched[has_moved] = cast(self._drawing, self._parts[has_moved], poses, self._light)
 
 
 def _fill(shadow: NDArray[np.float32], q: NDArray[np.float32], hidden: np.float32) -> None:

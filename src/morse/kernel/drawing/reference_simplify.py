@@ -72,18 +72,18 @@ class _Work:
 
     def run(self) -> int:
         """Remove vertices until none can be removed."""
-        opened = [True] * len(self.points)
+        is_open = [True] * len(self.points)
         for _ in range(_MOST_PASSES):
-            touched: set[int] = set()
+            dirty: set[int] = set()
             for vertex in range(len(self.points)):
-                if not self.corners[vertex] or not opened[vertex] or vertex in touched:
+                if not self.corners[vertex] or not is_open[vertex] or vertex in dirty:
                     continue
                 ring = self._remove(vertex)
-                opened[vertex] = False
+                is_open[vertex] = False
                 for other in ring:
-                    opened[other] = True
-                touched.update(ring)
-            if not touched:
+                    is_open[other] = True
+                dirty.update(ring)
+            if not dirty:
                 break
         mesh = self.mesh
         mesh.vertices[:] = np.reshape(self.vertices, (-1, 3))
@@ -127,12 +127,12 @@ class _Work:
             return None
         for j in range(count):
             end = self.vertices[_beside(star.corners[j], 2)]
-            found = [i for i in range(count) if star.ring[i] == end]
+            corners = [i for i in range(count) if star.ring[i] == end]
             place = (j + 1) % count
-            if len(found) != 1 or (found[0] <= j and found[0] != place):
+            if len(corners) != 1 or (corners[0] <= j and corners[0] != place):
                 return None
             for rows in (star.corners, star.ring):
-                rows[place], rows[found[0]] = rows[found[0]], rows[place]
+                rows[place], rows[corners[0]] = rows[corners[0]], rows[place]
         return star
 
     def _project(self, vertex: int, star: _Star) -> bool:
@@ -196,8 +196,8 @@ class _Work:
         if not error <= flat:
             return never
         error = max(error, self._error_of_borders(star, m))
-        found, looks = self._choose_looks(star, m)
-        error = max(error, found)
+        look_error, looks = self._choose_looks(star, m)
+        error = max(error, look_error)
         error = max(error, self._error_of_look(star, over, looks[over], weight))
         return (error, looks) if star.error + error <= self.limit else never
 
@@ -208,10 +208,10 @@ class _Work:
             ends = self.vertices[_beside(corner, 1)], self.vertices[_beside(corner, 2)]
             if centre in ends:
                 continue
-            shared = [j for j in range(count) if star.ring[j] in ends]
-            if any(j not in ((m - 1) % count, (m + 1) % count) for j in shared):
+            common = [j for j in range(count) if star.ring[j] in ends]
+            if any(j not in ((m - 1) % count, (m + 1) % count) for j in common):
                 return False
-            if len(shared) == 2 and count == 3:
+            if len(common) == 2 and count == 3:
                 return False
         return True
 

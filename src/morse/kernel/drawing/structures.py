@@ -39,12 +39,12 @@ class FrameStructure(ctypes.Structure):
 
     def point(self, **arrays: NDArray[Any] | None) -> None:
         """Set addresses to those of contiguous arrays, or to null."""
-        kept = self._kept
+        memory = self._kept
         for name, array in arrays.items():
             # the memory of an array does not move
-            if name not in kept or kept[name] is not array:
+            if name not in memory or memory[name] is not array:
                 setattr(self, name, address(array))
-                kept[name] = array
+                memory[name] = array
 
     def restart(self) -> None:
         """Begin with the first piece of the first stage."""

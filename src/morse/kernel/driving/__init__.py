@@ -23,17 +23,17 @@ __all__ = ["chassis", "gliders", "planes"]
 
 def gliders(arrays: GliderArrays) -> GliderWork:
     """The function that drives robots over a level floor: C, or Python without the kernel."""
-    loaded = library()
-    return reference.Gliders(arrays) if loaded is None else NativeGliders(loaded, arrays)
+    kernel_library = library()
+    return reference.Gliders(arrays) if kernel_library is None else NativeGliders(kernel_library, arrays)
 
 
 def chassis(arrays: ChassisArrays) -> ChassisWork:
     """The function that moves wheeled robots: C, or Python without the kernel."""
-    loaded = library()
-    return reference.Chassis(arrays) if loaded is None else NativeChassis(loaded, arrays)
+    kernel_library = library()
+    return reference.Chassis(arrays) if kernel_library is None else NativeChassis(kernel_library, arrays)
 
 
 def planes(arrays: PlaneArrays) -> PlaneWork:
     """The function that selects the planes or boxes below wheeled robots: C, or Python without the kernel."""
-    loaded = library()
-    return reference.Planes(arrays) if loaded is None else NativePlanes(loaded, arrays)
+    kernel_library = library()
+    return reference.Planes(arrays) if kernel_library is None else NativePlanes(kernel_library, arrays)

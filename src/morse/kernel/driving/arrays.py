@@ -101,12 +101,12 @@ class GliderWork(Protocol):
             The number of rows in `GliderArrays.others`, robots that have to be driven separately.
         """
 
-    def push(self, positions: Floats, rotations: Floats, left: int, tick: int) -> tuple[int, int]:
+    def push(self, positions: Floats, rotations: Floats, count: int, tick: int) -> tuple[int, int]:
         """Write the velocities of robots that do not glide, and record their stances.
 
         Args:
             positions, rotations: (K, 3), (K, 9) of all slots.
-            left: the number of rows in `GliderArrays.others`.
+            count: the number of rows in `GliderArrays.others`.
             tick: number of the tick.
 
         Returns:

@@ -74,8 +74,8 @@ class NativeGliders:
         self._places: Floats | None = None
         names, stances = f"{_GLIDERS} {_RESULTS}".split(), _STANCES.split()
         parts = [*(getattr(arrays, name) for name in names), *(getattr(arrays.stances, name) for name in stances)]
-        found = dict(zip([*names, *stances], addresses(*parts), strict=True))
-        self._structure = _GlidersStructure(count=len(arrays.slots), period=arrays.period, **found)
+        pointers = dict(zip([*names, *stances], addresses(*parts), strict=True))
+        self._structure = _GlidersStructure(count=len(arrays.slots), period=arrays.period, **pointers)
         self._all = ctypes.byref(self._structure)
         self._begin, self._end = library.morse_glide_begin, library.morse_glide_end
         self._push = library.morse_push
@@ -88,13 +88,13 @@ class NativeGliders:
         count: int = self._begin(self._all)
         return count
 
-    def push(self, positions: Floats, rotations: Floats, left: int, tick: int) -> tuple[int, int]:
+    def push(self, positions: Floats, rotations: Floats, count: int, tick: int) -> tuple[int, int]:
         """Drive robots that do not glide: see `GliderWork.push`."""
         self._turned(rotations)
         if positions is not self._places:
             self._places = positions
             (self._structure.positions,) = addresses(positions)
-        remaining: int = self._push(self._all, left, tick)
+        remaining: int = self._push(self._all, count, tick)
         return remaining, self._structure.settled_count
 
     def _turned(self, rotations: Floats) -> None:
@@ -114,9 +114,9 @@ class NativePlanes:
         self._arrays = arrays
         self._known: Floats | None = None
         names = f"{_PLANES} {_PLANES_OF_GEOMS}".split()
-        found = dict(zip(names, addresses(*(getattr(arrays, name) for name in names)), strict=True))
+        pointers = dict(zip(names, addresses(*(getattr(arrays, name) for name in names)), strict=True))
         numbers = {name: getattr(arrays, name) for name in ("period", "edge", "deep", "all_bits")}
-        self._structure = _PlanesStructure(robots=len(arrays.slots), planes=len(arrays.boxes), **found, **numbers)
+        self._structure = _PlanesStructure(robots=len(arrays.slots), planes=len(arrays.boxes), **pointers, **numbers)
         self._all = ctypes.byref(self._structure)
         self._select = library.morse_planes
         self._select.restype = None
@@ -136,9 +136,11 @@ class NativeChassis:
         self._arrays = arrays
         self._known: Floats | None = None
         names = [*_CHASSIS.split(), "touched", "controls", "velocities", "dimensions"]
-        found = dict(zip(names, addresses(*(getattr(arrays, name) for name in names)), strict=True))
+        pointers = dict(zip(names, addresses(*(getattr(arrays, name) for name in names)), strict=True))
         self._touching: NDArray[np.int32] | None = None
-        self._structure = _ChassisStructure(count=len(arrays.slots), period=arrays.period, creep=arrays.creep, **found)
+        self._structure = _ChassisStructure(
+            count=len(arrays.slots), period=arrays.period, creep=arrays.creep, **pointers
+        )
         self._all = ctypes.byref(self._structure)
         self._pull = library.morse_traction
         self._pull.restype = None

@@ -64,10 +64,10 @@ def stands_still(stances: StanceArrays, slot: int, tick: int, height: float, up:
     return bool(still and tick >= until[slot])
 
 
-def push(all_: GliderArrays, positions: Floats, rotations: Floats, left: int, tick: int) -> tuple[int, int]:
+def push(all_: GliderArrays, positions: Floats, rotations: Floats, count: int, tick: int) -> tuple[int, int]:
     """See `morse.kernel.driving.arrays.GliderWork.push`."""
     remaining = settled = 0
-    for i in all_.others[:left].tolist():
+    for i in all_.others[:count].tolist():
         slot = int(all_.slots[i])
         x, y, rate = float(all_.forward[i]), float(all_.aside[i]), float(all_.rate[i])
         moves = x != 0.0 or y != 0.0 or rate != 0.0

@@ -52,19 +52,19 @@ class Gliders:
             all_.done[i] = GLIDES | (TURNS if rate != 0.0 else 0) | (SHIFTS if all_.shifts[i] else 0)
         return count
 
-    def push(self, positions: Floats, rotations: Floats, left: int, tick: int) -> tuple[int, int]:
+    def push(self, positions: Floats, rotations: Floats, count: int, tick: int) -> tuple[int, int]:
         """Drive robots that do not glide."""
-        return pushing.push(self._arrays, positions, rotations, left, tick)
+        return pushing.push(self._arrays, positions, rotations, count, tick)
 
     def end(self) -> None:
         """After the tick: see `GliderWork.end`."""
         all_ = self._arrays
         v = all_.velocities
-        for i, (slot, done) in enumerate(zip(all_.slots.tolist(), all_.done.tolist(), strict=True)):
+        for i, (slot, is_done) in enumerate(zip(all_.slots.tolist(), all_.done.tolist(), strict=True)):
             dof = int(all_.dofs[slot])
-            if done & SHIFTS:
+            if is_done & SHIFTS:
                 v[dof] = v[dof + 1] = v[dof + 5] = 0.0
-            elif done & TURNS:
+            elif is_done & TURNS:
                 x, y, c, s = float(v[dof]), float(v[dof + 1]), float(all_.cosines[i]), float(all_.sines[i])
                 v[dof], v[dof + 1] = c * x - s * y, s * x + c * y
 
@@ -81,8 +81,8 @@ class Chassis:
         all_.touched[all_.geoms] = 0
         touching = all_.touching[:pairs]
         all_.touched[touching[touching >= 0]] = 1
-        for i, driven in enumerate(all_.driven.tolist()):
-            if not driven:
+        for i, is_driven in enumerate(all_.driven.tolist()):
+            if not is_driven:
                 self._pull(i, rotations[all_.slots[i]].tolist(), gravity)
 
     def _pull(self, i: int, r: list[float], gravity: float) -> None:

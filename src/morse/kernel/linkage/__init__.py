@@ -16,5 +16,5 @@ __all__ = ["linkage"]
 
 def linkage(arrays: LinkageArrays) -> LinkageWork:
     """The function that moves a linkage: C, or Python without the kernel."""
-    loaded = library()
-    return reference.Linkage(arrays) if loaded is None else NativeLinkage(loaded, arrays)
+    kernel_library = library()
+    return reference.Linkage(arrays) if kernel_library is None else NativeLinkage(kernel_library, arrays)

@@ -28,8 +28,8 @@ class Linkage:
         for i in range(len(all_.parents)):
             all_.frames[i] = self._bone(i)
         for i, outer in enumerate(all_.outers.tolist()):
-            hook, held = int(all_.hooks[i]), all_.held[i].tolist()
-            local = held if hook < 0 else composed(all_.frames[hook].tolist(), held)
+            hook, grasp = int(all_.hooks[i]), all_.held[i].tolist()
+            local = grasp if hook < 0 else composed(all_.frames[hook].tolist(), grasp)
             pose = composed((all_.base if outer < 0 else all_.poses[outer]).tolist(), local)
             # a pose equal to that of the body within rounding errors is replaced by it
             is_apart = any(not -_ALIKE <= a - b <= _ALIKE for a, b in zip(pose, _NOWHERE, strict=True))
@@ -57,8 +57,8 @@ class Linkage:
         lowest, reach = math.inf, 0.0
         up = all_.up.tolist()
         for geom, owner, mount in zip(all_.geoms.tolist(), all_.owners.tolist(), all_.mounts.tolist(), strict=True):
-            placed = composed(all_.poses[owner].tolist(), mount)
-            (x, y, z), r = placed[:3], placed[3:]
+            pose = composed(all_.poses[owner].tolist(), mount)
+            (x, y, z), r = pose[:3], pose[3:]
             all_.geom_positions[geom], all_.geom_quaternions[geom] = (x, y, z), quaternion(r)
             height, box = up[0] * x + up[1] * y + up[2] * z, all_.geom_boxes[geom].tolist()
             for k in range(3):

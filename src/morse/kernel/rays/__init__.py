@@ -17,9 +17,9 @@ __all__ = ["Fan", "Hits", "Poses", "SolidArrays", "TriangleMesh", "primitives", 
 
 def ray_caster(solids: SolidArrays) -> NativeRays | ReferenceRays:
     """The function that casts rays: C, or numpy if the kernel is missing or disabled, with bit-identical results."""
-    loaded = library()
-    if loaded is None:
+    kernel_library = library()
+    if kernel_library is None:
         from morse.kernel.rays.reference import ReferenceRays
 
         return ReferenceRays(solids)
-    return NativeRays(loaded, solids)
+    return NativeRays(kernel_library, solids)

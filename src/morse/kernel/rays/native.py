@@ -79,9 +79,9 @@ class _MeshTree:
         self._nodes[:] = memory.nodes[:nodes]
         order = memory.leaves[:leaves]
         self._blocks["faces"] = order
-        chosen = corners[order] if leaves else np.empty((0, 4, 3, 3))
-        chosen[order < 0] = 0.0
-        self._blocks["corners"] = chosen.transpose(0, 2, 3, 1)
+        triangles = corners[order] if leaves else np.empty((0, 4, 3, 3))
+        triangles[order < 0] = 0.0
+        self._blocks["corners"] = triangles.transpose(0, 2, 3, 1)
         self.structure = MeshStructure(address(self._nodes) if nodes else None, address(self._blocks))
 
 
@@ -140,7 +140,7 @@ class NativeRays:
     def cast(self, fan: Fan, poses: Poses, groups: NDArray[np.int64]) -> Hits:
         """The first hits of the rays; solids of the group (S,) of a sensor's owner are passed through."""
         hits = Hits.empty(fan.shape)
-        rays, given = self._rays_of(fan)
+        rays, arguments = self._rays_of(fan)
         rays.slot_positions, rays.slot_rotations, rays.anchor = self._addresses_of(poses)
         if groups is not self._groups:
             self._groups, self._groups_address = groups, address(groups)
@@ -149,9 +149,9 @@ class NativeRays:
         rays.next = 0
         workers = hits.distances.size // _RAYS_A_THREAD
         if workers > 1:
-            threads.together(lambda: self._cast(*given), workers)
+            threads.together(lambda: self._cast(*arguments), workers)
         else:
-            self._cast(*given)
+            self._cast(*arguments)
         return hits
 
     def _addresses_of(self, poses: Poses) -> list[int | None]:
@@ -162,16 +162,16 @@ class NativeRays:
 
     def _rays_of(self, fan: Fan) -> tuple[RaysStructure, tuple[Any, ...]]:
         """What is the same in all casts of a fan: the structure, and the arguments of the function."""
-        found = self._fans.get(fan)
-        if found is None:
+        entry = self._fans.get(fan)
+        if entry is None:
             rays = RaysStructure(rays=fan.shape[1], upright=fan.upright, limit=fan.limit)
             whole = fan.shape[0] * fan.shape[1]
             part = _PART if whole // _RAYS_A_THREAD > 1 else max(whole, 1)
-            given = ctypes.byref(self._solids), ctypes.byref(rays), ctypes.c_int64(whole), ctypes.c_int64(part)
-            found = self._fans[fan] = rays, given
+            arguments = ctypes.byref(self._solids), ctypes.byref(rays), ctypes.c_int64(whole), ctypes.c_int64(part)
+            entry = self._fans[fan] = rays, arguments
             rays.slots, rays.offsets, rays.turns = addresses(fan.slots, fan.offsets, fan.turns)
             rays.directions, rays.origins, rays.owners = addresses(fan.directions, fan.origins, fan.owners)
-        return found
+        return entry
 
 
 _trees: WeakKeyDictionary[TriangleMesh, _MeshTree] = WeakKeyDictionary()

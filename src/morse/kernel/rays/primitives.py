@@ -96,9 +96,9 @@ def capsule(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
     """A cylinder about the Z axis with a hemisphere at each end."""
     enter, leave = cylinder(origins, directions, sizes)
     for sign in (1.0, -1.0):
-        shifted = origins.copy()
-        shifted[2] -= sign * sizes[1]
-        near, far = sphere(shifted, directions, sizes)
+        shifted_origins = origins.copy()
+        shifted_origins[2] -= sign * sizes[1]
+        near, far = sphere(shifted_origins, directions, sizes)
         enter, leave = np.minimum(enter, near), np.maximum(leave, far)
     return enter, leave
 

@@ -73,15 +73,15 @@ class ReferenceRays:
         groups: NDArray[np.int64],
         hits: Hits,
     ) -> None:
-        chosen, solids = self._pairs(origins, directions, limit)
-        foreign = groups[solids] != owners[chosen]
-        chosen, solids = chosen[foreign], solids[foreign]
-        distances, faces = self._surfaces(origins[chosen], directions[chosen], solids, limit)
+        ray_numbers, solids = self._pairs(origins, directions, limit)
+        foreign = groups[solids] != owners[ray_numbers]
+        ray_numbers, solids = ray_numbers[foreign], solids[foreign]
+        distances, faces = self._surfaces(origins[ray_numbers], directions[ray_numbers], solids, limit)
         met = np.flatnonzero(distances < limit)
-        chosen, solids, distances, faces = chosen[met], solids[met], distances[met], faces[met]
-        order = np.lexsort((solids, distances, chosen))
-        found, first = np.unique(chosen[order], return_index=True)
-        nearest, where = order[first], rays[found]
+        ray_numbers, solids, distances, faces = ray_numbers[met], solids[met], distances[met], faces[met]
+        order = np.lexsort((solids, distances, ray_numbers))
+        hit_rays, first = np.unique(ray_numbers[order], return_index=True)
+        nearest, where = order[first], rays[hit_rays]
         hits.distances.reshape(-1)[where] = distances[nearest]
         hits.solids.reshape(-1)[where] = solids[nearest]
         hits.faces.reshape(-1)[where] = faces[nearest]
@@ -99,8 +99,8 @@ class ReferenceRays:
             along += apart * directions[:, axis, None]
         beside = squares * (1.0 - 1e-12) - along**2 * (1.0 + 1e-12)
         near = (beside <= radii**2) & (along >= -radii) & (along <= limit + radii)
-        rays, chosen = near.nonzero()
-        return rays, members[chosen]
+        rays, solids = near.nonzero()
+        return rays, members[solids]
 
     def _surfaces(
         self, origins: Floats, directions: Floats, solids: Numbers, limit: float

@@ -53,12 +53,12 @@ class ReferenceMesh:
             return distances, faces
         rays, leaves = self._near(origins, directions, limits)
         rays, triangles = rays.repeat(_LEAF), self._leaves[leaves].ravel()
-        found = triangle_distances(self._corners[triangles], origins[rays], directions[rays])
-        met = np.flatnonzero(found <= limits[rays])
-        rays, triangles, found = rays[met], triangles[met], found[met]
-        order = np.lexsort((triangles, found, rays))
+        nearest = triangle_distances(self._corners[triangles], origins[rays], directions[rays])
+        met = np.flatnonzero(nearest <= limits[rays])
+        rays, triangles, nearest = rays[met], triangles[met], nearest[met]
+        order = np.lexsort((triangles, nearest, rays))
         rays, first = np.unique(rays[order], return_index=True)
-        distances[rays], faces[rays] = found[order][first] + 0.0, triangles[order][first]
+        distances[rays], faces[rays] = nearest[order][first] + 0.0, triangles[order][first]
         return distances, faces
 
     def _near(self, origins: Floats, directions: Floats, limits: Floats) -> tuple[Numbers, Numbers]:

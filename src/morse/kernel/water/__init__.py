@@ -17,9 +17,9 @@ __all__ = ["WaterValues", "pusher"]
 
 def pusher(values: WaterValues) -> Callable[[], object]:
     """The function that computes force and torque in values: C, or Python without the kernel."""
-    loaded = library()
-    if loaded is None:
+    kernel_library = library()
+    if kernel_library is None:
         return lambda: reference.push(values)
-    loaded.morse_water.restype = None
-    push, place = loaded.morse_water, byref(values)
+    kernel_library.morse_water.restype = None
+    push, place = kernel_library.morse_water, byref(values)
     return lambda: push(place)

@@ -17,10 +17,10 @@ def push(values: WaterValues) -> None:
     for x, y, z in values.cells:
         share = min(max((depth - up[0] * x - up[1] * y - up[2] * z) / half + 0.5, 0.0), 1.0)
         u, v, w = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
-        part, pushed = -share / 8.0, values.lift * share
-        a = part * u * min(abs(u) * dx, most) + pushed * up[0]
-        b = part * v * min(abs(v) * dy, most) + pushed * up[1]
-        c = part * w * min(abs(w) * dz, most) + pushed * up[2]
+        part, lift = -share / 8.0, values.lift * share
+        a = part * u * min(abs(u) * dx, most) + lift * up[0]
+        b = part * v * min(abs(v) * dy, most) + lift * up[1]
+        c = part * w * min(abs(w) * dz, most) + lift * up[2]
         fx, fy, fz = fx + a, fy + b, fz + c
         # the force acts at the centre of mass, approximated by the centre of the box
         x, y, z = x - mx, y - my, z - mz

@@ -25,7 +25,7 @@ TICKS = 70
 _BEFORE_SAVING = 25
 
 
-def well_behaved(stand: Stand, other: Callable[[], Stand], said: Said) -> Iterator[Fault]:
+def well_behaved(stand: Stand, other: Callable[[], Stand], journal: Said) -> Iterator[Fault]:
     """All rules of this file.
 
     Args:
@@ -40,7 +40,7 @@ def well_behaved(stand: Stand, other: Callable[[], Stand], said: Said) -> Iterat
         yield Fault(JSON, f"{error}: keep numbers, words, lists and dictionaries in local_data", place)
         return
     if stand.failed:
-        yield Fault(FITS, f"it fails when it acts: {said.last('no reason is given')}", place)
+        yield Fault(FITS, f"it fails when it acts: {journal.last('no reason is given')}", place)
         return
     yield from _fits(stand)
     yield from _is_json(stand, first)
@@ -60,21 +60,21 @@ def well_behaved(stand: Stand, other: Callable[[], Stand], said: Said) -> Iterat
 def _fits(stand: Stand) -> Iterator[Fault]:
     """Check that the data match the declarations."""
     places, cls = stand.places, type(stand.component)
-    for field, declared, text in misfits(stand.component):
-        yield Fault(FITS, text, places.of(cls, "add_data", field) if declared else places.of_class(cls))
+    for field, declaration, text in misfits(stand.component):
+        yield Fault(FITS, text, places.of(cls, "add_data", field) if declaration else places.of_class(cls))
 
 
 def _is_json(stand: Stand, lines: list[bytes]) -> Iterator[Fault]:
     cls = type(stand.component)
     fields = fields_of_component(stand.component)
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for line in lines:
         for name, value in json.loads(line).items():
             allow = fields[name].allow if name in fields else ()
             for number in _numbers(value):
                 if not math.isfinite(number) and str(number) not in allow:
-                    found.setdefault(name, number)
-    for name, number in found.items():
+                    values.setdefault(name, number)
+    for name, number in values.items():
         text = f"the data field '{name}' was {number}, which is not JSON: declare it by allow=('{number}',) or avoid it"
         yield Fault(JSON, text, stand.places.of(cls, "add_data", name))
 

@@ -37,14 +37,14 @@ def check_component(what: str | os.PathLike[str], robot: str | None = None) -> l
     Raises:
         SubjectError: there is nothing to check.
     """
-    with Said() as said:
-        return [_check(subject, robot, said) for subject in subjects(what)]
+    with Said() as journal:
+        return [_check(subject, robot, journal) for subject in subjects(what)]
 
 
-def _check(subject: Subject, robot: str | None, said: Said) -> Report:
+def _check(subject: Subject, robot: str | None, journal: Said) -> Report:
     report = Report(subject.name, checked=[LOADS])
     try:
-        stand = set_up(subject, said, robot)
+        stand = set_up(subject, journal, robot)
     except SubjectError as error:
         report.faults.append(Fault(LOADS, str(error)))
         return report
@@ -56,28 +56,28 @@ def _check(subject: Subject, robot: str | None, said: Said) -> Report:
         names = [None, *(name for name, level in levels(cls).items() if not level.default)]
         report.checked += [FITS, JSON, DETERMINISTIC, SAVED, RESET]
         for name in names:
-            _run(subject, stand, name, said, report)
+            _run(subject, stand, name, journal, report)
         if not stand.failed and not report.of(JSON):
             report.checked += [CARRIED, COMMANDS, CALLS]
             report.take(CARRIED, _anew(stand, carried))
-            report.take(CALLS, _anew(stand, lambda stand: Rough(stand, said).faults()))
+            report.take(CALLS, _anew(stand, lambda stand: Rough(stand, journal).faults()))
     return report
 
 
-def _run(subject: Subject, stand: Stand, level: str | None, said: Said, report: Report) -> None:
+def _run(subject: Subject, stand: Stand, level: str | None, journal: Said, report: Report) -> None:
     """Run a component at one of its levels."""
     carrier = stand.carrier
 
     def other() -> Stand:
-        return set_up(subject, said, carrier, level)
+        return set_up(subject, journal, carrier, level)
 
     if level is None:
-        report.take(FITS, well_behaved(stand, other, said))
+        report.take(FITS, well_behaved(stand, other, journal))
         return
 
     def at_level() -> Iterator[Fault]:
         with other() as own:
-            for fault in well_behaved(own, other, said):
+            for fault in well_behaved(own, other, journal):
                 yield fault._replace(text=f"at the level '{level}': {fault.text}")
 
     report.take(FITS, at_level())

@@ -58,8 +58,8 @@ def declared(cls: type, places: Places) -> Iterator[Fault]:
 def _missing(name: str, field: DataField) -> Iterator[str]:
     if not _is_measured(field):
         return
-    listed = hasattr(field.default, "__len__") and not isinstance(field.default, str)
-    if listed and field.shape is None:
+    is_sequence = hasattr(field.default, "__len__") and not isinstance(field.default, str)
+    if is_sequence and field.shape is None:
         shape = shape_of(field.default) or (None,)
         yield f"the data field '{name}' is a list of numbers without a shape: add shape={shape} (None for any length)"
     if not field.unit and (field.low is None or field.high is None):
@@ -67,7 +67,9 @@ def _missing(name: str, field: DataField) -> Iterator[str]:
             f"the data field '{name}' has no unit: add unit='m', unit='rad', ...; of a number without a unit, say its "
             "range by low= and high="
         )
-    is_directed = name in _AXES or field.quaternion or (listed and field.shape is not None and field.shape[-1] == 3)
+    is_directed = (
+        name in _AXES or field.quaternion or (is_sequence and field.shape is not None and field.shape[-1] == 3)
+    )
     if field.unit and is_directed and not field.frame and _DIRECTED & {base for base, _ in unit(field.unit).dimension}:
         yield f"the data field '{name}' has a direction and no frame: add frame='own', frame='world', ..."
 

@@ -29,18 +29,22 @@ BAD_VALUES: tuple[Any, ...] = (
 
 def example(component: Object) -> dict[str, Any]:
     """A valid command for an actuator."""
-    declared = fields_of_component(component)
-    values = {name: _example(declared[name], held) for name, held in component.local_data.items() if name in declared}
+    declarations = fields_of_component(component)
+    values = {
+        name: _example(declarations[name], initial)
+        for name, initial in component.local_data.items()
+        if name in declarations
+    }
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _example(field: DataField, held: Any) -> Any:
-    if isinstance(held, bool):
-        return not held
-    if isinstance(held, (int, float)):
-        return _inside(type(held)(held + _SOME), field)
+def _example(field: DataField, value: Any) -> Any:
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, (int, float)):
+        return _inside(type(value)(value + _SOME), field)
     if field.shape is not None and not field.quaternion and None not in field.shape and len(field.shape) == 1:
-        return [_inside(float(number) + _SOME, field) for number in held]
+        return [_inside(float(number) + _SOME, field) for number in value]
     return None
 
 

@@ -48,8 +48,8 @@ class Places:
         return self.of_class(cls)
 
     def _file(self, cls: type) -> str:
-        known = self._files.get(cls.__module__)
-        return known or str(getattr(sys.modules.get(cls.__module__), "__file__", "") or "")
+        file = self._files.get(cls.__module__)
+        return file or str(getattr(sys.modules.get(cls.__module__), "__file__", "") or "")
 
 
 def _declared(definition: ast.ClassDef, function: str, name: str) -> Iterator[int]:

@@ -35,9 +35,9 @@ class Rough:
         stand: a simulation; it may be in any state afterwards.
     """
 
-    def __init__(self, stand: Stand, said: Said) -> None:
+    def __init__(self, stand: Stand, journal: Said) -> None:
         self._stand = stand
-        self._said = said
+        self._said = journal
         #: number of ticks within which it acts
         self._period = math.ceil(stand.simulation.clock.frequency / stand.component.frequency)
 

@@ -104,9 +104,9 @@ class Stand:
     @property
     def component(self) -> Object:
         """The present component: a restart creates another one."""
-        found = self.simulation.context.component(self.name)
-        assert found is not None
-        return found
+        component = self.simulation.context.component(self.name)
+        assert component is not None
+        return component
 
     @property
     def failed(self) -> bool:
@@ -132,11 +132,11 @@ class Stand:
         drive = self.simulation.context.component("robot.drive")
         if drive is not None:
             drive.local_data.update(v=0.4, w=0.3)
-        said = []
+        messages = []
         for _ in range(ticks):
             self.simulation.step()
-            said.append(to_json(component.local_data))
-        return said
+            messages.append(to_json(component.local_data))
+        return messages
 
     def publish(self, message: Any) -> None:
         """Send a command to an actuator.
@@ -159,7 +159,7 @@ class Stand:
         self.simulation.close()
 
 
-def set_up(subject: Subject, said: Said, robot: str | None = None, level: str | None = None) -> Stand:
+def set_up(subject: Subject, journal: Said, robot: str | None = None, level: str | None = None) -> Stand:
     """The simulation for a component, on the first suitable robot.
 
     Args:
@@ -172,7 +172,7 @@ def set_up(subject: Subject, said: Said, robot: str | None = None, level: str | 
     first: Exception | None = None
     for carrier in (robot,) if robot else _CARRIERS:
         try:
-            with said.unheard():
+            with journal.unheard():
                 return Stand(_load(subject, _script(subject, carrier, level)), carrier)
         except (LoadError, ScriptError, ValueError) as error:
             first = first or error

@@ -101,7 +101,7 @@ def _of_file(file: Path) -> list[Subject]:
 def _components_in(file: Path, module: str) -> Iterator[str]:
     for definition in sources.classes_of(file):
         if definition.bases:
-            for entry in catalog.entries(module, definition, named=True):
+            for entry in catalog.entries(module, definition, with_name=True):
                 if entry.product is None:
                     yield definition.name
 

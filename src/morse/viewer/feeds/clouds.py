@@ -57,10 +57,10 @@ def has_points(component: Object) -> bool:
 
 def in_world(component: Any, points: Any) -> NDArray[np.float32]:
     """Some points of a cloud, (N, 3), in the frame of the world; the origin of the sensor stands for no point."""
-    found = np.asarray(points, np.float32)
-    if found.ndim != 2 or found.shape[1] != 3:
+    array = np.asarray(points, np.float32)
+    if array.ndim != 2 or array.shape[1] != 3:
         return np.zeros((0, 3), np.float32)
-    found = found[np.isfinite(found).all(axis=1) & found.any(axis=1)]
-    found = found[:: max(-(-len(found) // _MOST_SHOWN), 1)]
+    array = array[np.isfinite(array).all(axis=1) & array.any(axis=1)]
+    array = array[:: max(-(-len(array) // _MOST_SHOWN), 1)]
     position, rotation = component.measured_from()
-    return np.asarray(found @ np.reshape(rotation, (3, 3)).T + np.array(position), np.float32)
+    return np.asarray(array @ np.reshape(rotation, (3, 3)).T + np.array(position), np.float32)

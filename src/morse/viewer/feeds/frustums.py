@@ -53,12 +53,14 @@ def rim(lens: Lens) -> NDArray[np.float64]:
     one, none = np.ones(SIDE), np.zeros(SIDE)
     across = np.concatenate([share, one, 1.0 - share, none])
     down = np.concatenate([none, share, one, 1.0 - share])
-    known = getattr(lens, "directions", None)
-    if known is None:
-        found = np.stack([(across * lens.width - lens.cx) / lens.fx, (down * lens.height - lens.cy) / lens.fy], axis=1)
-        found = np.column_stack([found, np.ones(len(found))])
-        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True), float)
-    directions, shows = known
+    table = getattr(lens, "directions", None)
+    if table is None:
+        image_points = np.stack(
+            [(across * lens.width - lens.cx) / lens.fx, (down * lens.height - lens.cy) / lens.fy], axis=1
+        )
+        image_points = np.column_stack([image_points, np.ones(len(image_points))])
+        return np.asarray(image_points / np.linalg.norm(image_points, axis=1, keepdims=True), float)
+    directions, shows = table
     inward = np.linspace(0.0, 1.0, _STEPS)[:, None]
     columns = np.clip((across + (0.5 - across) * inward) * lens.width, 0, lens.width - 1).astype(int)
     rows = np.clip((down + (0.5 - down) * inward) * lens.height, 0, lens.height - 1).astype(int)

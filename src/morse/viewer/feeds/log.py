@@ -56,8 +56,8 @@ class LogFeed(logging.Handler):
             line = self._number % KEPT
             self._number += 1
             text, component = printable(text[:_LENGTH]), self._component(record)
-            shown = getattr(record, SHOWN, False)
-            self._server.send(Log(_level(record.levelno), text, component, self._time(), line, shown))
+            is_shown = getattr(record, SHOWN, False)
+            self._server.send(Log(_level(record.levelno), text, component, self._time(), line, is_shown))
 
     def _time(self) -> float:
         return self._context.clock.time

@@ -84,8 +84,8 @@ def picture_of(name: str, component: Any, shot: Shot) -> Picture:
     height, width = image.shape[:2]
     if image.dtype == np.uint16 and image.ndim == 2:
         rows = zlib.compress(np.ascontiguousarray(image, "<u2").data, 1)
-        found = list(sightings(shot.objects))
-        return Picture(rows, name, width, height, "image/x-u16", shot.time, "ids", sightings=found)
+        objects = list(sightings(shot.objects))
+        return Picture(rows, name, width, height, "image/x-u16", shot.time, "ids", sightings=objects)
     if image.ndim == 2 and image.dtype != np.uint8:
         levels = depth_levels(image)
         unit = unit_of(component)

@@ -37,8 +37,8 @@ class RecordingsFeed:
         """Send the changes since the last call."""
         recorders = self._simulation.recorders
         now = time.monotonic()
-        known = [] if self._sent is None else [one.path for one in self._sent.recordings]
-        if now - self._looked < _INTERVAL and known == [recorder.path for recorder in recorders]:
+        paths = [] if self._sent is None else [one.path for one in self._sent.recordings]
+        if now - self._looked < _INTERVAL and paths == [recorder.path for recorder in recorders]:
             return
         self._looked = now
         services = self._simulation.context.service_objects

@@ -93,8 +93,8 @@ class SoundsFeed:
 
 def named_files(context: Context) -> Iterable[str]:
     """The files of the actuators in the scene script."""
-    for declared in context.scene.components:
-        file = declared.node.properties.get("file")
+    for component in context.scene.components:
+        file = component.node.properties.get("file")
         if isinstance(file, str):
             yield file
 

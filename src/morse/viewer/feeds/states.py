@@ -44,11 +44,11 @@ class StatesFeed:
         self.tell_capturing()
 
     def _tell_properties(self, name: str, component: Object) -> None:
-        told = self._values.setdefault(name, {})
+        values = self._values.setdefault(name, {})
         for python_name, prop in properties(type(component)).items():
             value = getattr(component, python_name)
-            if prop.name not in told or told[prop.name] != value:
-                told[prop.name] = value
+            if prop.name not in values or values[prop.name] != value:
+                values[prop.name] = value
                 self._server.send(PropertyValue(name, prop.name, value))
 
     def tell_capturing(self) -> None:

@@ -91,9 +91,9 @@ def _component(component: Object, kind: str, robot: str) -> ComponentDescription
     )
 
 
-def _bounds(declared: Any) -> tuple[float | None, float | None]:
+def _bounds(declaration: Any) -> tuple[float | None, float | None]:
     """The declared minimum and maximum of a field or property, or None."""
-    low, high = getattr(declared, "low", None), getattr(declared, "high", None)
+    low, high = getattr(declaration, "low", None), getattr(declaration, "high", None)
     plain = (int, float)
     return low if isinstance(low, plain) else None, high if isinstance(high, plain) else None
 

@@ -52,8 +52,8 @@ class _Kept:
     wall: float
 
 
-def _time_of(kept: _Kept) -> float:
-    return kept.time
+def _time_of(entry: _Kept) -> float:
+    return entry.time
 
 
 class Rewinder:
@@ -115,22 +115,22 @@ class Rewinder:
         end = self._wall()
         self._rest_until = end + (end - begin) * (1.0 / _SHARE - 1.0)
 
-    def _add(self, kept: _Kept) -> None:
-        self._kept.append(kept)
-        self._bytes += kept.size
+    def _add(self, entry: _Kept) -> None:
+        self._kept.append(entry)
+        self._bytes += entry.size
         first = 0
-        while first < len(self._kept) - 1 and (self._bytes > _MOST_BYTES or self._is_old(self._kept[first], kept)):
+        while first < len(self._kept) - 1 and (self._bytes > _MOST_BYTES or self._is_old(self._kept[first], entry)):
             self._bytes -= self._kept[first].size
             first += 1
         del self._kept[:first]
 
     @staticmethod
-    def _is_old(kept: _Kept, newest: _Kept) -> bool:
-        return kept.time < newest.time - _SPAN and kept.wall < newest.wall - _SPAN
+    def _is_old(entry: _Kept, newest: _Kept) -> bool:
+        return entry.time < newest.time - _SPAN and entry.wall < newest.wall - _SPAN
 
     def _cut(self, length: int) -> None:
         del self._kept[length:]
-        self._bytes = sum(kept.size for kept in self._kept)
+        self._bytes = sum(entry.size for entry in self._kept)
 
     def rewind(self, time: float) -> None:
         """Restore the state saved for that time, or the last one before it, and pause."""
@@ -159,7 +159,7 @@ class Rewinder:
 
     def tell(self) -> None:
         """Tell the pages the times of the saved states."""
-        times = [kept.time for kept in self._kept]
+        times = [entry.time for entry in self._kept]
         if times != self._told:
             self._told = times
             self._server.send(History(times))

@@ -95,8 +95,8 @@ class ServiceCalls(RequestManager):
         self.attempt(event.request, lambda: self._begin(event))
 
     def _begin(self, event: page.CallService) -> None:
-        done, value = self.on_incoming_request(event.component, event.service, event.arguments)
-        if done:
+        is_complete, value = self.on_incoming_request(event.component, event.service, event.arguments)
+        if is_complete:
             self._answer(event.request, value)
         else:
             self._pending[value] = event.request
@@ -123,8 +123,8 @@ class ServiceCalls(RequestManager):
 
     def _property(self, component: str, name: str) -> Any:
         owner: Any = self._context.component(component)
-        declared = properties(type(owner)).items()
-        return next((getattr(owner, python_name) for python_name, p in declared if p.name == name), None)
+        declarations = properties(type(owner)).items()
+        return next((getattr(owner, python_name) for python_name, p in declarations if p.name == name), None)
 
     def command(self, event: page.Command) -> None:
         """Set data of an actuator."""
@@ -139,11 +139,11 @@ class ServiceCalls(RequestManager):
             return
         active = not any(camera.capturing for camera in cameras)
         for camera in cameras:
-            declared = properties(type(camera)).get("capturing")
-            if declared is None:
+            declaration = properties(type(camera)).get("capturing")
+            if declaration is None:
                 camera.capturing = active
             else:
-                self.run(camera.name(), "set_property", declared.name, active)
+                self.run(camera.name(), "set_property", declaration.name, active)
 
     def activate(self, event: page.Activate) -> None:
         """Activate or deactivate a component."""

@@ -65,8 +65,8 @@ def _spans(text: str) -> dict[int, tuple[int, int]]:
         if isinstance(node, ast.stmt):
             first, last = node.lineno, node.end_lineno or node.lineno
             for line in range(first, last + 1):
-                known = spans.get(line)
-                if known is None or known[1] - known[0] >= last - first:
+                line_spans = spans.get(line)
+                if line_spans is None or line_spans[1] - line_spans[0] >= last - first:
                     spans[line] = (first, last)
     return spans
 
@@ -79,24 +79,24 @@ def _replace(lines: list[str], line: int, first: int, last: int, edit: Edit) -> 
     words = "|".join(re.escape(spelling) for spelling in edit.old.split("|"))
     word = re.compile(rf"(?<![\w.])(?:{words})(?!\w)" if "." in words else rf"(?<!\w)(?:{words})(?!\w)")
     for number in [*range(line, last + 1), *range(first, line)]:
-        changed = word.sub(lambda _: edit.new, lines[number - 1])
-        if changed != lines[number - 1]:
-            lines[number - 1] = changed
+        new_line = word.sub(lambda _: edit.new, lines[number - 1])
+        if new_line != lines[number - 1]:
+            lines[number - 1] = new_line
             return
 
 
 def _replace_import(lines: list[str], line: int, edit: Edit) -> bool:
     """Replace a name in ``from module import name``; other names of the line stay."""
     module, _, name = edit.old.rpartition(".")
-    found = re.match(rf"^(\s*)from\s+{re.escape(module)}\s+import\s+([\w, ]+?)\s*(#.*)?$", lines[line - 1])
-    if not module or found is None:
+    match = re.match(rf"^(\s*)from\s+{re.escape(module)}\s+import\s+([\w, ]+?)\s*(#.*)?$", lines[line - 1])
+    if not module or match is None:
         return False
-    names = [word.strip() for word in found[2].split(",")]
+    names = [word.strip() for word in match[2].split(",")]
     if name not in names:
         return False
     there, _, today = edit.new.rpartition(".")
     others = ", ".join(word for word in names if word != name)
-    kept = [f"{found[1]}from {module} import {others}"] if others else []
+    lines_after = [f"{match[1]}from {module} import {others}"] if others else []
     alias = f" as {name}" if today != name else ""
-    lines[line - 1] = "\n".join([*kept, f"{found[1]}from {there} import {today}{alias}"])
+    lines[line - 1] = "\n".join([*lines_after, f"{match[1]}from {there} import {today}{alias}"])
     return True

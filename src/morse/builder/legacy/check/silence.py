@@ -25,7 +25,7 @@ class Silence:
         Returns:
             Whether it fails by itself, not because of an earlier one; None if there is no statement.
         """
-        place = next(iter(sorted(self._at(line), key=lambda found: _length(found[1][found[2]]))), None)
+        place = next(iter(sorted(self._at(line), key=lambda entry: _length(entry[1][entry[2]]))), None)
         if place is None:
             return None
         owner, body, index = place

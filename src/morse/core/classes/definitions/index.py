@@ -34,10 +34,10 @@ def indexed(file: Path) -> list[Definition]:
         SyntaxError: the file is not valid Python.
     """
     text = file.read_bytes()
-    known = _index().get(_digest(text))
-    if known is None:
+    entry = _index().get(_digest(text))
+    if entry is None:
         return definitions(text, str(file))
-    return [Definition(*fields) for fields in marshal.loads(known)]
+    return [Definition(*fields) for fields in marshal.loads(entry)]
 
 
 def write(files: Iterable[Path], index: Path = FILE) -> None:
@@ -48,22 +48,22 @@ def write(files: Iterable[Path], index: Path = FILE) -> None:
         SyntaxError: a file is not valid Python.
     """
     texts = [(file, file.read_bytes()) for file in sorted(files)]
-    found = {_digest(text): _packed(definitions(text, str(file))) for file, text in texts}
-    index.write_bytes(marshal.dumps(found, _VERSION))
+    entries = {_digest(text): _packed(definitions(text, str(file))) for file, text in texts}
+    index.write_bytes(marshal.dumps(entries, _VERSION))
 
 
 @cache
 def _index() -> dict[bytes, bytes]:
     try:
-        found = marshal.loads(FILE.read_bytes())
+        data = marshal.loads(FILE.read_bytes())
     except (OSError, ValueError, EOFError, TypeError):
         # before the package is built there is no index, and each file is read
         return {}
-    return found if isinstance(found, dict) else {}
+    return data if isinstance(data, dict) else {}
 
 
-def _packed(found: list[Definition]) -> bytes:
-    return marshal.dumps([astuple(one) for one in found], _VERSION)
+def _packed(entries: list[Definition]) -> bytes:
+    return marshal.dumps([astuple(one) for one in entries], _VERSION)
 
 
 def _digest(text: bytes) -> bytes:

@@ -88,13 +88,13 @@ def _assignments(definition: ast.ClassDef) -> Iterator[tuple[str, ast.expr]]:
 
 
 def _literals(values: Iterator[tuple[str, ast.expr]]) -> dict[str, Any]:
-    found = {}
+    literals = {}
     for name, value in values:
         try:
-            found[name] = ast.literal_eval(value)
+            literals[name] = ast.literal_eval(value)
         except (ValueError, TypeError):
             continue
-    return found
+    return literals
 
 
 def _declared_defaults(cls: ast.ClassDef, attribute: str) -> Iterator[dict[str, Any]]:
@@ -108,6 +108,6 @@ def _arguments(call: ast.Call) -> dict[str, Any]:
     function = call.func.id if isinstance(call.func, ast.Name) else ""
     # the first argument without a keyword: the name of a product, the model of a robot
     first = "model" if function == "RobotDefaults" else "name"
-    given = [(first, value) for value in call.args[:1]]
-    given += [(keyword.arg, keyword.value) for keyword in call.keywords if keyword.arg is not None]
-    return _literals(iter(given))
+    arguments = [(first, value) for value in call.args[:1]]
+    arguments += [(keyword.arg, keyword.value) for keyword in call.keywords if keyword.arg is not None]
+    return _literals(iter(arguments))

@@ -55,10 +55,10 @@ class Descriptors:
 
     def _measured(self) -> int:
         """The number of connections that clients may have."""
-        limit, used = _limit(), _in_use()
-        if limit is None or used is None:
+        limit, in_use = _limit(), _in_use()
+        if limit is None or in_use is None:
             return _MOST
-        free = max(0, limit - max(0, used - self._clients))
+        free = max(0, limit - max(0, in_use - self._clients))
         reserve = min(_LARGEST_RESERVE, max(_LEAST_RESERVE, limit // _PART))
         # a scene with many ports leaves less than the reserve: then its clients get half of the rest
         return min(_MOST, max(free - reserve, free // 2))
