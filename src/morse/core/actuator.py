@@ -45,8 +45,8 @@ class Actuator(Object):
             seconds: the shortest timeout of a stream.
         """
         self._command_limit = seconds
-        declared = fields_of_component(self)
-        self._values_at_first = deepcopy({name: value for name, value in self.local_data.items() if name in declared})
+        fields = fields_of_component(self)
+        self._values_at_first = deepcopy({name: value for name, value in self.local_data.items() if name in fields})
         self.command_end = None
 
     @property
@@ -70,10 +70,10 @@ class Actuator(Object):
         end = self.command_end
         if end is not None:
             self.command_end = None  # of several commands, the last one decides
-        received = read(self, self.input_functions)
-        if end is not None and not received:
-            received = self._ends(end)
-        if received:
+        has_input = read(self, self.input_functions)
+        if end is not None and not has_input:
+            has_input = self._ends(end)
+        if has_input:
             if self.context.journal.sinks:
                 self.context.journal.note(COMMAND, self.name(), deepcopy(dict(self.local_data)), self.command_end)
             modify(self, self.input_modifiers)

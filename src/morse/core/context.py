@@ -151,8 +151,8 @@ class Context:
         """
         if kind not in self._servers:
             self._servers[kind] = kind(self.world)
-        found: _S = self._servers[kind]
-        return found
+        server: _S = self._servers[kind]
+        return server
 
     def random(self, name: str) -> np.random.Generator:
         """Return a generator of random numbers that depends only on the seed and ``name``.

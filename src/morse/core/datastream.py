@@ -118,8 +118,8 @@ class DatastreamManager(Observer):
         self.options = options
         if self.manager_options is not None:
             owner = self.classpath.rpartition(".")[2]
-            checked = checked_options(owner, self.manager_options, options)
-            self.options = with_defaults(self.manager_options, checked)
+            values = checked_options(owner, self.manager_options, options)
+            self.options = with_defaults(self.manager_options, values)
 
     # -- streams -----------------------------------------------------------------------------
 
@@ -186,8 +186,8 @@ class DatastreamManager(Observer):
     @staticmethod
     def _common_options(cls: type) -> Mapping[str, Option]:
         """The options that a stream of a class has in addition to its own."""
-        declared = getattr(cls, "options", None) or {}
-        return {name: option for name, option in COMMON_OPTIONS.items() if name not in declared}
+        own_options = getattr(cls, "options", None) or {}
+        return {name: option for name, option in COMMON_OPTIONS.items() if name not in own_options}
 
     def make_stream(self, component: Object, declaration: StreamDeclaration) -> Any:
         """Create the stream for a declaration.
@@ -198,12 +198,12 @@ class DatastreamManager(Observer):
         cls = load_class(declaration.stream)
         if not callable(getattr(cls, "default", None)):
             raise MorseMiddlewareError(f"{declaration.stream} is not a stream: it has no method 'default'")
-        declared = getattr(cls, "options", None)
+        own_options = getattr(cls, "options", None)
         options = dict(declaration.options)
-        if declared is not None:
-            known = {**self._common_options(cls), **declared}
-            checked = checked_options(f"the stream of {component.name()}", known, options)
-            options = with_defaults(declared, {name: value for name, value in checked.items() if name in declared})
+        if own_options is not None:
+            declarations = {**self._common_options(cls), **own_options}
+            values = checked_options(f"the stream of {component.name()}", declarations, options)
+            options = with_defaults(own_options, {name: value for name, value in values.items() if name in own_options})
         return cls(component, options)
 
     def disconnect(self, name: str) -> None:
@@ -224,9 +224,9 @@ class DatastreamManager(Observer):
     def drop(self, stream: Any) -> None:
         """Close a stream that has failed; the component and its other streams continue."""
         for name, streams in list(self.streams.items()):
-            left = [one for one in streams if one is not stream]
-            if len(left) < len(streams):
-                self.streams[name] = left
+            others = [one for one in streams if one is not stream]
+            if len(others) < len(streams):
+                self.streams[name] = others
                 self._close_stream(stream)
 
     def opened(self, stream: Any) -> None:

@@ -89,14 +89,14 @@ class Guard:
         self, parts: Iterable[_P], holds: Callable[[_P], object], off: Callable[[_P, BaseException], object]
     ) -> list[_P]:
         """Return the parts for which a condition holds; ``off(part, error)`` switches off those that cannot tell."""
-        chosen: list[_P] = []
+        members: list[_P] = []
 
         def look(part: _P) -> None:
             if holds(part):
-                chosen.append(part)
+                members.append(part)
 
         self.each(parts, look, off)
-        return chosen
+        return members
 
     def run(self, function: Callable[[], _R], off: Callable[[BaseException], object]) -> _R | None:
         """Return the result of a function; None after ``off(error)`` if it raises."""
@@ -238,17 +238,17 @@ def publish(component: Any, functions: MutableSequence[Any]) -> None:
 
 def read(component: Any, functions: MutableSequence[Any]) -> bool:
     """Call the input functions of a component, and return whether data arrived; a stream that raises is closed."""
-    received, failures = False, None
+    has_input, failures = False, None
     for function in functions:
         try:
-            received = bool(function(component)) or received
+            has_input = bool(function(component)) or has_input
         except ENDINGS:
             raise
         except BaseException as error:
             failures = [*(failures or ()), (function, error)]
     if failures is not None:
         _close(component, functions, failures)
-    return received
+    return has_input
 
 
 def _close(component: Any, functions: MutableSequence[Any], failures: Sequence[tuple[Any, BaseException]]) -> None:

@@ -55,16 +55,16 @@ def mapped_kinds(cls: type, mark: str = _MARK, *, needs_general: bool = True) ->
     Raises:
         MorseDeclarationError: a direction has no method for ``general``.
     """
-    found: dict[tuple[str, str], str] = {}
+    paths: dict[tuple[str, str], str] = {}
     for base in cls.__mro__:
         for name, member in vars(base).items():
             kinds, direction = getattr(member, mark, ((), ""))
             for kind in kinds:
-                found.setdefault((kind, direction), name)
-    for direction in dict.fromkeys(direction for _, direction in found):
-        if needs_general and (GENERAL, direction) not in found:
+                paths.setdefault((kind, direction), name)
+    for direction in dict.fromkeys(direction for _, direction in paths):
+        if needs_general and (GENERAL, direction) not in paths:
             raise MorseDeclarationError(
                 f"{cls.__module__}.{cls.__name__} maps message kinds, but not '{GENERAL}': a method with "
                 f"@maps('{GENERAL}', direction='{direction}') is needed for components of users without a kind"
             )
-    return found
+    return paths

@@ -44,25 +44,25 @@ class Noise:
         Args:
             common: all values share one bias, like the beams of one scanner.
         """
-        model, measured = self.model, truth
+        model, value = self.model, truth
         if model.bias_walk > 0.0:
             shape = () if common else self._shape_of_bias(truth)
             if np.shape(self._bias) not in ((), shape):
                 self._bias = 0.0  # the number of values has changed
             self._bias = self._bias + self._random.normal(0.0, 1.0, shape) * self._step
-            measured = measured + self._bias
+            value = value + self._bias
         if model.gaussian > 0.0:
-            measured = measured + self._random.normal(0.0, model.gaussian, truth.shape)
+            value = value + self._random.normal(0.0, model.gaussian, truth.shape)
         if model.quantization > 0.0:
-            measured = np.round(measured / model.quantization) * model.quantization
-        return measured
+            value = np.round(value / model.quantization) * model.quantization
+        return value
 
     def _shape_of_bias(self, truth: NDArray[np.float64]) -> tuple[int, ...]:
         """One bias for each value, but a common one for the pixels of an image and the points of a cloud."""
-        declared = None if self._field is None else self._field.shape
-        if declared is None or len(declared) < 2 or None not in declared:
+        shape = None if self._field is None else self._field.shape
+        if shape is None or len(shape) < 2 or None not in shape:
             return truth.shape
-        free = len(declared) - declared[::-1].index(None)
+        free = len(shape) - shape[::-1].index(None)
         return truth.shape[free:]
 
     def possible(self, values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -89,11 +89,11 @@ class Object(Requesting, AbstractObject):
         self.input_modifiers: list[Any] = []
         self.output_modifiers: list[Any] = []
 
-    def _chosen_level(self, asked: Any) -> str | None:
-        declared = levels(type(self))
-        if asked in declared:
-            return str(asked)
-        return next((name for name, level in declared.items() if level.default), None)
+    def _chosen_level(self, level_name: Any) -> str | None:
+        choices = levels(type(self))
+        if level_name in choices:
+            return str(level_name)
+        return next((name for name, level in choices.items() if level.default), None)
 
     #: attributes that are not part of the state: they are created from the scene and do not change
     not_state: ClassVar[tuple[str, ...]] = (
@@ -276,8 +276,8 @@ class Object(Requesting, AbstractObject):
         """Change a property while the simulation runs."""
         from morse.core.validation import checked_property
 
-        python_name, checked = checked_property(self, name, value)
-        setattr(self, python_name, checked)
+        python_name, new_value = checked_property(self, name, value)
+        setattr(self, python_name, new_value)
         if self.group is not None:
             self.group.is_changed = True  # whether the component acts together with others may depend on the property
 

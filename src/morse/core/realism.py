@@ -40,14 +40,14 @@ class Realism:
                 text = f"{sensor.name()}: noise() without a field has no effect, {sensor.noise_mend}"
                 sensor.context.complaints.warn(text, text)
             fields.update(dict.fromkeys(noisy, noise))
-        declared = fields_of_component(sensor)
+        declarations = fields_of_component(sensor)
         self._noises = {
-            name: Noise(noise, random(f"{sensor.name()}/noise/{name}"), declared.get(name))
+            name: Noise(noise, random(f"{sensor.name()}/noise/{name}"), declarations.get(name))
             for name, noise in fields.items()
             if name in sensor.local_data
         }
-        kept = sensor.local_data if self.delay else self._noises
-        self._truth = {name: copied(sensor.local_data[name]) for name in kept}
+        values = sensor.local_data if self.delay else self._noises
+        self._truth = {name: copied(sensor.local_data[name]) for name in values}
         self._last: float | None = None
         self._waiting: deque[tuple[float, dict[str, Any]]] = deque()
 
@@ -59,35 +59,35 @@ class Realism:
         """Do one measurement like `Sensor.action`, with errors and delay."""
         sensor = self.sensor
         data = sensor.local_data
-        shown = copied(data) if self.delay else dict(data)
+        measurement = copied(data) if self.delay else dict(data)
         data.update(self._truth)
         sensor.sensor_setup()
         sensor.default_action()
         if sensor._is_checked:
             check_fields(sensor)
         self._truth = {name: copied(data[name]) for name in (data if self.delay else self._noises)}
-        if not self._change(shown, sensor.clock.time):
+        if not self._change(measurement, sensor.clock.time):
             return
         if not self.delay:
             self._publish()
             return
         self._waiting.append((sensor.clock.time + self.delay, copied(data)))
         data.clear()
-        data.update(shown)
+        data.update(measurement)
 
-    def _change(self, shown: dict[str, Any], time: float) -> bool:
+    def _change(self, measurement: dict[str, Any], time: float) -> bool:
         """Add noise to a measurement, complete its fields, and apply the modifiers; False if one of these has failed.
 
         Args:
-            shown: the previous values of the fields with noise.
+            measurement: the previous values of the fields with noise.
             time: time of the measurement, s.
         """
         sensor = self.sensor
-        passed = 0.0 if self._last is None else time - self._last
+        dt = 0.0 if self._last is None else time - self._last
         self._last = time
         for name, noise in self._noises.items():
-            noise.pass_time(passed)
-            sensor.add_noise(name, noise, shown[name])
+            noise.pass_time(dt)
+            sensor.add_noise(name, noise, measurement[name])
         if sensor._reports:
             sensor.report()
         if sensor._is_checked:

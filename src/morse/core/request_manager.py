@@ -68,10 +68,10 @@ def _accepted_by(callback: Callable[..., Any], name: str) -> Arguments:
     function = callback.__func__ if isinstance(callback, MethodType) else None
     if not isinstance(function, FunctionType):
         return Arguments(callback, name)
-    known = _known_arguments.setdefault(function, {})
-    if name not in known:
-        known[name] = Arguments(callback, name)
-    return known[name]
+    cache = _known_arguments.setdefault(function, {})
+    if name not in cache:
+        cache[name] = Arguments(callback, name)
+    return cache[name]
 
 
 class Journaling(Protocol):
@@ -206,11 +206,11 @@ class RequestManager(ABC):
         return False, request_id
 
     def _unknown(self, component: str, service: str) -> str:
-        known = self.services()
+        services = self.services()
         text = f"The request {short(service)} has not been registered in {self.title}"
-        if component in known:
-            return text + nearest(service, known[component])
-        return f"{text}: there is no component {quoted(component)}{nearest(component, sorted(known))}"
+        if component in services:
+            return text + nearest(service, services[component])
+        return f"{text}: there is no component {quoted(component)}{nearest(component, sorted(services))}"
 
     #: name of this manager in messages to clients
     title = "the service manager"

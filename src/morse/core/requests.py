@@ -97,12 +97,12 @@ def serve(components: Sequence[Any], guard: Guard) -> None:
 
 
 def _serve(components: Iterable[Any]) -> None:
-    waiting: dict[Server, list[Request]] = {}
+    by_server: dict[Server, list[Request]] = {}
     for component in components:
         if component.active:
             for request in component.requests:
-                waiting.setdefault(request.server, []).append(request)
-    for server, requests in waiting.items():
+                by_server.setdefault(request.server, []).append(request)
+    for server, requests in by_server.items():
         server.serve(requests)
 
 

@@ -47,15 +47,15 @@ class Robot(Object):
 
     def moving_parts(self) -> list[MovingPart]:
         """The links of its armatures that no component moves."""
-        found = []
+        parts = []
         components = self.context.components
         for part in (self.bge_object, *self.bge_object.childrenRecursive):
             joints = part.joints() if part.node.bones and part.name not in components else None
             if joints is not None:
                 chain = Chain(part.node.bones)
                 values = partial(joints.positions, chain.names)
-                found += link_parts(part, chain, values, components)
-        return found
+                parts += link_parts(part, chain, values, components)
+        return parts
 
     @property
     def move_status(self) -> str:

@@ -13,7 +13,7 @@ import inspect
 import operator
 import typing
 from types import SimpleNamespace, UnionType
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar, overload
 
 from morse.core import status
 from morse.core.exceptions import MorseServiceAlreadyRunningError
@@ -21,7 +21,6 @@ from morse.core.exceptions import MorseServiceAlreadyRunningError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from morse.core.abstractobject import AbstractObject
 
 _F = TypeVar("_F", bound="Callable[..., Any]")
 
@@ -106,9 +105,20 @@ def noninterruptible(fn: _F) -> _F:
     return fn
 
 
+class _Caller(Protocol):
+    """What the call of an asynchronous service uses of `morse.core.abstractobject.AbstractObject`."""
+
+    on_completion: Callable[[Any], None] | None
+    running_service: str | None
+
+    def name(self) -> str: ...
+
+    def interrupt(self) -> None: ...
+
+
 def _asynchronous(fn: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(fn)
-    def call(self: AbstractObject, callback: Callable[[Any], None] | None, *args: Any, **kwargs: Any) -> Any:
+    def call(self: _Caller, callback: Callable[[Any], None] | None, *args: Any, **kwargs: Any) -> Any:
         if self.on_completion is not None:
             if not getattr(call, "_morse_interruptible", False):
                 raise MorseServiceAlreadyRunningError(
@@ -131,12 +141,12 @@ def _asynchronous(fn: Callable[..., Any]) -> Callable[..., Any]:
 
 def declared_services(cls: type) -> Iterator[ServiceDeclaration]:
     """The services of a class and its bases; a class overrides those of its bases."""
-    seen: set[str] = set()
+    names: set[str] = set()
     for base in cls.__mro__:
         for attribute, member in vars(base).items():
-            if attribute in seen:
+            if attribute in names:
                 continue
-            seen.add(attribute)
+            names.add(attribute)
             declaration = getattr(member, "_morse_service", None)
             if declaration is not None:
                 yield declaration._replace(attribute=attribute)
@@ -152,9 +162,9 @@ def signature_of(method: Callable[..., Any]) -> inspect.Signature:
     if asynchronous:
         del parameters[0]
     ranged = {name: hint for name, hint in hints_of(method).items() if _without_range(hint) is not hint}
-    shown = [p.replace(annotation=_without_range(ranged[p.name])) if p.name in ranged else p for p in parameters]
+    visible = [p.replace(annotation=_without_range(ranged[p.name])) if p.name in ranged else p for p in parameters]
     returns = inspect.Signature.empty if asynchronous else inspect.signature(method).return_annotation
-    return inspect.Signature(shown, return_annotation=returns)
+    return inspect.Signature(visible, return_annotation=returns)
 
 
 def hints_of(method: Callable[..., Any]) -> dict[str, Any]:

@@ -111,17 +111,17 @@ def known_units() -> list[str]:
 
 
 @lru_cache(maxsize=1024)
-def conversion(given: str, wanted: str) -> tuple[float, float]:
+def conversion(source: str, target: str) -> tuple[float, float]:
     """Factor and offset: ``value in wanted = factor * value in given + offset``.
 
     Raises:
         UnitError: the dimensions differ, or a unit is unknown.
     """
-    if given == wanted:
+    if source == target:
         return 1.0, 0.0
-    a, b = unit(given), unit(wanted)
+    a, b = unit(source), unit(target)
     if a.dimension != b.dimension:
-        alike = [name for name in known_units() if unit(name).dimension == b.dimension and name != wanted]
-        known = f"; known: {', '.join(alike)}" if alike else ""
-        raise UnitError(f"{given!r} cannot be converted into {wanted!r}{known}")
+        alike = [name for name in known_units() if unit(name).dimension == b.dimension and name != target]
+        hint = f"; known: {', '.join(alike)}" if alike else ""
+        raise UnitError(f"{source!r} cannot be converted into {target!r}{hint}")
     return a.factor / b.factor, (a.offset - b.offset) / b.factor

@@ -70,9 +70,9 @@ class PhysicsDifferentialRobot(Robot):
         left = rows_of(self.bge_object.world_pose()[1])
         parts = []
         for wheel in self._wheels:
-            turned = rows_of(wheel.object.world_pose()[1])
+            wheel_rotation = rows_of(wheel.object.world_pose()[1])
             # its axle is the Y axis of the robot; because of the rotation of the wheel both have the same coordinates
-            x, y, z = (sum(turned[k][i] * left[k][1] for k in range(3)) for i in range(3))
+            x, y, z = (sum(wheel_rotation[k][i] * left[k][1] for k in range(3)) for i in range(3))
             name = wheel.object.name.rpartition(".")[2]
             parts.append(MovingPart(name, wheel.object, None, (x, y, z), lambda wheel=wheel: wheel.angle))  # type: ignore[misc]
         return parts

@@ -23,12 +23,12 @@ def quaternions_from_rotations(m: Sequence[Column]) -> tuple[Column, ...]:
     """Return w, x, y, z (R,) of `quaternion_from_rotation`, from the nine columns (R,) of the matrices."""
     a, _, _, _, e, _, _, _, i = m
     case = np.select([a + e + i > 0.0, (a >= e) & (a >= i), e >= i], [0, 1, 2], 3)
-    found = np.empty((4, len(a)))
+    quaternions = np.empty((4, len(a)))
     for number, parts_of in enumerate(_CASES):
         rows = np.flatnonzero(case == number)
         if len(rows):
-            found[:, rows] = parts_of(*(column[rows] for column in m))
-    w, x, y, z = found
+            quaternions[:, rows] = parts_of(*(column[rows] for column in m))
+    w, x, y, z = quaternions
     length = np.sqrt(w * w + x * x + y * y + z * z)
     scale = np.copysign(1.0 / np.where(length == 0.0, 1.0, length), w)
     return w * scale, x * scale, y * scale, z * scale

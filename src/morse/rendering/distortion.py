@@ -16,11 +16,10 @@ import numpy as np
 
 from morse.mathutils import portable
 from morse.rendering.lens import Lens
+from morse.rendering.warp import Warp
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from morse.rendering.warp import Warp
 
     Floats = NDArray[np.float64]
 
@@ -133,9 +132,7 @@ class DistortedLens(Lens):
     @cached_property
     def warp(self) -> Warp:
         """The undistorted images from which this image is sampled."""
-        from morse.rendering.warp import Warp
-
-        return Warp(self)
+        return Warp(self, *self.directions)
 
 
 def _of_plumb_bob(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Floats, NDArray[np.bool_]]:

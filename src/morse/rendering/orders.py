@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from morse.kernel.drawing import Kept
 from morse.kernel.drawing.arrays import CAMERA
 from morse.mathutils.portable import matmul
 from morse.rendering.distortion import DistortedLens
@@ -19,23 +18,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.kernel.drawing import Pictures
+    from morse.kernel.drawing import Kept, Pictures
+    from morse.rendering.camera_memory import CameraMemory
     from morse.rendering.lens import Lens
     from morse.rendering.motion import Motion
     from morse.rendering.request import CameraRequest, Placed
-
-
-class Memory:
-    """What is kept of the images of a camera: of each undistorted image, and each band of rows."""
-
-    def __init__(self) -> None:
-        self._kept: list[Kept] = []
-
-    def of(self, first: int, count: int) -> list[Kept]:
-        """Return what is kept of some of the undistorted images, from the number ``first``."""
-        while len(self._kept) < first + count:
-            self._kept.append(Kept())
-        return self._kept[first : first + count]
 
 
 class Order(NamedTuple):
@@ -59,7 +46,7 @@ class Order(NamedTuple):
     position: NDArray[np.float64]
     rotation: NDArray[np.float64]
     velocity: tuple[NDArray[np.float64], NDArray[np.float64]] | None
-    memory: Memory | None = None
+    memory: CameraMemory | None = None
     band: int = 0
 
     def pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

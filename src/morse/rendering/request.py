@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from morse.rendering.orders import Memory
+from morse.rendering.camera_memory import CameraMemory
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -66,7 +66,7 @@ class CameraRequest:
         self.motion: Motion | None = None
         self.beside = False
         self.shot: Shot | None = None
-        self.memory: Memory | None = Memory()
+        self.memory: CameraMemory | None = CameraMemory()
 
     @property
     def picture(self) -> Picture | None:

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.rendering.distortion import DistortedLens
 
 #: number of pixels of undistorted images per pixel of the distorted image
 _DENSITY = 1.25
@@ -80,13 +79,16 @@ class Drawn(NamedTuple):
 class Warp:
     """The undistorted images for the image of a lens.
 
+    Args:
+        lens: a `morse.rendering.distortion.DistortedLens`.
+        directions, shows: its ``directions``.
+
     Attributes:
         flats: one to six, or none if no pixel is valid.
     """
 
-    def __init__(self, lens: DistortedLens) -> None:
+    def __init__(self, lens: Lens, directions: NDArray[np.float64], shows: NDArray[np.bool_]) -> None:
         self._lens = lens
-        directions, shows = lens.directions
         numbers = np.flatnonzero(shows)
         rays = directions.reshape(-1, 3)[numbers]
         if not len(rays) or rays[:, 2].min() > _ONE_IS_ENOUGH:
@@ -128,7 +130,7 @@ class Warp:
         )
 
 
-def _flat(lens: DistortedLens, turn: NDArray[np.float64], pixels: NDArray[np.intp], rays: NDArray[np.float64]) -> Flat:
+def _flat(lens: Lens, turn: NDArray[np.float64], pixels: NDArray[np.intp], rays: NDArray[np.float64]) -> Flat:
     own = matmul(rays, turn)
     x, y = own[:, 0] / own[:, 2], own[:, 1] / own[:, 2]
     low, high = (x.min(), y.min()), (x.max(), y.max())

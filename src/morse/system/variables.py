@@ -55,18 +55,18 @@ def checked_whole(name: str, value: str) -> int:
 
 def word(name: str) -> str:
     """One of the words of a variable; empty if it is not set, or, with a warning, has another value."""
-    value, known = text(name).lower(), _WORDS[name]
-    if not value or value in known:
+    value, words = text(name).lower(), _WORDS[name]
+    if not value or value in words:
         return value
-    logger.warning("%s=%r is none of %s and is ignored", name, value[:60], ", ".join(known))
+    logger.warning("%s=%r is none of %s and is ignored", name, value[:60], ", ".join(words))
     return ""
 
 
 def review() -> None:
     """Warn about variables whose names are misspelt, when a simulation begins."""
-    known = (*_NUMBERS, *_WORDS, *_OTHERS)
+    names = (*_NUMBERS, *_WORDS, *_OTHERS)
     for name in sorted(os.environ):
-        if name.startswith("MORSE_") and name not in known:
-            close = difflib.get_close_matches(name, known, n=1, cutoff=_SIMILAR)
+        if name.startswith("MORSE_") and name not in names:
+            close = difflib.get_close_matches(name, names, n=1, cutoff=_SIMILAR)
             if close:
                 logger.warning("the environment variable %s has no effect; did you mean %s?", name, close[0])

@@ -131,14 +131,14 @@ def _load(
 
 def _in_process(options: tuple[str, ...]) -> dict[str, Any]:
     words = iter(options)
-    found: dict[str, Any] = {}
+    settings: dict[str, Any] = {}
     for word in words:
         name, equals, value = word.partition("=")
         if name not in ("--seed", "--speed"):
             raise ValueError(f"a simulation without sockets takes the options --seed and --speed, not {word!r}")
         value = value if equals else next(words, "")
-        found[name[2:]] = int(value) if name == "--seed" else math.inf if value == "max" else float(value)
-    return found
+        settings[name[2:]] = int(value) if name == "--seed" else math.inf if value == "max" else float(value)
+    return settings
 
 
 class _Errors(logging.Handler):

@@ -26,15 +26,15 @@ def _never() -> bool:
     return False
 
 
-def follow(file: TextIO, ended: Callable[[], bool] = _never) -> Iterator[str]:
+def follow(file: TextIO, has_ended: Callable[[], bool] = _never) -> Iterator[str]:
     """The lines of a file, while they are written.
 
     Args:
-        ended: function that returns whether nothing more will be written; without it, the lines never end.
+        has_ended: function that returns whether nothing more will be written; without it, the lines never end.
     """
     partial = ""
     while True:
-        last = ended()
+        last = has_ended()
         if chunk := file.readline():
             partial += chunk
             if partial.endswith("\n"):
@@ -64,10 +64,10 @@ class LogWatch(threading.Thread):
         tail: the last lines.
     """
 
-    def __init__(self, path: Path, ended: Callable[[], bool], on_error: Callable[[str], None]) -> None:
+    def __init__(self, path: Path, has_ended: Callable[[], bool], on_error: Callable[[str], None]) -> None:
         super().__init__(name=f"log of {path.name}", daemon=True)
         self._path = path
-        self._ended = ended
+        self._ended = has_ended
         self._on_error = on_error
         self._change = threading.Condition()
         self.pid: int | None = None
@@ -99,9 +99,9 @@ class LogWatch(threading.Thread):
             is_error = self.error is None and _ERROR.match(line) is not None
             if is_error:
                 self.error = line
-            running = self.initialized
+            is_running = self.initialized
             self._change.notify_all()
-        if is_error and running:
+        if is_error and is_running:
             self._on_error(line)
 
     def wait(self, condition: Callable[[], bool], timeout: float) -> bool:
@@ -109,10 +109,10 @@ class LogWatch(threading.Thread):
         deadline = time.monotonic() + timeout
         with self._change:
             while not condition() and not self.over:
-                left = deadline - time.monotonic()
-                if left <= 0:
+                remaining = deadline - time.monotonic()
+                if remaining <= 0:
                     break
-                self._change.wait(min(left, 0.5))
+                self._change.wait(min(remaining, 0.5))
             return condition()
 
     def excerpt(self) -> str:

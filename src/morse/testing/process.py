@@ -116,9 +116,9 @@ class SimulationProcess:
         Raises:
             MorseTestingError: the simulation had to be killed, or failed.
         """
-        asked = self._process.poll() is not None or self._ask_to_quit()
+        is_asked = self._process.poll() is not None or self._ask_to_quit()
         # a simulation that is ending may not respond
-        self.watch.join(_END_TIMEOUT if asked else _KILL_TIMEOUT)
+        self.watch.join(_END_TIMEOUT if is_asked else _KILL_TIMEOUT)
         if self._process.poll() is None:
             self.kill()
             raise self._failure("the simulation did not end when requested, and was killed")
@@ -157,14 +157,14 @@ def _morse() -> list[str]:
     return [sys.executable, "-c", "from morse.cli import main; main()"]
 
 
-def preferred_port(wanted: int) -> int:
-    """Return ``wanted`` if no server listens on it, otherwise 0 for any free port."""
+def preferred_port(port: int) -> int:
+    """Return ``port`` if no server listens on it, otherwise 0 for any free port."""
     with socket.socket() as probe:
         if os.name == "posix":
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            probe.bind(("127.0.0.1", wanted))
+            probe.bind(("127.0.0.1", port))
             probe.listen()
         except OSError:
             return 0
-    return wanted
+    return port

@@ -90,9 +90,9 @@ class MorseTestCase(unittest.TestCase):
         script = Path(directory.name) / "scene"
         script.write_text(scene, encoding="utf-8")
         testlogger.info("%s: starting a simulation (%s)", self.id(), self.time_mode)
-        wanted = int(self._previous_port) if self._previous_port else preferred_port(PORTS[0])
+        port = int(self._previous_port) if self._previous_port else preferred_port(PORTS[0])
         log = Path(f"{type(self).__name__}.log")
-        self.simulation = SimulationProcess(script, log, port=wanted, on_error=self._on_error)
+        self.simulation = SimulationProcess(script, log, port=port, on_error=self._on_error)
         try:
             self.wait_initialization()
         except BaseException:
@@ -159,12 +159,12 @@ class MorseMoveTestCase(MorseTestCase):
             precision: the largest difference, m and rad.
         """
         pose = simu.robot.pose.get()
-        for name, expected in zip(("x", "y", "z", "yaw", "pitch", "roll"), expected_pose, strict=True):
-            difference = pose[name] - expected
+        for name, value in zip(("x", "y", "z", "yaw", "pitch", "roll"), expected_pose, strict=True):
+            difference = pose[name] - value
             if name in ("yaw", "pitch", "roll"):
                 difference = math.remainder(difference, 2.0 * math.pi)
             if not abs(difference) <= precision:
-                self.fail(f"{name} is {pose[name]:g}, expected {expected:g} within {precision:g}; the pose is {pose}")
+                self.fail(f"{name} is {pose[name]:g}, expected {value:g} within {precision:g}; the pose is {pose}")
 
     def assertAlmostEqualPositionThenFix(  # noqa: N802
         self, simu: Morse, expected_pose: Sequence[float], precision: float

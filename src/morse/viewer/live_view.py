@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 from morse.core.observer import Observer
 from morse.viewer import page_messages as page
 from morse.viewer.describe import describe_light
+from morse.viewer.display import has_display
 from morse.viewer.feeds.clouds import ViewClouds
 from morse.viewer.feeds.debug_properties import ViewDebug
 from morse.viewer.feeds.frustums import ViewFrustums
@@ -28,7 +29,6 @@ from morse.viewer.inputs.history import Rewinder
 from morse.viewer.inputs.moving import Moving
 from morse.viewer.inputs.service_calls import ServiceCalls
 from morse.viewer.notebook import Frame, frame
-from morse.viewer.opening import has_display
 from morse.viewer.requests import PageLeft
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import MovingNode, Snapshot

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -25,8 +23,3 @@ def open_view(simulation: Simulation) -> View | StudioView:
     from morse.viewer.live_view import View
 
     return View(simulation)
-
-
-def has_display() -> bool:
-    """Whether a browser window can be opened here."""
-    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

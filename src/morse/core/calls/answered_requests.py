@@ -29,34 +29,34 @@ class AnsweredRequests(RequestManager):
         self._complaints = Complaints(logging.getLogger(type(self).__module__))
 
     def call(
-        self, component: str, service: str, arguments: list[Any], ended: Callable[[Outcome], object]
+        self, component: str, service: str, arguments: list[Any], on_end: Callable[[Outcome], object]
     ) -> uuid.UUID | None:
         """Call a service of this manager.
 
         Args:
-            ended: called with status and result, in this tick or in a later one.
+            on_end: called with status and result, in this tick or in a later one.
 
         Returns:
             The call, if it is asynchronous.
         """
         if len(self._ends) >= MOST_ACTIVE:
-            ended((FAILED, f"{MOST_ACTIVE} calls are active: wait until they end"))
+            on_end((FAILED, f"{MOST_ACTIVE} calls are active: wait until they end"))
             return None
         try:
-            done, outcome = self.on_incoming_request(component, service, arguments)
+            is_complete, outcome = self.on_incoming_request(component, service, arguments)
         except MorseError as error:
-            ended((FAILED, str(error)))
+            on_end((FAILED, str(error)))
         except Exception as error:  # the service may be user code
-            ended((FAILED, self._complaints.service_failed(f"the service {service} of {component}", error)))
+            on_end((FAILED, self._complaints.service_failed(f"the service {service} of {component}", error)))
         else:
-            if not done:
-                self._ends[outcome] = ended
+            if not is_complete:
+                self._ends[outcome] = on_end
                 return outcome  # type: ignore[no-any-return]
-            ended(outcome)
+            on_end(outcome)
         return None
 
     def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
         """See `RequestManager.on_service_completion`."""
-        ended = self._ends.pop(request_id, None)
-        if ended is not None:
-            ended(result)
+        on_end = self._ends.pop(request_id, None)
+        if on_end is not None:
+            on_end(result)

@@ -27,7 +27,7 @@ def of_joints(names: Sequence[str], actual: Sequence[float], desired: Sequence[f
         actual: joint values, rad or m.
         desired: setpoints, rad or m.
     """
-    error = [wanted - value for wanted, value in zip(desired, actual, strict=True)]
+    error = [goal - value for goal, value in zip(desired, actual, strict=True)]
     return {
         "joint_names": list(names),
         "desired": {"positions": list(desired)},

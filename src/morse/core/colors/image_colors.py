@@ -32,16 +32,16 @@ class Levels(NamedTuple):
 
 def depth_levels(image: NDArray[Any]) -> Levels:
     """Depths (H, W) as grey values from 255, the smallest, to `FARTHEST_LEVEL`; 0 for depths that are not finite."""
-    known = np.isfinite(image)
-    if not known.any():
+    is_finite = np.isfinite(image)
+    if not is_finite.any():
         return Levels(np.zeros(image.shape, np.uint8), 0.0, 0.0)
-    values = np.where(known, image, 0).astype(np.float32)
-    low = float(values.min(initial=math.inf, where=known))
-    high = float(values.max(initial=-math.inf, where=known))
+    values = np.where(is_finite, image, 0).astype(np.float32)
+    low = float(values.min(initial=math.inf, where=is_finite))
+    high = float(values.max(initial=-math.inf, where=is_finite))
     steps = 255 - FARTHEST_LEVEL
     share = (values - np.float32(low)) * np.float32(steps / (high - low) if high > low else 0.0)
     grey = 255 - np.clip(share + np.float32(0.5), 0, steps).astype(np.uint8)
-    grey[~known] = 0
+    grey[~is_finite] = 0
     return Levels(grey, low, high)
 
 
@@ -82,8 +82,8 @@ def as_coordinates(normals: NDArray[Any]) -> NDArray[np.uint8]:
 
 def as_heat(image: NDArray[Any]) -> NDArray[np.uint8]:
     """Colours of temperatures (H, W) from dark, cold, to bright, hot, as pages show them."""
-    known = image[np.isfinite(image)]
-    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+    finite_values = image[np.isfinite(image)]
+    low, high = (float(finite_values.min()), float(finite_values.max())) if finite_values.size else (0.0, 0.0)
     share = (np.nan_to_num(image, nan=low, posinf=high, neginf=low) - low) / max(high - low, 1e-9)
     steps = np.linspace(0.0, 1.0, len(_HEAT))
     return np.stack([np.interp(share, steps, channel) for channel in np.transpose(_HEAT)], axis=-1).astype(np.uint8)

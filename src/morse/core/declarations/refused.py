@@ -13,7 +13,7 @@ from morse.core.units import unit as known_unit
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from morse.core.declarations.fields import DataField, Option, Property, StateVariable
+    from morse.core.declarations.fields import DataField, OptionFields, Property, StateVariable
 
 #: the frames of fields
 FRAMES: dict[str, str] = {
@@ -116,7 +116,7 @@ def check_state(variable: StateVariable) -> None:
     _check_unit(variable.unit)
 
 
-def check_option(option: Option) -> None:
+def check_option(option: OptionFields) -> None:
     """Raise an error for an invalid option.
 
     Raises:
@@ -128,7 +128,7 @@ def check_option(option: Option) -> None:
     _check_parameter(option)
 
 
-def _check_parameter(parameter: Property | Option) -> None:
+def _check_parameter(parameter: Property | OptionFields) -> None:
     _check_unit(parameter.unit)
     _check_range(parameter.low, parameter.high)
     _check_allow(parameter.allow)

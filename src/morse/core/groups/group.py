@@ -233,25 +233,25 @@ class Group:
         """
         attributes, datas = self._attributes, self._datas
         size, taken = sum(map(len, attributes)), 0
-        held: list[int] = []
+        columns_held: list[int] = []
         counts = list(map(sys.getrefcount, datas)) if _UNHELD >= 0 else []
         if not counts or max(counts) > _UNHELD:
             for row, count in enumerate(counts or [1 + _UNHELD] * len(datas)):
                 if count > _UNHELD:
-                    held.append(row)
+                    columns_held.append(row)
                     if attributes[row].get("local_data") is datas[row]:
                         del attributes[row]["local_data"]
                         taken += 1
             if counts:
                 counts = list(map(sys.getrefcount, datas))
-                held = [row for row in held if counts[row] > _UNHELD]
+                columns_held = [row for row in columns_held if counts[row] > _UNHELD]
         # compares the numbers of attributes of the members, without their data
         self.is_changed |= size - taken != self._size - len(datas)
         self._before = (self._written, self._time, self.poses, self.stamp)
         self._written, self._time, self.poses = [], self.context.clock.time, GroupPoses(self._snapshots.now())
         self._immediate = []
         self.stamp += 1
-        return held
+        return columns_held
 
     def undo(self) -> None:
         """Cancel a measurement: all members keep the data of the previous measurement."""

@@ -35,16 +35,16 @@ class GroupPoses:
 
     def transformation(self, row: int) -> Transformation3d:
         """Return the pose of a member."""
-        made = Transformation3d()
-        made.set_pose(*self.snapshot.pose(row))
-        return made
+        transformation = Transformation3d()
+        transformation.set_pose(*self.snapshot.pose(row))
+        return transformation
 
     def positions(self) -> NDArray[Any]:
         """Positions (N, 3), m."""
-        found: NDArray[Any] = self.snapshot.positions()
-        return found
+        positions: NDArray[Any] = self.snapshot.positions()
+        return positions
 
     def rotations(self) -> NDArray[Any]:
         """Rotations (N, 3, 3) from the axes of each member to those of the world."""
-        found: NDArray[Any] = self.snapshot.rotations()
-        return found
+        rotations: NDArray[Any] = self.snapshot.rotations()
+        return rotations

@@ -40,14 +40,14 @@ def hidden_methods(component: Any) -> list[tuple[str, bool]]:
         so that older components may use their names.
     """
     cls = type(component)
-    found = []
+    names = []
     for name, value in _hidden(component):
         what = f"{name}() is a method of all components" if name in _METHODS else f"the simulation needs .{name}"
         text = (
             f"{cls.__name__} has the attribute {name!r} ({type(value).__name__}), but {what}: rename it, e.g. my_{name}"
         )
-        found.append((text, name in _ESSENTIAL))
-    return found
+        names.append((text, name in _ESSENTIAL))
+    return names
 
 
 def uncover(component: Any) -> list[str]:
@@ -61,15 +61,15 @@ def uncover(component: Any) -> list[str]:
 
 def _hidden(component: Any) -> Iterator[tuple[str, Any]]:
     own = vars(component)
-    seen = set()
+    visited = set()
     for base in type(component).__mro__:
         if base.__module__.startswith("morse."):
             break
         for name in sorted(vars(base).keys() & _METHODS):
             value = vars(base)[name]
-            if name not in own and name not in seen and not (callable(value) or hasattr(value, "__func__")):
+            if name not in own and name not in visited and not (callable(value) or hasattr(value, "__func__")):
                 yield name, value
-            seen.add(name)
+            visited.add(name)
     for name in sorted(own.keys() & _METHODS):
         if not callable(own[name]):
             yield name, own[name]

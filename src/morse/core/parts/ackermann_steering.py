@@ -91,10 +91,10 @@ class AckermannSteering:
             # all wheels turn about one point on the line of the rear axle
             own = math.atan2(self.wheelbase * tangent, self.wheelbase - left * tangent)
             position, now = wheel.local_pose()
-            turned = _turned(own, rest)
-            if abs(turned[0] - now[0]) + abs(turned[3] - now[3]) < _FINE:
+            rotation = _turned(own, rest)
+            if abs(rotation[0] - now[0]) + abs(rotation[3] - now[3]) < _FINE:
                 return
-            wheel.set_local_pose(position, turned)
+            wheel.set_local_pose(position, rotation)
 
 
 def _spread(values: Sequence[float]) -> float:

@@ -45,7 +45,7 @@ def link_parts(
     links = list(_links(armature, chain, components))
     frames = chain.frames(chain.start)
     moving = [index for index, bone in enumerate(chain.linked) if bone.kind.has_value]
-    found: list[MovingPart] = []
+    parts: list[MovingPart] = []
     first: dict[int, Any] = {}
     for link in links:
         above, path = link.bone, []
@@ -59,10 +59,10 @@ def link_parts(
         if len(joints) != 1 or chain.bones[joints[0]].kind.is_loose:
             kind = FLOATING if joints else FIXED
             joint = chain.bones[path[0]].name if path and len(joints) < 2 else f"{name}_{kind}"
-            found.append(MovingPart(joint, link.object, parent, (1.0, 0.0, 0.0), float, kind, frame=name))
+            parts.append(MovingPart(joint, link.object, parent, (1.0, 0.0, 0.0), float, kind, frame=name))
             continue
-        found.append(_moved(armature, link, parent, joints[0], chain, frames, moving.index(joints[0]), values))
-    return found
+        parts.append(_moved(armature, link, parent, joints[0], chain, frames, moving.index(joints[0]), values))
+    return parts
 
 
 def _links(armature: Any, chain: Chain, components: Container[str]) -> Iterator[_Link]:
@@ -92,10 +92,10 @@ def _moved(
     values: Callable[[], Sequence[float]],
 ) -> MovingPart:
     """The part that one joint moves."""
-    bone, (anchor, turned) = chain.bones[index], frames[index]
+    bone, (anchor, bone_rotation) = chain.bones[index], frames[index]
     # computed at the joint values of the file, because an object does not move relative to its bone
     place, rotation = _at_start(link, armature)
-    axis = turn_back(rotation, (turned[bone.axis], turned[bone.axis + 3], turned[bone.axis + 6]))
+    axis = turn_back(rotation, (bone_rotation[bone.axis], bone_rotation[bone.axis + 3], bone_rotation[bone.axis + 6]))
     away = turn_back(rotation, tuple(a - b for a, b in zip(anchor, place, strict=True)))
     along = sum(a * b for a, b in zip(away, axis, strict=True))
     slides = bone.kind is JointKind.PRISMATIC

@@ -21,13 +21,13 @@ def left_out(cls: Any) -> frozenset[str]:
     Classes of MORSE declare their state (`add_state`, `add_property`): everything else that they assign follows from
     the scene. Classes of users name in ``not_state`` what does not belong to their state.
     """
-    named = {name for base in cls.__mro__ for name in vars(base).get("not_state", ())}
+    names = {name for base in cls.__mro__ for name in vars(base).get("not_state", ())}
     ours = [base for base in cls.__mro__ if is_of_morse(base)]
     if not any("_state_variables" in vars(base) for base in ours):
-        return frozenset(named)
+        return frozenset(names)
     assigned = set().union(*(assigned_by(base) for base in ours))
     users = set().union(*(assigned_by(base) for base in cls.__mro__ if base not in ours))
-    return frozenset(named | (assigned - users - state_variables(cls).keys() - properties(cls).keys()))
+    return frozenset(names | (assigned - users - state_variables(cls).keys() - properties(cls).keys()))
 
 
 def state_of(owner: Any) -> dict[str, Any]:
@@ -58,13 +58,13 @@ def replace(owner: Any, present: Iterable[str], state: Mapping[str, Any]) -> Non
     Raises:
         StateError: an attribute is not part of a state, or would hide a method.
     """
-    attributes, declared = vars(owner), state_variables(type(owner))
+    attributes, variables = vars(owner), state_variables(type(owner))
     for name, value in state.items():
         check_name(type(owner), name)
         hides = name not in attributes and callable(getattr(type(owner), name, None))
         if hides and getattr(value, "__self__", None) is not owner:
             raise StateError(f"'{name}' is a method of the class {type(owner).__name__}")
-        variable = declared.get(name)
+        variable = variables.get(name)
         if variable is not None and not variable.accepts(value):
             raise StateError(f"'{name}' is {word_of(value)}, and its type is {variable.type_name}")
     for name in [name for name in present if name not in state]:

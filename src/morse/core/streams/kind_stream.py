@@ -83,10 +83,10 @@ class KindStream(AbstractDatastream):
         if encode is not None:
             yield self.kinds[0], lambda stream, message: encode()
             return
-        for bound in self.kinds:
-            form = self.manager.mapping(bound.kind.name)
+        for entry in self.kinds:
+            form = self.manager.mapping(entry.kind.name)
             if form is not None:
-                yield bound, form
+                yield entry, form
 
     def own_form(self) -> Callable[[], Any] | None:
         """Return the method of a class with a form of its own; None if the manager gives messages their form."""
@@ -96,9 +96,9 @@ class KindStream(AbstractDatastream):
         """Publish the messages; or read what has arrived and return True if there was a command."""
         if self._commands is None:
             manager = self.manager
-            for bound, form in self._forms:
-                if manager.wanted(self, bound.topic) and not bound.is_silent:
-                    payload = form(self, bound.gather())
+            for entry, form in self._forms:
+                if manager.wanted(self, entry.topic) and not entry.is_silent:
+                    payload = form(self, entry.gather())
                     if payload is not None:
                         manager.send(self, payload)
             return False
@@ -143,19 +143,19 @@ class KindStream(AbstractDatastream):
         if general is None:
             return data  # type: ignore[no-any-return] # validated like all fields
         commands = []
-        for bound in self.kinds:
-            form = self.manager.mapping(bound.kind.name, IN)
-            values = form(self, bound, data) if form is not None else None
+        for entry in self.kinds:
+            form = self.manager.mapping(entry.kind.name, IN)
+            values = form(self, entry, data) if form is not None else None
             if values is not None and form == general:
                 commands.append(values)
             elif values:
-                commands.append(self._scattered(bound, values))
+                commands.append(self._scattered(entry, values))
         if len(commands) < 2:
             return commands[0] if commands else None
         return {name: value for command in commands for name, value in command.items()}
 
-    def _scattered(self, bound: BoundKind, slots: Mapping[str, Any], frame: str = "") -> dict[str, Any]:
-        fields, remark = bound.scatter(slots, frame)
+    def _scattered(self, entry: BoundKind, slots: Mapping[str, Any], frame: str = "") -> dict[str, Any]:
+        fields, remark = entry.scatter(slots, frame)
         if remark is not None:
             self.complain(remark, remark)
         return fields

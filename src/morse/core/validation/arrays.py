@@ -9,7 +9,7 @@ from morse.core.validation.plain import check_plain
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.core.validation.spec import Spec
+    from numpy.typing import NDArray
 
 
 def shape_text(shape: tuple[int | None, ...]) -> str:
@@ -19,18 +19,26 @@ def shape_text(shape: tuple[int | None, ...]) -> str:
     return " x ".join("N" if size is None else str(size) for size in shape) + " numbers"
 
 
-def array_check(spec: Spec, shape: tuple[int | None, ...], item: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def array_check(
+    shape: tuple[int | None, ...],
+    dtype: str,
+    item: Callable[[Any], Any],
+    in_range: Callable[[NDArray[Any]], bool],
+    range_text: str,
+) -> Callable[[Any], Any]:
     """Return a check for lists or arrays of exactly that shape.
 
     Args:
+        dtype: numpy dtype of the array into which the value is converted; empty for a list.
         item: check of a single number.
+        in_range: check of all numbers of an array.
+        range_text: the range, for messages.
     """
-    dtype = spec.dtype
-    expectation = f"{'an array' if dtype else 'a list'} of {shape_text(shape)}{spec.range_text()}"
+    expectation = f"{'an array' if dtype else 'a list'} of {shape_text(shape)}{range_text}"
 
     def check(value: Any) -> Any:
         if hasattr(value, "dtype"):
-            if not _fits(value, spec, shape):
+            if not (_has_shape(value, shape) and in_range(value)):
                 raise ValueError(expectation)
             return _as_array(value, shape, dtype, expectation) if dtype else value.tolist()
         if not isinstance(value, (list, tuple)):
@@ -44,24 +52,12 @@ def array_check(spec: Spec, shape: tuple[int | None, ...], item: Callable[[Any],
     return check
 
 
-def _fits(array: Any, spec: Spec, shape: tuple[int | None, ...]) -> bool:
-    import numpy as np
-
-    if array.dtype.kind not in "iuf" or array.ndim != len(shape):
-        return False
-    if any(
-        expected_size is not None and expected_size != size
-        for expected_size, size in zip(shape, array.shape, strict=True)
-    ):
-        return False
-    fine = np.isfinite(array)
-    if spec.low is not None:
-        fine &= array >= spec.low
-    if spec.high is not None:
-        fine &= array <= spec.high
-    for name in spec.allow - {"none"}:
-        fine |= np.isnan(array) if name == "nan" else array == float(name)
-    return bool(fine.all())
+def _has_shape(array: NDArray[Any], shape: tuple[int | None, ...]) -> bool:
+    return (
+        array.dtype.kind in "iuf"
+        and array.ndim == len(shape)
+        and all(length is None or length == size for length, size in zip(shape, array.shape, strict=True))
+    )
 
 
 def _listed(value: Any, expectation: str) -> list[Any]:

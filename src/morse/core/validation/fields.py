@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.validation.spec import Spec
 
 if TYPE_CHECKING:
-    from morse.core.declarations.fields import DataField, Option, Property
+    from morse.core.declarations.fields import DataField, OptionFields, Property
 
 _TYPE_KINDS: dict[Any, str] = {
     float: "number", int: "integer", bool: "boolean", str: "string", list: "list", tuple: "list", dict: "dict",
@@ -55,7 +55,7 @@ def spec_of_property(prop: Property, *, script: bool = False) -> Spec:
     return like._replace(low=prop.low, high=prop.high, choices=prop.choices, unit=prop.unit, allow=allow)
 
 
-def spec_of_option(option: Option) -> Spec:
+def spec_of_option(option: OptionFields) -> Spec:
     """Return the spec of an option of a script; an option with several types accepts any value of these types."""
     kind = _TYPE_KINDS.get(option.type, "any") if option.shape is None else "list"
     allow = frozenset(option.allow) | _occurring(option.default)

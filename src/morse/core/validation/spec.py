@@ -13,6 +13,8 @@ from morse.core.validation.plain import check_plain, check_text
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
 #: the largest finite number
 LARGEST = sys.float_info.max
 _INTEGER = 2**63
@@ -63,6 +65,19 @@ class Spec(NamedTuple):
         if self.low is not None:
             return f" from {_brief(self.low)}{unit} upward"
         return "" if self.high is None else f" up to {_brief(self.high)}{unit}"
+
+    def is_in_range(self, array: NDArray[Any]) -> bool:
+        """Whether all numbers of an array are in the range, or special values that are accepted."""
+        import numpy as np
+
+        fine = np.isfinite(array)
+        if self.low is not None:
+            fine &= array >= self.low
+        if self.high is not None:
+            fine &= array <= self.high
+        for name in self.allow - {"none"}:
+            fine |= np.isnan(array) if name == "nan" else array == float(name)
+        return bool(fine.all())
 
 
 def _brief(limit: float) -> str:
@@ -182,7 +197,7 @@ def _any(spec: Spec) -> Callable[[Any], Any]:
 def _list(spec: Spec) -> Callable[[Any], Any]:
     item = _number(spec._replace(shape=None, allow=spec.allow - {"none"}))
     if spec.shape is not None:
-        return array_check(spec, spec.shape, item)
+        return array_check(spec.shape, spec.dtype, item, spec.is_in_range, spec.range_text())
     return list_check(spec.least, item, spec.allow, spec.range_text())
 
 

@@ -5,7 +5,7 @@
 
 from morse.core.world.body import Bodies, Body, Pose
 from morse.core.world.body_names import BodyNames
-from morse.core.world.joints import Joints, Wheel
+from morse.core.world.joints import Joints
 from morse.core.world.linkage import Hanging, Linkage
 from morse.core.world.poses import WorldPoses
 from morse.core.world.rays import RayBundle, Rays

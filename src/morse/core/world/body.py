@@ -1,4 +1,4 @@
-"""A body of the world, as components see it."""
+"""The bodies and the wheels of the world, as components see them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from morse.core.world.body_names import BodyNames
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from morse.core.world.joints import Joints, Wheel
+    from morse.core.world.joints import Joints
     from morse.mathutils import Vector
     from morse.scene import Node
 
@@ -233,3 +233,34 @@ class Body(BodyNames, Protocol):
 
     def setVisible(self, visible: bool, recursive: bool = False) -> None:  # noqa: N802
         """Show or hide the object."""
+
+
+class Wheel(Protocol):
+    """A driven wheel of a robot.
+
+    Attributes:
+        radius: m.
+        offset_y: distance to the left of the centre of the robot, m.
+    """
+
+    @property
+    def object(self) -> Body:
+        """The body of the wheel."""
+
+    radius: float
+    offset_y: float
+
+    def set_speed(self, speed: float) -> None:
+        """Set the speed of the motor, rad/s; positive drives forward. Larger values are limited to the maximum speed.
+
+        Raises:
+            ValueError: the value is not a number.
+        """
+
+    @property
+    def angle(self) -> float:
+        """Angle since the start, rad."""
+
+    @property
+    def speed(self) -> float:
+        """Angular speed, rad/s."""

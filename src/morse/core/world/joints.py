@@ -1,4 +1,4 @@
-"""Joints and wheels that the physics moves, as components see them."""
+"""Joints that the physics moves, as components see them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from morse.core.world.body import Body
     from morse.scene import Control
     from morse.scene.couplings import TendonMotor
 
@@ -59,34 +58,3 @@ class Joints(Protocol):
 
     def efforts(self, names: Sequence[str]) -> list[float]:
         """Return the efforts that the motors exert."""
-
-
-class Wheel(Protocol):
-    """A driven wheel of a robot.
-
-    Attributes:
-        radius: m.
-        offset_y: distance to the left of the centre of the robot, m.
-    """
-
-    @property
-    def object(self) -> Body:
-        """The body of the wheel."""
-
-    radius: float
-    offset_y: float
-
-    def set_speed(self, speed: float) -> None:
-        """Set the speed of the motor, rad/s; positive drives forward. Larger values are limited to the maximum speed.
-
-        Raises:
-            ValueError: the value is not a number.
-        """
-
-    @property
-    def angle(self) -> float:
-        """Angle since the start, rad."""
-
-    @property
-    def speed(self) -> float:
-        """Angular speed, rad/s."""

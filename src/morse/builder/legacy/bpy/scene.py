@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder import bpymorse, workspace
 from morse.builder.errors import checks
+from morse.builder.legacy.bpy.objects import Objects
 from morse.builder.legacy.bpy.viewpoint import Viewpoint
 from morse.builder.legacy.ignored import Facade
 from morse.builder.legacy.notices import notice
@@ -15,7 +16,6 @@ from morse.scene import Mist
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.builder.legacy.bpy.data import Objects
     from morse.scene import Settings
 
 
@@ -34,8 +34,6 @@ class Scene(Facade):
     @property
     def objects(self) -> Objects:
         """All objects."""
-        from morse.builder.legacy.bpy.data import Objects
-
         return Objects()
 
     @property
