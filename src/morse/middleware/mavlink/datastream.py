@@ -71,6 +71,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         stream = super().make_stream(component, declaration)
         robot = component.robot_parent or component
         device = stream.kwargs["device"] or self.options["device"]
+        stream.axes, stream.other_north = self.axes, self._other_north()
         stream.vehicle = self._vehicle(robot.name(), device, stream.kwargs["system_id"])
         return stream
 
@@ -108,25 +109,19 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         used = {id(one.vehicle) for streams in self.streams.values() for one in streams}
         self._vehicles = {key: one for key, one in self._vehicles.items() if id(one) in used}
 
-    def check_north(self, stream: MavlinkStream) -> None:
-        """Refuse a component whose direction of north differs from that of the link.
-
-        Raises:
-            MorseMiddlewareError: with the line to write.
-        """
+    def _other_north(self) -> str:
+        """In what the direction of north in the scene differs from that of the links; empty if it does not."""
         angle = angle_against_north(self.context.scene.properties)
         world = self.options["world"]
         if abs(math.remainder(angle - _X_AXIS[world], math.tau)) < 1e-6:
-            return
+            return ""
         other = next((name for name, x in _X_AXIS.items() if abs(math.remainder(angle - x, math.tau)) < 1e-6), None)
         mend = (
             f"say env.configure_stream_manager('mavlink', world='{other}')"
             if other is not None
             else f"say env.properties(angle_against_north={_X_AXIS[world]:.6g})"
         )
-        raise MorseMiddlewareError(
-            f"mavlink: {stream.component_name} finds north at another place than the link with world='{world}'; {mend}"
-        )
+        return f"finds north at another place than the link with world='{world}'; {mend}"
 
     # -- the tick ----------------------------------------------------------------------------
 

@@ -9,9 +9,10 @@ from morse.core.streams.kind_stream import KindStream
 from morse.middleware.mavlink.mapping import STREAM_OPTIONS
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from morse.core.kinds import BoundKind
     from morse.middleware.mavlink.axes import Axes
-    from morse.middleware.mavlink.datastream import MavlinkDatastreamManager
     from morse.middleware.mavlink.vehicle import Vehicle
 
 #: frames of positions without a MAVLink message
@@ -23,11 +24,14 @@ class MavlinkStream(KindStream):
 
     Attributes:
         vehicle: the vehicle of the robot; set before `initialize`.
+        axes: conversions of the frames ``world``, ``nwu``, ``enu`` and ``ned``; set before `initialize`.
+        other_north: why components that find north do not fit to the link, for messages; empty if they do.
     """
 
     options = STREAM_OPTIONS
-    manager: MavlinkDatastreamManager
     vehicle: Vehicle
+    axes: Mapping[str, Axes]
+    other_north: str
 
     def initialize(self) -> None:
         """Determine the message kinds of the component.
@@ -41,13 +45,12 @@ class MavlinkStream(KindStream):
                 raise MorseMiddlewareError(
                     f"mavlink: {self.component_name} is in the frame '{bound.frame}', for which MAVLink has no message"
                 )
-            if bound.kind.name in ("fix", "magnetic_field"):
-                self.manager.check_north(self)
+            if bound.kind.name in ("fix", "magnetic_field") and self.other_north:
+                raise MorseMiddlewareError(f"mavlink: {self.component_name} {self.other_north}")
 
     def axes_of(self, frame: str) -> Axes:
         """The conversion for a frame of MORSE."""
-        known: Axes = self.manager.axes[frame if frame in ("ned", "enu") else "world"]
-        return known
+        return self.axes[frame if frame in ("ned", "enu") else "world"]
 
     def number(self, bound: BoundKind) -> int:
         """The id of the component on its vehicle, 0..255."""
