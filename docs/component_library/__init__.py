@@ -17,6 +17,7 @@ from component_library import (
     middleware_page,
     model_pages,
     modifier_page,
+    pictures,
     robot_pages,
     service_pages,
     world_page,
@@ -60,7 +61,19 @@ def write(folder: Path) -> list[Path]:
     return [folder / f"{name}.md" for name in pages]
 
 
+def without_picture() -> list[str]:
+    """The components and robots for which no picture has been taken yet."""
+    names = (name.rpartition("/") for name in page_names())
+    return [name for kind, _, name in names if kind in index_page.KINDS and name != "index" and not pictures.of(name)]
+
+
+def _build(app: Sphinx) -> None:
+    write(Path(app.srcdir) / FOLDER)
+    if missing := without_picture():
+        print(f"no picture of {', '.join(missing)}: `python -m tools` takes one")
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register with Sphinx."""
-    app.connect("builder-inited", lambda app: write(Path(app.srcdir) / FOLDER))
+    app.connect("builder-inited", _build)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,4 +1,4 @@
-"""The pictures on the pages of components; ``tools/gallery/components.py`` creates them by running the examples."""
+"""The pictures on the pages of components; ``python -m tools`` creates them by running the examples."""
 
 from __future__ import annotations
 

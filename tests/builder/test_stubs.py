@@ -64,7 +64,7 @@ def mypy(folder: Path, *files: str) -> str:
 def test_stubs_are_what_the_declarations_say(tool: ModuleType) -> None:
     for name, text in tool.stubs().items():
         written = (tool.FOLDER / name).read_text(encoding="utf-8")
-        assert written == text, f"{name} is out of date: run python tools/stubs/builder_stubs.py"
+        assert written == text, f"{name} is out of date: run `python -m tools stubs`"
 
 
 def test_the_stub_has_every_name_of_the_star_import(tool: ModuleType) -> None:

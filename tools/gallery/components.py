@@ -1,4 +1,4 @@
-"""Creates the pictures of the component library: ``python tools/gallery/components.py [NAME...]``.
+"""Creates the pictures of the component library: ``python -m tools pictures [NAME...]``.
 
 The example on the page of each component is run in this process. Views of the scene, camera images, and plots of sensor
 data are stored in ``docs/pictures/library``; the pages show the existing files.
@@ -191,8 +191,9 @@ def _numbers(data: dict[str, Any]) -> dict[str, float]:
     return found
 
 
-def main(names: list[str]) -> None:
-    """Create the pictures of these components, or of all."""
+def main(names: list[str]) -> int:
+    """Create the pictures of these components, or those that are missing; return 1 if an example cannot run."""
+    failed = 0
     pages = {
         **component_library.component_pages.pages("sensors"),
         **component_library.component_pages.pages("actuators"),
@@ -200,13 +201,11 @@ def main(names: list[str]) -> None:
     }
     for page, text in pages.items():
         name = page.rpartition("/")[2]
-        if names and name not in names:
+        if name not in names if names else component_library.pictures.of(name) or name == "index":
             continue
         try:
             print(*(path.name for path in take(f"/{page}", text)))
         except Exception as error:
-            print(f"{page}: {type(error).__name__}: {error}")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+            print(f"{page}: {type(error).__name__}: {error}", file=sys.stderr)
+            failed = 1
+    return failed

@@ -1,6 +1,6 @@
 """Writes the stubs of `morse.builder`: declarations of the derived classes for editors and type checkers.
 
-Usage: python tools/stubs/builder_stubs.py
+Usage: python -m tools stubs
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 FOLDER = Path(__file__).resolve().parents[2] / "src" / "morse" / "builder"
-HEADER = "# Written by tools/stubs/builder_stubs.py from what the components declare: do not edit.\n"
+HEADER = "# Written by `python -m tools` from what the components declare: do not edit.\n"
 
 #: types of declarations; properties of other types accept any value
 TYPES = {
@@ -109,7 +109,8 @@ def star_import() -> str:
     return "\n".join([HEADER, *sorted(set(lines)), f"__all__ = {sorted(morse.builder.__all__)!r}", *variables]) + "\n"
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Write the files."""
     for file, stub in stubs().items():
         (FOLDER / file).write_text(stub, encoding="utf-8", newline="\n")
         print(FOLDER / file)

@@ -1,4 +1,4 @@
-# Written by tools/stubs/builder_stubs.py from what the components declare: do not edit.
+# Written by `python -m tools` from what the components declare: do not edit.
 
 from typing import Any, Literal
 from morse.builder.components.armatures import Armature as Armature
