@@ -3,6 +3,7 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import os
+import re
 import signal
 import tempfile
 import threading
@@ -36,30 +37,14 @@ FLAGS = [
 
 _MUST_RUN_IN_CI = ("browser", "blender")
 
-#: folders and files whose tests make up `pytest -m quick`, except those that take long or need more than Python
-QUICK = (
-    "assets", "builder", "core", "helpers", "mathutils", "modifiers", "physics", "sensors",
-    "test_import_circles", "test_run_command", "test_primitives", "test_pymorse_futures", "test_recording_streams",
-    "test_socket_protocol", "test_together", "test_view_protocol", "test_waypoint", "test_distortion",
-    "test_lockstep_services",
+#: folders of `pytest -m quick`: the parts of MORSE that need neither a network nor other programs
+_QUICK_FOLDERS = (
+    "actuators", "assets", "builder", "components", "core", "helpers", "mathutils", "modifiers", "physics", "rendering",
+    "sensors",
 )  # fmt: skip
-_TOO_LONG_FOR_QUICK = (
-    "test_blend_hostile", "test_blend_versions", "test_convex_parts", "test_camera_options", "test_cameras",
-    "test_installed_packages", "test_libraries", "test_living_world", "test_many_bodies", "test_recovery",
-    "test_saved_states", "test_star_import", "test_stubs", "test_rays",
-)  # fmt: skip
-_NOT_QUICK = ("slow", "soak", "browser", "blender")
-
-#: the files that take longest, the longest first
-_LONG = (
-    "test_view_browser", "test_view_live", "test_view_truth", "test_view_panels", "test_contract", "test_view_page",
-    "test_view_layout", "test_docs_code", "test_verify_command", "test_journey", "test_original_files",
-    "test_view_lamps", "test_recording_commands", "test_view_many", "test_examples", "test_recovery", "test_assets",
-    "test_view_cameras", "test_asset_build", "test_abuse_strangers", "test_determinism", "test_abuse_crashes",
-    "test_component_library", "test_build", "test_libraries", "test_blend_evaluation", "test_sanitizers",
-    "test_mavlink", "test_rosbridge", "test_testing_harness", "test_cameras", "test_convex_parts",
-    "test_library_examples", "test_abuse_resets", "test_overlaps", "test_view_recording", "test_streams_and_locks",
-)  # fmt: skip
+#: what a file of tests contains that starts other programs
+_OTHER_PROGRAMS = re.compile(r"\b(subprocess|Popen|pexpect|SimulationProcess)\b")
+_NOT_QUICK = ("long", "slow", "soak", "browser", "blender")
 
 #: the first port of the services of a worker's simulations, the distance to those of the next worker, and how many such
 #: sets of ports there are below the ports that the system gives to clients
@@ -117,22 +102,30 @@ def pytest_xdist_auto_num_workers() -> int | None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark quick tests, and put long files first: no worker begins one when the others have ended.
 
-    The order is the same in each worker, whichever folder it has collected first.
+    A test is quick if it is marked so, or if it is in one of the folders above, in a file that starts no other program,
+    and has none of the marks of longer tests. The order is the same in each worker, whichever folder it has collected
+    first: pages in a browser, files marked as long, files that start other programs, all others; large files first.
     """
-    place = {name: number for number, name in enumerate(_LONG)}
-    items.sort(key=lambda item: (place.get(item.path.stem, len(place)), item.path))
-    quick: dict[Path, bool] = {}
+    texts: dict[Path, str] = {}
+    places: dict[Path, tuple[int, int]] = {}
     for item in items:
-        if item.path not in quick:
-            quick[item.path] = _is_quick(item.path)
-        if quick[item.path] and not any(item.get_closest_marker(mark) for mark in _NOT_QUICK):
+        if item.path not in texts:
+            text = texts[item.path] = item.path.read_text(encoding="utf-8")
+            kind = 2 if _OTHER_PROGRAMS.search(text) else 3
+            places[item.path] = (kind, -len(text))
+        if item.get_closest_marker("browser") or item.get_closest_marker("long"):
+            kind = 0 if item.get_closest_marker("browser") else 1
+            places[item.path] = min(places[item.path], (kind, -len(texts[item.path])))
+        if _is_quick(item, texts[item.path]):
             item.add_marker("quick")
+    items.sort(key=lambda item: (places[item.path], item.path))
 
 
-def _is_quick(path: Path) -> bool:
+def _is_quick(item: pytest.Item, text: str) -> bool:
     here = Path(__file__).parent
-    folder = path.relative_to(here).parts[0] if here in path.parents else ""
-    return path.stem in QUICK or (folder in QUICK and path.stem not in _TOO_LONG_FOR_QUICK)
+    folder = item.path.relative_to(here).parts[0] if here in item.path.parents else ""
+    is_in_one_process = folder in _QUICK_FOLDERS and not _OTHER_PROGRAMS.search(text)
+    return is_in_one_process and not any(item.get_closest_marker(mark) for mark in _NOT_QUICK)
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     Start = Callable[..., SimulationProcess]
 
+pytestmark = pytest.mark.long
+
 PARTS = f"""
 import sys
 sys.path.insert(0, {str(Path(__file__).parent)!r})

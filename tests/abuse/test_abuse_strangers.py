@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     Start = Callable[..., SimulationProcess]
 
+pytestmark = pytest.mark.long
+
 
 def test_a_page_of_another_origin_drives_nobody_and_ends_nothing(victim: Victim) -> None:
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))

@@ -15,13 +15,13 @@ import morse
 SOURCES = str(Path(morse.__file__).parents[1])
 
 
-def morse_run(home, *words):
+def morse_run(home, *words, said=""):
     environment = {**os.environ, "HOME": str(home), "USERPROFILE": str(home), "PYTHONPATH": SOURCES}
     return subprocess.run(
         [sys.executable, "-c", "from morse.cli import main; main()", *words],
         env=environment,
         cwd=home,
-        stdin=subprocess.DEVNULL,
+        input=said,
         capture_output=True,
         encoding="utf-8",
         timeout=90,
@@ -62,3 +62,12 @@ def test_components_of_ones_own_run(tmp_path, kind):
     assert f"[{kind}s.eyes] robot.eyes initialization" in result.stdout
     assert "[robots.ranger] robot initialization" in result.stdout
     assert "[ERROR]" not in result.stdout
+
+
+@pytest.mark.parametrize("kind", ["sensor", "actuator"])
+def test_a_new_component_keeps_the_contract(tmp_path, kind):
+    morse_run(tmp_path, "create", "sim")
+    added = morse_run(tmp_path, "add", kind, "eyes", "sim", said="Looks around\n")
+    (command,) = (line for line in added.stdout.splitlines() if "morse check component" in line)
+    result = morse_run(tmp_path, *command.partition("morse ")[2].split())
+    assert result.returncode == 0, result.stdout + result.stderr

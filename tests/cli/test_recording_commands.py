@@ -10,6 +10,8 @@ import threading
 
 import pytest
 
+pytestmark = pytest.mark.long
+
 SCENE = """
 from morse.builder import *
 

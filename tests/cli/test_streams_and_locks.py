@@ -13,6 +13,8 @@ import pytest
 
 from morse.simulation.ticks.profile import Profile
 
+pytestmark = pytest.mark.long
+
 FULL = Path("/dev/full")
 RUN = f"{sys.executable} -m morse run --headless --speed max --duration 0.1"
 SCENE = "from morse.builder import *\nrobot = FakeRobot()\nenv = Environment('empty', fastmode=True)\n"

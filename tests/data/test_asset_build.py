@@ -14,6 +14,8 @@ import pytest
 import morse
 from morse.assets.blend import read_blend
 
+pytestmark = pytest.mark.long
+
 BUILD = Path(__file__).parents[2] / "tools" / "assets" / "build.py"
 DATA = Path(morse.__file__).parent / "data"
 needs_blender = [

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
+pytestmark = pytest.mark.long
+
 # tests/middleware runs the examples that need another program
 ELSEWHERE = {
     DOCS / f"{name}.md"

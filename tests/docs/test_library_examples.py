@@ -12,6 +12,8 @@ from doc_pages import DOCS
 
 import morse
 
+pytestmark = pytest.mark.long
+
 _BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 

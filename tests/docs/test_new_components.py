@@ -13,6 +13,8 @@ from doc_pages import DOCS
 
 from morse.cli.app import execute
 
+pytestmark = pytest.mark.long
+
 #: the line before a block of code that is a file: its path
 _FILE = re.compile(r"`([\w./]+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 CHAPTERS = sorted(path.stem for path in DOCS.glob("new-*.md"))

@@ -9,6 +9,8 @@ import pytest
 
 from morse.cli.examples import examples
 
+pytestmark = pytest.mark.long
+
 TESTED = set()
 
 

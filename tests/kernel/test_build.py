@@ -10,6 +10,8 @@ import pytest
 
 from morse.kernel import build, targets
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[2]
 HOST = targets.host()
 

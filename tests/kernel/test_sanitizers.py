@@ -12,6 +12,8 @@ import pytest
 
 from morse.kernel import build
 
+pytestmark = pytest.mark.long
+
 CHECKED = "MORSE_TESTED_KERNEL"
 OPTIONS = ["-Og", "-g1", "-shared", "-fPIC", "-fno-omit-frame-pointer", "-Wno-psabi"]
 #: tests of Python only

@@ -13,6 +13,8 @@ from morse.physics import World
 from morse.physics.objects.gone import RemovedError
 from morse.scene import ComponentDeclaration, Node
 
+pytestmark = pytest.mark.long
+
 
 def declared(made, kind="robot", **options):
     return ComponentDeclaration(made, kind, "morse.core.robot.Robot", made, options=options)

@@ -6,6 +6,8 @@ from worlds import box, ground, node, rigid, run, world
 
 from morse.scene import CollisionShape, ShapeKind
 
+pytestmark = pytest.mark.long
+
 
 def test_thousands_of_things_that_stand_still():
     stones = [node(f"stone{i}", box(0.5, 0.5, 0.5), at=(i % 60, i // 60, 0.25)) for i in range(3000)]

@@ -14,6 +14,8 @@ from morse.kernel import loading
 from morse.mathutils import Euler
 from morse.scene import CollisionShape, Node, PhysicsType, ShapeKind
 
+pytestmark = pytest.mark.long
+
 FREE_OR_FIXED = st.sampled_from([PhysicsType.STATIC, PhysicsType.RIGID_BODY])
 lengths = st.floats(0.05, 2.0)
 places = st.tuples(*[st.floats(-8.0, 8.0)] * 3)

@@ -14,6 +14,8 @@ from morse.physics import UnstableError, World
 from morse.physics.model.limits import RUNAWAY_SPEED
 from morse.scene import ComponentDeclaration
 
+pytestmark = pytest.mark.long
+
 ABSURD = [1e11, -1e150, 1e308, math.inf, -math.inf, math.nan]
 
 

@@ -15,6 +15,8 @@ from morse.physics import World
 from morse.physics.state.saved import SavedAttachments, SavedGrip
 from morse.scene import Node
 
+pytestmark = pytest.mark.long
+
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 

@@ -13,6 +13,8 @@ from morse.rendering.light_codes import LIGHT
 from morse.sensors.camera import CAMERA_INFO
 from morse.wire.images import image_fields
 
+pytestmark = pytest.mark.long
+
 SCENE = """
 robot = FakeRobot("robot")
 eye = {kind}("eye")

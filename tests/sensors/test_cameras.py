@@ -15,6 +15,8 @@ import morse
 from morse.core.exceptions import MorseRPCTypeError
 from morse.simulation.loader import LoadError
 
+pytestmark = pytest.mark.long
+
 HEAD = """
 robot = FakeRobot("robot")
 robot.translate(1, 0, 0)

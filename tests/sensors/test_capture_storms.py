@@ -10,6 +10,8 @@ import pytest
 
 import morse
 
+pytestmark = pytest.mark.long
+
 SCENE = """
 from morse.builder import *
 robot = FakeRobot()

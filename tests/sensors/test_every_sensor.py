@@ -9,6 +9,8 @@ import pytest
 import morse
 from morse.wire.encoding import to_json
 
+pytestmark = pytest.mark.long
+
 #: on their own robot: all except sensors with arguments, and cameras
 SENSORS = (
     "Accelerometer", "ADIS16448", "Airspeed", "Attitude", "Barometer", "Battery", "BMI088", "Bumper", "Clock",

@@ -9,6 +9,8 @@ import pytest
 
 import morse
 
+pytestmark = pytest.mark.long
+
 ENVIRONMENTS = Path(morse.__file__).parent / "data" / "environments"
 
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from pymorse import Morse
 
+pytestmark = pytest.mark.long
+
 SOURCE = Path(__file__).parents[2] / "src"
 CASE = '''
 from morse.testing.testing import {base}, main

@@ -16,6 +16,8 @@ from morse.verification.contract.subjects import library
 if TYPE_CHECKING:
     from pathlib import Path
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize("name", library())
 def test_a_component_of_the_library_keeps_the_contract(name: str) -> None:

@@ -16,6 +16,8 @@ from pymorse import Morse
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+pytestmark = pytest.mark.long
+
 HERE = str(Path(__file__).parent)
 CROWD_TICKS, WHEEL_TICKS = 240, 240
 

@@ -19,6 +19,8 @@ from morse.verification.verify import Difference, ReplayError, verify
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+pytestmark = pytest.mark.long
+
 SCENE = """
 import sys
 sys.path.insert(0, {here!r})

@@ -23,6 +23,8 @@ from morse.scene import NodeKind
 if TYPE_CHECKING:
     from morse.scene import Node
 
+pytestmark = pytest.mark.long
+
 SQUARE = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)]
 needs_scripts = pytest.mark.skipif(sys.platform == "win32", reason="programs are scripts here")
 

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
     from morse.scene import Library
 
+pytestmark = pytest.mark.long
+
 FILES = Path(__file__).with_name("files")
 SECONDS = 5.0
 SQUARE = [(0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (2.0, 1.0, 0.0), (0.0, 1.0, 0.0)]

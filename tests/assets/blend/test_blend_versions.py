@@ -15,6 +15,8 @@ from morse.scene import Bounds, Library, Node, NodeKind, PhysicsType
 if TYPE_CHECKING:
     from pathlib import Path
 
+pytestmark = pytest.mark.long
+
 CUBE = {(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)}
 
 

@@ -11,6 +11,8 @@ from shape_meshes import Solid, box, cells, cylinder, icosphere, joined, loose, 
 from effort import examples
 from morse.assets.shapes import ConvexPart, Primitive, convex_parts
 
+pytestmark = pytest.mark.long
+
 L_SHAPE = cells([[[1], [1]], [[1], [0]]], [0, 1, 2], [0, 1, 2], [0, 1])
 
 

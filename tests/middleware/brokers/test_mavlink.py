@@ -26,6 +26,8 @@ from morse.middleware.mavlink.framing import Framer
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+pytestmark = pytest.mark.long
+
 HERE = Path(__file__).parent
 DOCS = HERE.parents[2] / "docs"
 LIMIT = 60.0

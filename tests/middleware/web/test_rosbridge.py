@@ -28,6 +28,8 @@ from morse.middleware.web.topics import WebInlet
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+pytestmark = pytest.mark.long
+
 SCENE = """
 from morse.builder import *
 robot = ATRV()

@@ -36,13 +36,13 @@ class @classname@(Actuator):
 
     @interruptible
     @async_service
-    def async_test(self, value):
+    def async_test(self, value: int):
         """An asynchronous service: it ends when the counter exceeds the value.
 
         The method returns immediately; `self.completed(...)` sends the result to the client later.
         """
-        # a value that is not a number raises an error, which the client receives
-        self._target = int(value)
+        # because of `value: int`, a call with another value is refused with a message
+        self._target = value
 
     def interrupt(self):
         """Called when the client cancels async_test or calls it again: stop the running service."""

@@ -18,7 +18,7 @@ class @classname@(Sensor):
     _short_desc = "@shortdesc@"
 
     # What the sensor publishes: name, initial value, type, description.
-    add_data('distance', 0.0, 'float', 'Distance from the origin along the X axis, in metres')
+    add_data('distance', 0.0, 'float', 'Distance from the origin along the X axis', unit='m')
     add_data('color', 'none', 'string', 'A random colour')
 
     def __init__(self, obj, parent=None):

@@ -1,0 +1,48 @@
+"""Readers of model files that installed packages bring."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+READER = (
+    "from morse.scene import Library, Node\ndef read(path):\n    return Library(str(path), roots=[Node('crate')])\n"
+)
+
+
+def loaded(site: Path, name: str, reader: str) -> subprocess.CompletedProcess[str]:
+    """Load the model of that name with an installed reader of ``.crate`` files."""
+    for path, text in {
+        "my_lab.py": reader,
+        "my_lab-1.0.dist-info/METADATA": "Metadata-Version: 2.1\nName: my_lab\nVersion: 1.0\n",
+        "my_lab-1.0.dist-info/entry_points.txt": "[morse.formats]\ncrate = my_lab:read\n",
+        "yard.crate": "",
+    }.items():
+        (site / path).parent.mkdir(exist_ok=True)
+        (site / path).write_text(text, encoding="utf-8")
+    program = (
+        f"import sys; sys.path.append({str(site)!r})\n"
+        f"from morse.assets import find, load\nprint([node.name for node in load(find({name!r})).roots])"
+    )
+    environment = {**os.environ, "MORSE_RESOURCE_PATH": str(site)}
+    return subprocess.run(
+        [sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+@pytest.mark.parametrize("name", ["yard.crate", "yard"])
+def test_a_file_of_the_package_is_read(tmp_path: Path, name: str) -> None:
+    done = loaded(tmp_path, name, READER)
+    assert done.stdout.strip() == "['crate']", done.stderr
+
+
+def test_a_broken_reader_is_named(tmp_path: Path) -> None:
+    done = loaded(tmp_path, "yard.crate", "1 / 0\n")
+    assert "the reader of an installed package (my_lab:read) cannot be loaded: ZeroDivisionError" in done.stderr
