@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import configparser
 import importlib
 import re
 import shlex
@@ -152,3 +153,16 @@ def test_methods_in_tables_exist(page: str):
     calls = {name for row in rows for name in re.findall(r"`\.?(?:env\.|robot\.|simu\.)?(\w+)\(", row)}
     unknown = {name for name in calls if not any(hasattr(owner, name) for owner in owners)}
     assert not unknown
+
+
+def test_the_table_of_packages_has_all_packages_from_top_to_bottom():
+    """As the layers that `lint-imports` checks."""
+    rooms = configparser.ConfigParser()
+    rooms.read(ROOT / ".importlinter", encoding="utf-8")
+    layers = rooms["importlinter:contract:rooms"]["layers"].split("\n")
+    place = {name: i for i, layer in enumerate(layers) for name in re.findall(r"\w+", layer)}
+    table = (DOCS / "architecture.md").read_text(encoding="utf-8").partition("## Packages\n")[2].partition("\n## ")[0]
+    rows = [re.findall(r"`(\w+)`", row.split("|")[1]) for row in table.splitlines() if row.startswith("| `")]
+    assert {name for row in rows for name in row} == set(place)
+    places = [place[name] for row in rows for name in row]
+    assert places == sorted(places)
