@@ -3,7 +3,7 @@
 `morse.physics` implements these protocols; components do not import it.
 """
 
-from morse.core.world.body import Bodies, Body, Pose
+from morse.core.world.body import Bodies, Body, Pose, Wheel
 from morse.core.world.body_names import BodyNames
 from morse.core.world.joints import Joints
 from morse.core.world.linkage import Hanging, Linkage
