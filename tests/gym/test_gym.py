@@ -17,6 +17,7 @@ from gymnasium.vector import AutoresetMode
 
 import morse.gym
 from morse.gym.reach import Reach
+from morse.many import uniform
 
 
 @pytest.mark.parametrize("task", [Reach, LookAround, Picture])
@@ -100,6 +101,21 @@ def test_truncation_is_not_termination():
     assert infos["final_obs"][0]["image"].shape == (36, 40, 3)
     assert observations["image"].shape == (2, 36, 40, 3)
     assert env.observation_space.contains(observations)
+    env.close()
+
+
+def test_each_episode_draws_parameters():
+    class Varied(LookAround):
+        vary = {"robot": {"mass": uniform(20.0, 30.0), "friction": uniform(0.5, 1.0)}}  # noqa: RUF012
+
+    env = morse.gym.vector(Varied, 3)
+    _, infos = env.reset(seed=2)
+    masses = infos["robot.mass"]
+    assert len(set(masses.tolist())) == 3
+    assert ((masses >= 20.0) & (masses <= 30.0)).all()
+    _, again = env.reset(seed=2)
+    assert (again["robot.mass"] == masses).all()
+    assert [sim.robot.component.bge_object.mass for sim in env._rows.episodes.many] == pytest.approx(masses.tolist())
     env.close()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import numbers
 import os
 from pathlib import Path
@@ -42,6 +43,8 @@ def load(
     view_origins: Sequence[str] = (),
     watch: bool = False,
     on_failure: str = "deactivate",
+    record: str | os.PathLike[str] | None = None,
+    keep_last: float = 0.0,
 ) -> Simulation:
     """Load a scene. Simulated time advances when `Simulation.step` or `Simulation.run` is called.
 
@@ -68,6 +71,9 @@ def load(
         on_failure: effect of an error in a component, a modifier, a stream, an observer or a callback. ``deactivate``
             switches off this part alone and logs its file and line; ``raise`` also raises the error from
             `Simulation.step` or `Simulation.run`, after the tick.
+        record: path of a recording of the run; see `Simulation.record`.
+        keep_last: simulated seconds before a failure that are kept and written when it happens, as with
+            ``morse run --keep-last``.
 
     Raises:
         FileNotFoundError: the file does not exist.
@@ -78,6 +84,8 @@ def load(
     """
     _check(seed, view, arguments, speed, view_port)
     _check_failure(on_failure)
+    if isinstance(keep_last, bool) or not isinstance(keep_last, numbers.Real) or not 0.0 <= float(keep_last) < math.inf:
+        raise ValueError(f"keep_last is a number of simulated seconds, not {keep_last!r:.80}")
     options = RunOptions(
         arguments=list(arguments),
         sockets=sockets or bool(interfaces),
@@ -93,6 +101,8 @@ def load(
         strict=strict,
         watch=watch,
         on_failure=on_failure,
+        record=None if record is None else os.fspath(record),
+        keep_last=float(keep_last),
     )
     simulation = start(described(scene, options), options)
     if simulation.view is not None:

@@ -43,6 +43,7 @@ from morse.physics.steps import Steps
 from morse.physics.tick import Tick
 from morse.physics.touches import Touches
 from morse.physics.touching import Touching
+from morse.physics.variations import Variations
 from morse.scene import Control
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ class World(ObjectWorld):
         self._arrange_tick()
         self._saving = Saving(self, self.gliding, self._steps, self._names)
         self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
+        self._variations = Variations(self, self._pristine)
 
     def _arrange_tick(self) -> None:
         """Set the order of the parts in a tick."""
@@ -183,6 +185,7 @@ class World(ObjectWorld):
             raise
         self._release_from_what_goes()
         before = saved.checked(self.get_state())
+        varied = self._variations.present()
         old, floors = copy.copy(self), self.gliding.floor_bits()
         stamp, poses_before = self.stamp, self._moving_poses
         self.take(compiled, self.period)
@@ -196,6 +199,7 @@ class World(ObjectWorld):
         }
         transfer = Transfer(old, self, bits)
         self._saving.set_state(transfer.state(before, self._names))
+        self._variations.apply(varied)
         self.gliding.lift_all()
         self._floor_planes.before_step()
         self.stamp = stamp + 1
@@ -384,6 +388,14 @@ class World(ObjectWorld):
         if self._touching is None:
             self._touching = Touching(self)
         return self._touching.objects(cast("GameObject", obj), margin)
+
+    def set_mass(self, obj: Posed, mass: float) -> None:
+        """See `morse.core.world.World.set_mass`."""
+        self._variations.set_mass(obj, mass)
+
+    def set_friction(self, obj: Posed, friction: float) -> None:
+        """See `morse.core.world.World.set_friction`."""
+        self._variations.set_friction(obj, friction)
 
     def watch_touches(self, name: str) -> Mapping[str, float]:
         """See `morse.core.world.World.watch_touches`."""

@@ -173,6 +173,30 @@ class Supervision(AbstractObject):
         obj.halt()
 
     @service
+    def set_object_mass(self, object_name: str, mass: float) -> None:
+        """Set the mass of an object that moves freely, until the next reset; its inertia changes in proportion.
+
+        Args:
+            mass: kg.
+        """
+        self._vary(self.context.world.set_mass, object_name, mass)
+
+    @service
+    def set_object_friction(self, object_name: str, friction: float) -> None:
+        """Set the friction of all shapes of an object, until the next reset.
+
+        Args:
+            friction: coefficient of sliding friction.
+        """
+        self._vary(self.context.world.set_friction, object_name, friction)
+
+    def _vary(self, change: Callable[[Any, float], None], name: str, value: float) -> None:
+        try:
+            change(self._object(name), float(value))
+        except ValueError as error:
+            raise MorseRPCTypeError(str(error)) from None
+
+    @service
     def set_object_pose(self, object_name: str, position: Point, quaternion: QuaternionNumbers) -> None:
         """Move an object to a pose, at rest.
 

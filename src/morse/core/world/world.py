@@ -89,6 +89,20 @@ class World(WorldPoses, Protocol):
     def touched_by(self, obj: Body, margin: float = 0.0) -> Sequence[Body]:
         """Return the objects whose shapes are closer than ``margin`` (m) to the shapes of an object, see `Touching`."""
 
+    def set_mass(self, obj: Body, mass: float) -> None:
+        """Set the mass of a body that moves freely, kg; its inertia changes in proportion. `reset` restores it.
+
+        Raises:
+            ValueError: it is no such body, or the mass differs by more than 10,000 from that of the scene.
+        """
+
+    def set_friction(self, obj: Body, friction: float) -> None:
+        """Set the coefficient of sliding friction of all shapes of a body. `reset` restores those of the scene.
+
+        Raises:
+            ValueError: it is not a number from 0 to 100, or the body has no shapes.
+        """
+
     def watch_touches(self, name: str) -> Mapping[str, float]:
         """Return what a body touches besides the floor, in the last tick: name of the other body to the impulse, N s.
 

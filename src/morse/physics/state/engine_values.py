@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.physics import variations
 from morse.physics.forward import forward
 from morse.physics.model.motors import ARRAYS
 from morse.physics.poses.kinematics import contact_pairs
@@ -32,6 +33,7 @@ CHANGED_WHILE_RUNNING = (
     "geom_priority",
     "geom_contype",
     "geom_conaffinity",
+    *variations.ARRAYS,
 )
 #: the components of MuJoCo's state that a continuation needs
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -88,6 +90,8 @@ def check_state(state: EngineState, saved: SavedEngine) -> None:
             )
     if (saved.model["dof_armature"] < 0.0).any() or (saved.model["dof_M0"] < 0.0).any():
         raise ValueError("the inertia of a joint is negative")
+    if (saved.model["body_mass"] < 0.0).any() or (saved.model["geom_friction"] < 0.0).any():
+        raise ValueError("a mass or a friction is negative")
     if not np.isin(saved.model["geom_condim"], (1, 3, 4, 6)).all():
         raise ValueError("a contact has 1, 3, 4 or 6 dimensions")
     pairs = saved.contacts

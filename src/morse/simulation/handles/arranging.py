@@ -62,6 +62,35 @@ class Arranging:
         turn = numbers[3:] if len(numbers) == 7 else list(Euler(numbers[3:]).to_quaternion())
         self.rpc("simulation", "set_object_pose", obj.name, numbers[:3], turn)
 
+    def set_mass(self, name: str, mass: float) -> None:
+        """Set the mass of a robot or an object that moves freely, until the next restart.
+
+        Args:
+            mass: kg; the inertia changes in proportion.
+
+        Raises:
+            KeyError: there is no such object.
+            ValueError: it does not move freely, or the mass differs by more than 10,000 from that of the scene.
+        """
+        self._vary("set_object_mass", name, mass)
+
+    def set_friction(self, name: str, friction: float) -> None:
+        """Set the coefficient of sliding friction of all shapes of a robot or an object, until the next restart.
+
+        Raises:
+            KeyError: there is no such object.
+            ValueError: it is not a number from 0 to 100, or the object has no shapes.
+        """
+        self._vary("set_object_friction", name, friction)
+
+    def _vary(self, service: str, name: str, value: float) -> None:
+        from pymorse.errors import MorseServiceFailed
+
+        try:
+            self.rpc("simulation", service, self._object(name).name, float(value))
+        except MorseServiceFailed as error:
+            raise ValueError(str(error)) from None
+
     def measure(self, sensors: Sequence[str] | None = None) -> None:
         """Let sensors measure now, between two ticks, in addition to the measurements at their rates.
 

@@ -277,6 +277,14 @@ class RobotHandle(ComponentHandle):
         """Place the robot, at rest; see `Simulation.place`."""
         self._simulation.place(self.fqn, pose)
 
+    def set_mass(self, mass: float) -> None:
+        """Set the mass of the robot, kg; see `Simulation.set_mass`."""
+        self._simulation.set_mass(self.fqn, mass)
+
+    def set_friction(self, friction: float) -> None:
+        """Set the friction of the robot; see `Simulation.set_friction`."""
+        self._simulation.set_friction(self.fqn, friction)
+
     def contacts(self) -> Contacts:
         """Return what the robot touches from now on; see `Simulation.contacts`."""
         return self._simulation.contacts(self.fqn)

@@ -1,0 +1,105 @@
+"""Masses and frictions that are changed while a simulation runs."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from morse.physics.model.layout import Motion
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from morse.physics.model.compile import Slot
+    from morse.physics.objects.object_world import ObjectWorld
+    from morse.physics.objects.posed import Posed
+
+#: the arrays of the model that a variation changes
+ARRAYS = ("body_mass", "body_inertia", "body_subtreemass", "body_invweight0", "dof_invweight0", "geom_friction")
+#: largest ratio of a mass to that of the scene, either way
+_MOST = 1e4
+#: largest coefficient of friction
+_ROUGHEST = 100.0
+
+
+class Variations:
+    """Changes the mass of bodies and the friction of their shapes.
+
+    Args:
+        pristine: the arrays of the model as compiled.
+    """
+
+    def __init__(self, world: ObjectWorld, pristine: Mapping[str, NDArray[np.float64]]) -> None:
+        self._world, self._pristine = world, pristine
+
+    def set_mass(self, obj: Posed, mass: float) -> None:
+        """Set the mass of a body, kg; its inertia changes in proportion.
+
+        Raises:
+            ValueError: the object is no dynamic body, or the mass differs by more than 10,000 from that of the scene.
+        """
+        slot, model = self._world.slots[obj.slot], self._world.model
+        if slot.frame.motion is not Motion.FREE:
+            raise ValueError(f"'{obj.node.name}' is no body that moves freely: it has no mass to set")
+        first = float(self._pristine["body_mass"][slot.body])
+        if not first / _MOST <= mass <= first * _MOST:  # not true of NaN
+            low, high = first / _MOST, first * _MOST
+            raise ValueError(f"the mass of '{obj.node.name}' is {mass!r}, expected {low:g} to {high:g} kg")
+        ratio = mass / first
+        dofs = slice(slot.dof, slot.dof + 6)
+        for name in ("body_mass", "body_inertia"):
+            getattr(model, name)[slot.body] = self._pristine[name][slot.body] * ratio
+        model.body_subtreemass[slot.body] = self._pristine["body_subtreemass"][slot.body] + (mass - first)
+        # how strongly contacts and limits resist: the inverse of the mass
+        model.body_invweight0[slot.body] = self._pristine["body_invweight0"][slot.body] / ratio
+        model.dof_invweight0[dofs] = self._pristine["dof_invweight0"][dofs] / ratio
+        self._world.is_stirred = True
+
+    def set_friction(self, obj: Posed, friction: float) -> None:
+        """Set the coefficient of sliding friction of all shapes of a body, in all of their contacts.
+
+        Raises:
+            ValueError: it is not a number from 0 to 100, or the object has no shapes.
+        """
+        if not 0.0 <= friction <= _ROUGHEST:
+            raise ValueError(f"the friction of '{obj.node.name}' is {friction!r}, expected 0 to {_ROUGHEST:g}")
+        geoms = _geoms(self._world.slots[obj.slot])
+        if not geoms:
+            raise ValueError(f"'{obj.node.name}' has no shapes that collide: it has no friction to set")
+        for geom in geoms:
+            self._world.model.geom_friction[geom, 0] = friction
+            self._world.model.geom_priority[geom] = 1
+        self._world.is_stirred = True
+
+    def present(self) -> dict[str, tuple[float | None, float | None]]:
+        """Return the bodies whose values are not those of the scene: name to mass and friction, None if unchanged."""
+        model, changed = self._world.model, dict[str, tuple[float | None, float | None]]()
+        for slot in self._world.slots:
+            mass = friction = None
+            if slot.body > 0 and model.body_mass[slot.body] != self._pristine["body_mass"][slot.body]:
+                mass = float(model.body_mass[slot.body])
+            for geom in _geoms(slot):
+                if model.geom_friction[geom, 0] != self._pristine["geom_friction"][geom, 0]:
+                    friction = float(model.geom_friction[geom, 0])
+            if mass is not None or friction is not None:
+                changed[slot.frame.node.name] = mass, friction
+        return changed
+
+    def apply(self, changed: Mapping[str, tuple[float | None, float | None]]) -> None:
+        """Set values again, in a model that was compiled again; bodies that do not exist any more are left out."""
+        for name, (mass, friction) in changed.items():
+            index = self._world.named.get(name)
+            if index is None:
+                continue
+            obj = self._world.object_of(self._world.slots[index].frame.node)
+            if mass is not None and math.isfinite(mass) and self._world.slots[index].frame.motion is Motion.FREE:
+                self.set_mass(obj, mass)
+            if friction is not None and _geoms(self._world.slots[index]):
+                self.set_friction(obj, friction)
+
+
+def _geoms(slot: Slot) -> list[int]:
+    return [geom for geoms in slot.geoms.values() for geom in geoms]

@@ -1,0 +1,127 @@
+"""Masses and frictions that are changed while a simulation runs."""
+
+import numpy as np
+import pytest
+from many_scenes import block, body
+
+import morse
+
+G = 9.81
+
+
+def pushed():
+    """A crate that stands still, and a robot that a force pushes."""
+    from morse.builder import Environment, ForceTorque, Robot
+
+    robot = Robot(name="robot")
+    body(robot, mass=2.0)
+    robot.append(ForceTorque("push"))
+    block("Crate", 4.0, 0.0, 0.5, 0.5, static=False)
+    Environment("empty")
+
+
+def slide(sim, name, speed=3.0):
+    """The distance that an object slides on the floor, m."""
+    obj = sim.world.objects_by_name[name]
+    obj.set_velocity([0.0, speed, 0.0], [0.0, 0.0, 0.0])
+    begin = list(obj.worldPosition)
+    sim.step(180)
+    return float(np.hypot(*(np.array(obj.worldPosition) - begin)[:2]))
+
+
+def test_friction_determines_how_far_a_crate_slides():
+    with morse.load(pushed) as sim:
+        for friction in (0.3, 0.6):
+            sim.restart()
+            sim.step(30)
+            sim.set_friction("Crate", friction)
+            assert slide(sim, "Crate") == pytest.approx(3.0**2 / (2.0 * friction * G), rel=0.1)
+
+
+def test_mass_determines_the_acceleration_and_the_weight():
+    with morse.load(pushed) as sim:
+        robot = sim.robot.component.bge_object
+        for mass in (2.0, 8.0):
+            sim.restart()
+            sim.robot.set_mass(mass)
+            assert robot.mass == mass
+            sim.place("robot", [0.0, 0.0, 30.0, 0.0, 0.0, 0.0])
+            sim.robot.push.publish({"force": [16.0, 0.0, 0.0], "torque": [0.0, 0.0, 0.0]})
+            sim.step(30)
+            assert robot.velocity()[0][0] == pytest.approx(16.0 / mass * 0.5, rel=0.05)
+
+
+def test_they_are_part_of_the_state_and_a_restart_forgets_them():
+    with morse.load(pushed) as sim:
+        fresh = sim.state_hash()
+        sim.robot.set_mass(5.0)
+        sim.set_friction("Crate", 0.2)
+        varied, state = sim.state_hash(), sim.save()
+        assert varied != fresh
+        sim.restart()
+        assert sim.state_hash() == fresh
+        sim.restore(state)
+        assert sim.state_hash() == varied
+        assert sim.robot.component.bge_object.mass == 5.0
+
+
+def test_they_survive_a_newcomer():
+    with morse.load(pushed) as sim:
+        sim.robot.set_mass(5.0)
+        sim.set_friction("Crate", 0.2)
+        sim.spawn("second", "ATRV", (-4.0, 0.0, 0.2))
+        assert sim.robot.component.bge_object.mass == 5.0
+        sim.step(30)
+        assert slide(sim, "Crate", 1.5) == pytest.approx(1.5**2 / (2.0 * 0.2 * G), rel=0.15)
+
+
+def test_one_value_for_each_row():
+    with morse.batch(pushed, 3) as many:
+        many.vary("robot", mass=[1.0, 2.0, 4.0])
+        many.vary("Crate", rows=[2], friction=0.1)
+        assert [sim.robot.component.bge_object.mass for sim in many] == [1.0, 2.0, 4.0]
+        with pytest.raises(ValueError, match="expected one number or"):
+            many.vary("robot", mass=[1.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "friction", "message"),
+    [
+        ("robot", 0.0, None, "the mass of 'robot' is 0.0, expected"),
+        ("robot", -1.0, None, "expected"),
+        ("robot", float("nan"), None, "nan"),
+        ("Crate", None, -0.1, "the friction of 'Crate' is -0.1, expected 0 to 100"),
+        ("Create", 1.0, None, "no object 'Create'; did you mean 'Crate'"),
+    ],
+)
+def test_mistakes_are_named(name, mass, friction, message):
+    change, value = ("set_mass", mass) if friction is None else ("set_friction", friction)
+    with morse.load(pushed) as sim, pytest.raises((ValueError, KeyError), match=message):
+        getattr(sim, change)(name, value)
+
+
+def test_a_replay_contains_them():
+    with morse.load(pushed) as sim:
+        recording = sim.record_inputs()
+        sim.step(10)
+        sim.robot.set_mass(3.0)
+        sim.place("robot", [1.0, 1.0, 0.5])
+        sim.step(20, measure=True)
+        sim.measure()
+        sim.step(3)
+        end = sim.state_hash()
+        stopped = recording.stop()
+    with morse.load(pushed) as sim:
+        sim.replay(stopped)
+        assert sim.state_hash() == end
+
+
+def test_load_records(tmp_path):
+    with morse.load(pushed, record=tmp_path / "run.mcap", keep_last=1.0) as sim:
+        sim.step(10)
+    from morse.recording.recording import Recording
+
+    with Recording(tmp_path / "run.mcap") as recording:
+        assert recording.last_tick() == 10
+    with pytest.raises(ValueError, match="keep_last is a number"):
+        morse.load(pushed, keep_last=-1.0)
