@@ -8,6 +8,8 @@ import pytest
 
 from morse.core.exceptions import MorseRPCInvokationError
 
+pytestmark = pytest.mark.long
+
 SCENE = """
 from morse.builder import *
 human = Human()

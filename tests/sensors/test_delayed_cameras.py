@@ -9,6 +9,8 @@ import morse
 from morse.core.exceptions import MorseRPCTypeError
 from morse.simulation.loader import LoadError
 
+pytestmark = pytest.mark.long
+
 SCENE = """
 from morse.builder import *
 robot = FakeRobot("robot")

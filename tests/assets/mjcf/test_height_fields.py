@@ -90,7 +90,7 @@ def test_bodies_lie_on_a_terrain_and_rays_hit_it(terrain: Path) -> None:
     with morse.load(script) as sim:
         sim.step(240)
         assert looks_down(sim) == pytest.approx(5.0 - height(-2.0), abs=1e-3)
-        found = sim.rover.place.get()
+        found = sim.rover["place"].get()
         # its origin is near the ground
         assert found["z"] == pytest.approx(height(found["x"]), abs=0.15)
         assert found["pitch"] == pytest.approx(-np.arctan(TOP * 0.5 / (2.0 * HALF_X)), abs=0.03)
