@@ -28,7 +28,7 @@ class Trials:
 
     def __init__(self, item: pytest.Function, scene: Any = None, *, seeds: Any = 1, at_least: float = 1.0) -> None:
         self._item = item
-        self.scene = scene if scene is not None else getattr(item.module, "scene", None)
+        self.scene: Any = scene if scene is not None else getattr(item.module, "scene", None)
         self.seeds = list(range(seeds)) if isinstance(seeds, int) else list(seeds)
         self.at_least = at_least
         if self.scene is None:
