@@ -181,7 +181,7 @@ class RecordedStream(TopicStream):
                 yield from messages_of(line, rows, stamps, self._leave_out)
 
     def _stamps(self, rows: Rows) -> NDArray[np.int64]:
-        """The times of the measurements, whole ns, as by `stamp_of`."""
+        """The times of the measurements, whole ns."""
         clock, stamps = self._clock, self._clock.stamps_of(rows.ticks)
         times = rows.columns.get("timestamp")
         if times is None:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.kinds import GENERAL, bind
-from morse.core.validation.options import with_defaults
+from morse.core.kinds import bind
 from morse.helpers.transformation import Transformation3d
-from morse.rosmsgs.cdr import encode
 from morse.rosmsgs.fields import field_outlet, unsaid
 from morse.rosmsgs.kinds import Ros2Topics
 from morse.rosmsgs.names import Names, relative_name, robot_of
-from morse.rosmsgs.options import MESSAGE_OPTIONS
 from morse.rosmsgs.parts import covariance, header, quaternion, three, xyz, xyzw
 from morse.rosmsgs.poses import OPTICAL_INVERSE, motion_of_robot, pose_of, product, quaternion_of
 
@@ -30,20 +26,6 @@ if TYPE_CHECKING:
     from morse.rosmsgs.table import TopicTable
 
 _UNKNOWN = (0.0,) * 36
-
-
-class Topic(NamedTuple):
-    """A topic of a component.
-
-    Attributes:
-        name: such as ``/robot/pose``.
-        bound: the kind of its messages.
-        outlet: type and form of its messages.
-    """
-
-    name: str
-    bound: BoundKind
-    outlet: Outlet
 
 
 def kinds_of(component: Object, options: Mapping[str, Any]) -> tuple[BoundKind, ...]:
@@ -64,17 +46,12 @@ def kinds_of(component: Object, options: Mapping[str, Any]) -> tuple[BoundKind, 
 
 
 class ComponentMessages:
-    """The messages, topics and frames of a component.
-
-    Args:
-        component: the component.
-        names: of topics and frames.
-        options: see `MESSAGE_OPTIONS`; missing options have their defaults.
+    """The messages, topics and frames of a component: the part of a stream that knows no transport.
 
     Attributes:
         component_instance, component_name: the component and its name.
         kinds: its message kinds.
-        kwargs: all options.
+        kwargs: its options, see `morse.rosmsgs.options.MESSAGE_OPTIONS`.
         robot: the robot of the component.
     """
 
@@ -83,12 +60,6 @@ class ComponentMessages:
     component_name: str
     kwargs: dict[str, Any]
     kinds: tuple[BoundKind, ...]
-
-    def __init__(self, component: Object, names: Names, options: Mapping[str, Any]) -> None:
-        self.component_instance, self.component_name = component, component.name()
-        self.kwargs = with_defaults(MESSAGE_OPTIONS, dict(options))
-        self.kinds = kinds_of(component, self.kwargs)
-        self.name_frames(names)
 
     def name_frames(self, names: Names) -> None:
         """Begin with these names of topics and frames."""
@@ -119,40 +90,6 @@ class ComponentMessages:
         # a component whose own topic has this message needs no second topic below it
         last = "" if bound.topic.rpartition("/")[2] == outlet.topic else outlet.topic
         return "/".join(part for part in (base, bound.topic, last) if part)
-
-    def topics(self) -> list[Topic]:
-        """All topics of the component."""
-        return [Topic(self.topic_of(bound, one), bound, one) for bound, several in self.outlets() for one in several]
-
-    def encoded(self, data: Mapping[str, Any], stamp: int) -> list[tuple[str, str, bytes]]:
-        """Return the messages of a measurement: topic, type such as ``sensor_msgs/msg/Imu``, CDR.
-
-        Any thread may call it, if the messages follow from the data (`needs_tick`).
-
-        Args:
-            data: the fields of the component, as in its ``local_data``.
-            stamp: simulated time of the measurement, ns.
-
-        Raises:
-            ValueError, TypeError, OverflowError, struct.error: a value does not fit its message.
-        """
-        holder = SimpleNamespace(local_data=data)
-        encoded = []
-        for bound, outlets in self.outlets():
-            message = bound.message_with(holder if bound.needs is not None else self.component_instance, data, stamp)
-            for outlet in outlets:
-                fields = outlet.make(message, self.frame_id(outlet.frame or bound.frame))
-                if fields is not None:
-                    encoded.append((self.topic_of(bound, outlet), outlet.type, encode(outlet.type, fields)))
-        return encoded
-
-    @property
-    def needs_tick(self) -> bool:
-        """Whether a message depends on more than the data of the component, so that it is made in the tick."""
-        kinds = [bound for bound, _ in self.outlets()]
-        return any(bound.kind.name == "odometry" and not self.is_rigid() for bound in kinds) or any(
-            bound.needs is None and bound.kind.name != GENERAL for bound in kinds
-        )
 
     # -- frames ------------------------------------------------------------------------------
 

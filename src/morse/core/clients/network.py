@@ -20,7 +20,7 @@ _T = TypeVar("_T")
 #: longest time for which a borrowed loop may not be run, wall-clock seconds
 _UNSERVED = 0.002
 #: polling time before sleeping, wall-clock seconds, for a thread whose last wait was shorter than this; waking a thread
-#: up takes longer than a tick
+#: up takes longer than a tick, and a client in lockstep answers within this time. A thread that waits longer sleeps
 _WATCH = 0.0002 if (os.cpu_count() or 1) > 1 else 0.0
 
 
@@ -218,7 +218,9 @@ class Network:
         self._watchful = self._served - begin < _WATCH
 
     def _run(self) -> None:
-        # a notebook cell or a coroutine waits inside the running loop of its thread, which is suspended meanwhile
+        # A notebook cell or a coroutine waits inside the running loop of its thread, which is suspended meanwhile.
+        # asyncio has no public function to suspend it; these two are in `asyncio.events.__all__`, for authors of loops.
+        # The network thread would have to serve the clients instead: two switches of threads for each tick.
         outer = asyncio._get_running_loop()
         if outer is None:
             self._loop.run_forever()

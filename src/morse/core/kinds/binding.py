@@ -62,6 +62,7 @@ class BoundKind:
         frame: frame of the first slot of the messages.
         on_request: whether the kind is used only if the script asks for it.
         rest: the fields that do not belong to a slot.
+        is_picture: whether it is a kind of cameras.
     """
 
     def __init__(self, component: Any, use: KindUse, fields: Mapping[str, DataField], units: Mapping[str, str]) -> None:
@@ -92,7 +93,7 @@ class BoundKind:
         names = {name for _, source in self._sources for name in source.fields}
         self.rest = tuple(name for name in fields if name not in names and name != "timestamp")
         self._turns = self._find_turns()
-        self._is_picture = kind.name in PICTURES
+        self.is_picture = kind.name in PICTURES
         self.frame = next((_frame_in_message(slot, s) for slot, s in self._sources if slot.frame), "own")
         self._covariances = covariances(component, self.kind, self._sources, fields)
 
@@ -124,14 +125,18 @@ class BoundKind:
     @property
     def is_silent(self) -> bool:
         """Whether there is no message at present, because a camera does not capture."""
-        return self._is_picture and self.component.capturing is False
+        return self.is_picture and self.component.capturing is False
 
     def gather(self) -> Message:
         """Return the message with the present values of the fields; its slots are computed when they are read."""
         component = self.component
         data = component.local_data
         slots = data if self.kind.name == GENERAL else self._present
-        return Message(self.kind, stamp_of(component), self.frame, slots, data, self.topic)
+        return Message(self.kind, self._stamp, self.frame, slots, data, self.topic)
+
+    def _stamp(self) -> int:
+        """The simulated time of the measurement, even if the data are delivered later."""
+        return int(self.component.clock.stamp(self.component.local_data.get("timestamp")))
 
     def _present(self) -> dict[str, Any]:
         return self._slots_of(self.values(self.component))
@@ -217,17 +222,6 @@ class BoundKind:
         slots.update(self._covariances)
         return Message(self.kind, stamp, self.frame, slots)
 
-    def message_with(self, holder: Any, data: Mapping[str, Any], stamp: int) -> Message:
-        """Return the message of a measurement at a time, whole ns, with the values of `values` for the holder.
-
-        Args:
-            holder: the component, or an object with ``local_data`` if `needs` is not None.
-            data: the fields of the component.
-            stamp: simulated time of the measurement, whole ns.
-        """
-        slots = data if self.kind.name == GENERAL else self._slots_of(self.values(holder))
-        return Message(self.kind, stamp, self.frame, slots, data, self.topic)
-
     def scatter(self, slots: Mapping[str, Any], frame: str = "") -> tuple[dict[str, Any], str | None]:
         """Return the fields that a command sets, for `morse.core.validation.Commands`; other fields stay unchanged.
 
@@ -308,11 +302,6 @@ def _checked_array(slot: Slot, value: Any) -> Any:
 
 def _names(entry: Any) -> set[str]:
     return {entry} if isinstance(entry, str) else set()
-
-
-def stamp_of(component: Any) -> int:
-    """Return the simulated time of a measurement in whole nanoseconds, even if the data are delivered later."""
-    return int(component.clock.stamp(component.local_data.get("timestamp")))
 
 
 def fields_of(component: Any) -> dict[str, DataField]:

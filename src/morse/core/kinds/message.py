@@ -21,29 +21,42 @@ class Message:
     None.
 
     Args:
+        stamp: simulated time of the measurement, whole ns, or the function that computes it.
         slots: values by slot name, or the function that computes them when they are first read.
         fields: data of the component by name; default: the slots.
 
     Attributes:
         kind: see `morse.core.kinds.KINDS`.
-        stamp: simulated time of the measurement, whole ns.
         frame: frame of the first slot, see `morse.core.declarations.FRAMES`.
         topic: sub-topic of the topic of the component; empty for the topic itself.
     """
 
-    __slots__ = ("_fields", "_slots", "frame", "kind", "stamp", "topic")
+    __slots__ = ("_fields", "_slots", "_stamp", "frame", "kind", "topic")
 
     def __init__(
         self,
         kind: Kind,
-        stamp: int,
+        stamp: int | Callable[[], int],
         frame: str,
         slots: Mapping[str, Any] | Callable[[], Mapping[str, Any]],
         fields: Mapping[str, Any] | None = None,
         topic: str = "",
     ) -> None:
-        self.kind, self.stamp, self.frame, self.topic = kind, stamp, frame, topic
-        self._slots, self._fields = slots, fields
+        self.kind, self.frame, self.topic = kind, frame, topic
+        self._stamp, self._slots, self._fields = stamp, slots, fields
+
+    @property
+    def stamp(self) -> int:
+        """Simulated time of the measurement, whole ns, even if the data are delivered later."""
+        stamp = self._stamp
+        if callable(stamp):
+            stamp = self._stamp = stamp()
+        return stamp
+
+    def complete(self) -> Message:
+        """Compute everything now, so that the message can be read after its tick, in any thread."""
+        _ = self.stamp, self.slots
+        return self
 
     @property
     def slots(self) -> Mapping[str, Any]:

@@ -97,12 +97,10 @@ class KindStream(AbstractDatastream):
         if self._commands is None:
             manager = self.manager
             for entry, form in self._forms:
-                if manager.wanted(self, entry.topic) and not entry.is_silent:
+                if manager.wanted(self, entry.topic) and not (entry.is_picture and entry.is_silent):
                     payload = form(self, entry.gather())
                     if payload is not None:
                         manager.send(self, payload)
-            return False
-        if self.rests:
             return False
         is_commanded = False
         for data in self.arrived():
@@ -128,17 +126,20 @@ class KindStream(AbstractDatastream):
         self._queue.append(data if slots is None else _Slots(data, slots, frame))
 
     def arrived(self) -> Iterable[Any]:
-        """Remove what has arrived since the last action from the queue, and return it, the oldest first."""
+        """Remove what has arrived since the last action from the queue, and return it, the oldest first.
+
+        While the stream `rests`, everything stays in the queue.
+        """
         queue = self._queue
-        return [queue.popleft() for _ in range(len(queue))] if queue else ()
+        return [queue.popleft() for _ in range(len(queue))] if queue and not self.rests else ()
 
     def _read(self, data: Any) -> dict[str, Any] | None:
         """Return the fields that a command sets; None if it is none for this component."""
-        if isinstance(data, _Slots):
+        if type(data) is _Slots:
             return self._scattered(*data)
-        if self.decode is not None:
-            fields: dict[str, Any] | None = self.decode(data)
-            return fields
+        decode = self.decode
+        if decode is not None:
+            return decode(data)  # type: ignore[no-any-return] # validated like all fields
         general = self.manager.mapping(GENERAL, IN)
         if general is None:
             return data  # type: ignore[no-any-return] # validated like all fields

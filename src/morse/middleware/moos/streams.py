@@ -123,7 +123,7 @@ class MoosReader(MoosStream):
 
     def arrived(self) -> Iterable[dict[str, Any]]:
         """The fields that have arrived, one by one: a wrong variable does not invalidate the others."""
-        if not self._values:
+        if not self._values or self.rests:
             return ()
         fields, self._values = self._values, {}
         return [{field: value} for field, value in fields.items()]

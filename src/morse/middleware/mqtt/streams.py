@@ -89,7 +89,7 @@ class MqttReader(MqttStream):
 
     def arrived(self) -> Iterable[bytes]:
         """The messages that have arrived since the last action."""
-        if not self._inbox:
+        if not self._inbox or self.rests:
             return ()
         messages, lost = self._inbox.take()
         if lost:

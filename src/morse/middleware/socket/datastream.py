@@ -166,11 +166,13 @@ class SocketDatastreamManager(DatastreamManager):
     def send(self, stream: SocketStream, payload: Any) -> None:
         """Send fields, or the line of a publisher that writes its own, at the end of the tick."""
         server, binary = stream.server, stream.server.binary
-        line = _line(payload) if server.connected or isinstance(payload, (bytes, str)) else b""
+        is_line = type(payload) is bytes or type(payload) is str
+        line = b""
+        if is_line or server.connected:
+            line = _line(payload) if is_line or type(payload) is PictureFields else to_json(payload) + b"\n"
         if server.connected:
             self._outbox.append((server, line))
         if binary is not None and (binary.every or binary.ready):
-            is_line = isinstance(payload, (bytes, str))
             frame = line_frame(binary.number, line) if is_line else data_frame(binary.number, payload)
             self._frames.append((binary, frame))
 
@@ -264,13 +266,10 @@ class SocketDatastreamManager(DatastreamManager):
         await close_all([*self._servers.values(), self._binary])
 
 
-def _line(payload: Any) -> bytes:
+def _line(payload: PictureFields | bytes | str) -> bytes:
     if isinstance(payload, PictureFields):
-        line = payload.line()
-    elif isinstance(payload, str):
-        line = payload.encode()
-    else:
-        line = payload if isinstance(payload, bytes) else to_json(payload)
+        payload = payload.line()
+    line = payload.encode() if isinstance(payload, str) else payload
     return line if line.endswith(b"\n") else line + b"\n"
 
 

@@ -62,7 +62,7 @@ class SocketReader(SocketStream):
 
     def arrived(self) -> Iterable[bytes]:
         """The lines that have arrived since the last action."""
-        if not self.server.inbox:
+        if not self.server.inbox or self.rests:
             return ()
         lines, lost = self.server.inbox.take()
         if lost:

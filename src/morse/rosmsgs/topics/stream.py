@@ -169,8 +169,7 @@ class TopicStream(KindStream, ComponentMessages):
                 continue
             frame = self.frame_id(line.outlet.frame or message.frame)
             if line.outlet.takes_long:
-                message.slots  # noqa: B018 - they are computed in the tick
-                self.manager.sender.do(partial(self.send, line, message, frame), self)
+                self.manager.sender.do(partial(self.send, line, message.complete(), frame), self)
             else:
                 self.send(line, message, frame)
 
