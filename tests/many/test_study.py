@@ -306,3 +306,21 @@ print(len(study.run("r", workers=2)), "rows")
     (tmp_path / "script.py").write_text(text)
     outcome = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=240)
     assert outcome.stdout.split("\n")[0] == "3 rows", outcome.stderr
+
+
+@pytest.mark.slow
+def test_ray_gives_the_same_bits(tmp_path, pids):
+    import importlib.util
+
+    if importlib.util.find_spec("ray") is None:
+        return  # of 260 MB, which MORSE does not install
+    from morse.many.rays import RayExecutor
+
+    study = study_of(tmp_path)
+    executor = RayExecutor("local", 2)
+    try:
+        table = study.run(tmp_path / "ray", executor=executor)
+    finally:
+        executor.shutdown()
+    hashes = {row["run"]: row["hash"] for row in study.run(tmp_path / "inline", workers=0)}
+    assert {row["run"]: row["hash"] for row in table} == hashes
