@@ -45,7 +45,9 @@ class Steps:
         self._tree_asleep = state.data.tree_asleep
         self._asleep = self._tree_asleep.copy()
         self._saved = np.empty(mujoco.mj_stateSize(state.model, _STATE))
+        self._data = state.data
         self._step = state.model.opt.timestep
+        self._period = self._step * state.steps
         self.reset()
 
     def reset(self) -> None:
@@ -71,16 +73,14 @@ class Steps:
 
     def _glide_alone(self) -> bool:
         """Run the tick without the engine if only gliding robots move; return False if that is not possible."""
-        state, gliding = self._state, self._gliding
-        if state.is_stirred or state.has_forces or state.data.nv_awake != 6 * len(gliding.glides):
-            return False
-        if not self._rescue.all_is_well():
+        state, data = self._state, self._data
+        if state.is_stirred or state.has_forces or data.nv_awake != 6 * len(self._gliding.glides):
             return False
         touched = self._passage.alone()
         if touched:
             self._disturb(touched)
             return False
-        state.data.time += self._step * state.steps
+        data.time += self._period
         return True
 
     def _all_sleep(self) -> bool:

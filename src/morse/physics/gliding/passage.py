@@ -19,6 +19,8 @@ from morse.physics.gliding.glide import FORESIGHT
 from morse.physics.sleep import WIDE_AWAKE
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from numpy.typing import NDArray
 
     from morse.physics.gliding.gliding import Gliding
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 #: largest horizontal distance of the centre of mass from the origin, m, that has no effect
 _CENTRED = 1e-7
+_NOBODY: frozenset[int] = frozenset()
 
 
 class Passage:
@@ -37,6 +40,8 @@ class Passage:
         self._qpos, self._qvel, self._asleep = state.data.qpos, state.data.qvel, state.data.tree_asleep
         self._motion = state.data.qvel, state.data.qacc, state.data.qacc_smooth, state.data.qacc_warmstart
         self._step = state.model.opt.timestep
+        self._steps = state.steps
+        self._period = self._step * state.steps
         self._tree = state.model.body_treeid[state.model.geom_bodyid]
         self._arrangement = -1
         self._places = self._dofs = self._trees = np.empty(0, dtype=np.intp)
@@ -47,29 +52,28 @@ class Passage:
 
     # -- a tick without steps of the engine ------------------------------------------------
 
-    def alone(self) -> set[int]:
+    def alone(self) -> Collection[int]:
         """Move the robots in a tick in which nothing else moves; return the robots that are touched.
 
         If a robot is touched, nothing is moved.
         """
-        gliding, state = self._gliding, self._state
-        period = self._step * state.steps
+        gliding = self._gliding
+        if self._arrangement != gliding.arrangement:
+            self._refresh()
         if gliding.tick < gliding.clear_until or not self._is_near():
-            self._refresh()
-            if not len(self._lopsided):
-                mujoco.mj_integratePos(self._model, self._qpos, self._qvel, period)
-                return set()
+            if not self._swings:
+                mujoco.mj_integratePos(self._model, self._qpos, self._qvel, self._period)
+                return _NOBODY
             self._begin()
-            self._place(state.steps)
+            self._place(self._steps)
         else:
-            self._refresh()
             self._begin()
             touched = self._watch(others=False)
             if touched:
                 self._qpos[self._places] = self._start[self._places]
                 return touched
         self._qvel[self._dofs] = self._end
-        return set()
+        return _NOBODY
 
     # -- a tick with steps of the engine ---------------------------------------------------
 
@@ -84,17 +88,18 @@ class Passage:
             In both cases the caller restores the state before the tick.
         """
         gliding = self._gliding
-        self._refresh()
+        if self._arrangement != gliding.arrangement:
+            self._refresh()
         self._begin()
         if closely or (gliding.tick >= gliding.clear_until and self._is_near()):
             touched = self._watch(others=True)
             if touched:
                 return touched
         else:
-            if self._step_others(self._state.steps):
+            if self._step_others(self._steps):
                 gliding.clear_until = 0
                 return None
-            self._place(self._state.steps)
+            self._place(self._steps)
         self._qvel[self._dofs] = self._end
         return set()
 
@@ -124,7 +129,7 @@ class Passage:
         # something that wakes within the gap around a robot would wake what sleeps there
         self._gliding.set_gaps(False)
         try:
-            for step in range(self._state.steps):
+            for step in range(self._steps):
                 if step:
                     self._place(step)
                 self._detect()
@@ -135,7 +140,7 @@ class Passage:
                     self._step_others(1)
         finally:
             self._gliding.set_gaps(True)
-        self._place(self._state.steps)
+        self._place(self._steps)
         return set()
 
     def _detect(self) -> None:
@@ -174,8 +179,6 @@ class Passage:
     def _refresh(self) -> None:
         """Find the addresses of the robots in the arrays of the engine again after a robot began or ended to glide."""
         gliding = self._gliding
-        if self._arrangement == gliding.arrangement:
-            return
         self._arrangement = gliding.arrangement
         slots = [glide.slot for glide in gliding.glides.values()]
         self._places = np.array([slot.qpos + i for slot in slots for i in range(7)], dtype=np.intp)
@@ -185,6 +188,7 @@ class Passage:
         masses = {index: self._model.body_ipos[glide.slot.body] for index, glide in gliding.glides.items()}
         lopsided = [index for index, place in masses.items() if np.abs(place[:2]).max() > _CENTRED]
         self._lopsided = np.array(lopsided, dtype=np.intp)
+        self._swings = bool(lopsided)
         self._levers = np.array([masses[index] for index in lopsided]).reshape(-1, 3)
         self._swinging = np.array([gliding.glides[index].slot.dof for index in lopsided], dtype=np.intp)
 
@@ -193,7 +197,7 @@ class Passage:
         np.copyto(self._start, self._qpos)
         self._end = self._qvel[self._dofs]
         self._course[self._dofs] = self._end
-        if len(self._lopsided):
+        if self._swings:
             self._swing()
 
     def _place(self, steps: int) -> None:
@@ -208,7 +212,7 @@ class Passage:
         The engine changes the velocity of the origin in each step by the centripetal acceleration w^2 r, where r points
         from the origin to the centre of mass.
         """
-        steps, dofs = self._state.steps, self._swinging
+        steps, dofs = self._steps, self._swinging
         turned = self._state.rotations.array[self._lopsided]
         rates = [self._qvel[dofs + 3 + i] for i in range(3)]
         rate = turned[:, 6] * rates[0] + turned[:, 7] * rates[1] + turned[:, 8] * rates[2]
