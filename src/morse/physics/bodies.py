@@ -62,6 +62,9 @@ class Bodies:
         elif slot.mocap >= 0:
             data.mocap_pos[slot.mocap] = p
             data.mocap_quat[slot.mocap] = q
+        elif slot.body == 0:
+            self._move_static(index, position, rotation)
+            self._settle_fixed(index)
         elif slot.body > 0:
             state.model.body_pos[slot.body] = p
             state.model.body_quat[slot.body] = q
@@ -104,6 +107,18 @@ class Bodies:
             return
         state.positions[index], state.rotations[index], state.quaternions[index] = position, rotation, turned
 
+    def _move_static(self, index: int, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Move shapes that belong to the world."""
+        state, model = self._state, self._state.model
+        before = state.positions[index], state.rotations[index]
+        for geoms in state.slots[index].geoms.values():
+            for geom in geoms:
+                turned = rigid.rotation_of_quaternion(model.geom_quat[geom].tolist())
+                local = rigid.relative(*before, model.geom_pos[geom].tolist(), turned)
+                place, turned = rigid.compose(position, rotation, *local)
+                model.geom_pos[geom], model.geom_quat[geom] = place, rigid.quaternion(turned)
+        self.moved_shapes.note(0)
+
     def _settle_fixed(self, index: int) -> None:
         self._gliding.floor_changed(index)
         settle_fixed(self._state)
@@ -124,6 +139,8 @@ class Bodies:
         self._gliding.leave(index)
         for geom, shape in zip(slot.geoms[node], node.shapes or (), strict=True):
             position, rotation = rigid.compose(*offset, *self.shape_pose(geom, shape))
+            if slot.body == 0:
+                position, rotation = rigid.compose(state.positions[index], state.rotations[index], position, rotation)
             state.model.geom_pos[geom] = position
             state.model.geom_quat[geom] = rigid.quaternion(rotation)
         if slot.body >= 0:
@@ -319,7 +336,7 @@ class Bodies:
         body = state.slots[index].body
         state.is_stirred = True
         self._gliding.leave(index)
-        if body < 0 or model.body_gravcomp[body] == 1.0:
+        if body <= 0 or model.body_gravcomp[body] == 1.0:
             return
         model.body_gravcomp[body] = 1.0
         count_weightless(state)

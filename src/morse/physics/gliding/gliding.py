@@ -93,7 +93,7 @@ class Gliding:
         self._lowest: dict[int, float] = {}
         self.extents = np.zeros(count)
         # single numbers are read through a memory view in a third of the time that an array takes
-        self._extents = cast("memoryview[float]", memoryview(self.extents))
+        self._extents = cast("memoryview[float]", self.extents.data)
         self._period = state.period
         self.stances = Stances(self._able, count)
         self.speeds, self.margins = np.zeros(count + 1), np.zeros(count + 1)

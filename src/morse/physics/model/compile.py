@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.mathutils import Matrix, Vector
 from morse.mathutils.portable import matmul
 from morse.physics.driving.calibration import FREE_DAMPING, friction_of
 from morse.physics.driving.wheel_casters import caster_floor, is_caster, rise
@@ -50,6 +51,7 @@ _PAIR_MEMORY, _SPARE_MEMORY = 8, 1 << 22
 #: bodies; the second number, bytes for each body, is used instead. Unused memory is not allocated
 _MANY, _BODY_MEMORY = 1000, 1 << 20
 
+_ORIGIN = RigidFrame(Vector((0.0, 0.0, 0.0)), Matrix.Identity(3), Matrix.Identity(3))
 _TYPES = {
     ShapeKind.BOX: mujoco.mjtGeom.mjGEOM_BOX,
     ShapeKind.SPHERE: mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -65,7 +67,7 @@ class Slot:
     """The indices of a frame in the arrays of the engine; -1 or empty if the frame has no such item.
 
     Attributes:
-        body: id of the MuJoCo body.
+        body: id of the MuJoCo body; 0 for static shapes that belong to the world, at their poses in it.
         qpos: address of the free joint (7 numbers) or hinge (1).
         dof: address of its velocity (6 or 1).
         mocap: mocap id.
@@ -210,6 +212,11 @@ class _Builder:
         slot = Slot(frame, rigid_frame(frame.node))
         if not frame.has_body:
             return slot
+        if is_part_of_the_world(frame):
+            # the engine spends time on each body in each step, but not on each shape of one body
+            slot.body = 0
+            self._add_geoms(frame, slot, self._spec.worldbody, False)
+            return slot
         body = self._add_body(frame, slot)
         self._bodies[frame] = body
         has_links = self.articulated.set_inertia(frame, slot.pose, body) if frame.carries or frame.joints else False
@@ -248,12 +255,13 @@ class _Builder:
         lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
         is_robot = _is_free_robot(frame) and not has_links
         gets_planes = self._has_wheels and frame.motion is Motion.FIXED
-        turned = as_array(slot.pose.rotation)
+        pose = _ORIGIN if slot.body == 0 else slot.pose
+        turned = as_array(pose.rotation)
         stand, floor = self._stance(frame, slot), caster_floor(frame, slot.pose)
         for node in frame.solid:
-            position, rotation = relative_pose(node, slot.pose)
+            position, rotation = relative_pose(node, pose)
             if heavy and node.body.type is PhysicsType.SENSOR:
-                self._add_feelers(node, slot, body)
+                self._add_feelers(node, slot, body, pose)
                 continue
             for shape in node.shapes or ():
                 if is_caster(node) and frame.motion is not Motion.JOINT:
@@ -282,9 +290,9 @@ class _Builder:
                 body.inertia = _UNTURNABLE * np.asarray(body.inertia)
             self._add_feet(frame, slot, body, stand)
 
-    def _add_feelers(self, node: Node, slot: Slot, body: Any) -> None:
+    def _add_feelers(self, node: Node, slot: Slot, body: Any, pose: RigidFrame) -> None:
         """Add shapes that only detect contacts: they have no mass and exert no forces."""
-        position, rotation = relative_pose(node, slot.pose)
+        position, rotation = relative_pose(node, pose)
         for shape in node.shapes or ():
             geom = self._add_geom(body, shape, position, rotation)
             geom.mass, geom.contype, geom.conaffinity = 0.0, 0, 0
@@ -439,6 +447,11 @@ class _Builder:
             if slot.frame.motion is Motion.HINGE:
                 slot.actuator = model.actuator(slot.frame.node.name).id
         return geom_node
+
+
+def is_part_of_the_world(frame: Frame) -> bool:
+    """Whether the shapes of a frame belong to the world in the engine: it is static, and nothing moves within it."""
+    return frame.motion is Motion.FIXED and not any(node.bones for node in frame.members)
 
 
 def _is_free_robot(frame: Frame) -> bool:

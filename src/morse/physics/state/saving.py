@@ -108,6 +108,8 @@ class Saving:
         kinematics.refresh(world)
         world.loose.clear()
         world.loose.update(named[name] for name in state.loose)
+        if any(world.slots[index].body == 0 for index in world.loose):
+            world.bodies.moved_shapes.note(0)
         for pose in state.placed:
             index = named[pose.slot]
             world.positions[index], world.rotations[index] = pose.position, pose.rotation

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from morse.physics.state.engine_state import EngineState
 
 _OF_BODIES = ("body_pos", "body_quat")
-_OF_SURFACES = ("geom_pos", "geom_quat", "geom_condim", "geom_priority")
+_OF_CONTACTS = ("geom_condim", "geom_priority")
+_OF_SURFACES = ("geom_pos", "geom_quat", *_OF_CONTACTS)
 
 
 class Transfer:
@@ -97,7 +98,7 @@ class Transfer:
             name = b.frame.node.name
             self._carry_motion(a, b)
             self._carry_controls(a, b, model)
-            if b.body < 0:
+            if b.body <= 0:
                 continue
             if name in loose:
                 for array in _OF_BODIES:
@@ -112,7 +113,9 @@ class Transfer:
             new.data.ctrl[slot.actuator] = commands.get(slot.key, slot.start)
         new.data.time = old.data.time
         for a, b in self._same:
-            self._carry_shapes(a, b, model)
+            # static shapes have the poses of the new scene, unless they were moved by explicit calls
+            is_placed = b.body == 0 and b.frame.node.name not in loose
+            self._carry_shapes(a, b, model, _OF_CONTACTS if is_placed else _OF_SURFACES)
         numbers = engine_values.get_state(new)["integration"]
         return saved.SavedEngine(numbers, self._asleep(), model, self._contacts(before), before.engine.forces, True)
 
@@ -144,11 +147,11 @@ class Transfer:
             control = motors.control_of(self._old.model.actuator_biasprm[before[joint.name].actuator])
             motors.write(model, joint.actuator, joint.dof, joint.motor.setting(control))
 
-    def _carry_shapes(self, a: Slot, b: Slot, model: dict[str, NDArray[Any]]) -> None:
+    def _carry_shapes(self, a: Slot, b: Slot, model: dict[str, NDArray[Any]], names: Iterable[str]) -> None:
         """Transfer changes of the shapes of a slot by drives and explicit calls."""
         old = self._old.model
         for one, other in zip(_geoms(a), _geoms(b), strict=True):
-            for name in _OF_SURFACES:
+            for name in names:
                 model[name][other] = getattr(old, name)[one]
             if not old.geom_contype[one]:
                 model["geom_contype"][other] = model["geom_conaffinity"][other] = 0
