@@ -315,8 +315,10 @@ class Gliding:
         self._set_gap(slot, 0.0)
 
     def _start_anew(self, slot: Slot) -> None:
-        """Let the engine count the steps at rest before sleep anew."""
-        self._state.data.tree_asleep[self._state.model.body_treeid[slot.body]] = WIDE_AWAKE
+        """Remove what the engine keeps of a body from step to step."""
+        data = self._state.data
+        data.tree_asleep[self._state.model.body_treeid[slot.body]] = WIDE_AWAKE
+        data.qacc_warmstart[slot.dof : slot.dof + 6] = 0.0
 
     def _widen(self, index: int, glide: Glide, travel: float) -> None:
         """Let the engine detect what a robot can reach in a number of ticks.

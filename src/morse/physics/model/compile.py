@@ -167,11 +167,13 @@ def _compile(scene: Scene) -> Compiled:
 
 
 def _make_bodies_independent(model: mujoco.MjModel) -> None:
-    """Let the engine compute the same bits for a body, however many other bodies there are that it does not touch."""
+    """Let the engine compute the same bits for a body, however many other bodies there are that it does not touch.
+
+    Only for contacts with friction last digits may differ: the engine chooses the start of its solver for all bodies
+    together. Without that choice, heaps would not fall asleep.
+    """
     # products with rows of another length are summed in another order
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE
-    # the engine chooses the start of the solver for all bodies together
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
     # the tolerance of the solver is divided by the product of both
     model.stat.meaninertia = _SOLVER_INERTIA / max(model.nv, 1)
 
