@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from many_scenes import arena, crowded_arena
+from many_scenes import arena, body, crowded_arena
 
 import morse
 from morse.core.validation.errors import CommandError
@@ -188,3 +188,23 @@ def test_arguments_of_a_script_for_each_row(tmp_path):
         x = many.read("robot.pose", "x")
         many.step(1)
         assert x == pytest.approx([1.0, 2.0, 3.0], abs=1e-3)
+
+
+def test_velocities_between_two_periods():
+    def scene():
+        from morse.builder import Environment, MotionVW, Odometry, Robot
+
+        robot = Robot(name="robot")
+        body(robot)
+        odometry = Odometry("odometry")
+        odometry.frequency(10)
+        for part in (MotionVW("motion"), odometry):
+            robot.append(part)
+        Environment("empty")
+
+    with morse.load(scene) as sim:
+        sim.robot.motion.publish({"v": 1.0})
+        sim.step(60)
+        for ticks in (4, 5, 7, 1):
+            sim.step(ticks, measure=True)
+            assert sim.robot.odometry.data["vx"] == pytest.approx(1.0, abs=1e-6)

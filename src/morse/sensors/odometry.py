@@ -91,11 +91,13 @@ class Odometry(Sensor):
 
     add_state("original_pos", Transformation3d, "Pose at the start, or where reset() was called")
     add_state("previous_pos", Transformation3d, "Pose at the last measurement")
+    add_state("_time", float, "Time of the last measurement", unit="s")
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.original_pos = Transformation3d(obj)
         self.previous_pos = self.original_pos.transformation3d_with(self.original_pos)
+        self._time = self.clock.time
 
     def relative_pose(self) -> Transformation3d:
         """The present pose in the frame of the start pose."""
@@ -128,15 +130,19 @@ class IntegratedOdometry(Odometry):
     def default_action(self) -> None:
         """Measure the pose relative to the start, and the displacement per second."""
         pose = self.relative_pose()
-        self.local_data.update(zip(_INTEGRATED, _numbers(pose, self.previous_pos, self.frequency), strict=True))
-        self.previous_pos = pose
+        rate = _rate(self.frequency, self.clock.time - self._time)
+        self.local_data.update(zip(_INTEGRATED, _numbers(pose, self.previous_pos, rate), strict=True))
+        self.previous_pos, self._time = pose, self.clock.time
 
     @classmethod
     def act_together(cls, group: Group) -> None:
         """Measure for all members; the values are computed on demand."""
         here, before = group.poses, group.memory.get("poses")
         group.memory["poses"] = here
-        rate = group.members[0].frequency
+        now, last = group.context.clock.time, group.memory.get("time")
+        group.memory["time"] = now
+        frequency = group.members[0].frequency
+        times = group.attributes("_time") if last is None else ()
         originals = group.attributes("original_pos")
         starts = group.attributes("previous_pos") if before is None else ()
 
@@ -146,13 +152,20 @@ class IntegratedOdometry(Odometry):
 
         def numbers(row: int) -> tuple[float, ...]:
             previous = starts[row] if before is None else relative(row, before)
-            return _numbers(relative(row, here), previous, rate)
+            passed = now - (times[row] if last is None else last)
+            return _numbers(relative(row, here), previous, _rate(frequency, passed))
 
         group.write(_INTEGRATED, numbers, later=True)
 
     def settle(self) -> None:
         """Set the pose of the last measurement, from which the next displacement is measured."""
-        self.previous_pos = self.relative_pose()
+        self.previous_pos, self._time = self.relative_pose(), self.local_data["timestamp"]
+
+
+def _rate(frequency: float, passed: float) -> float:
+    """Return the inverse of the time since the last measurement, Hz: a program may measure between two periods."""
+    is_regular = passed <= 0.0 or abs(passed * frequency - 1.0) < 1e-6
+    return frequency if is_regular else 1.0 / passed
 
 
 def _numbers(pose: Transformation3d, before: Transformation3d, rate: float) -> tuple[float, ...]:
