@@ -17,13 +17,13 @@ ROOMS = ("core", "simulation", "launch", "viewer", "recording", "services")
 #: methods of parts that may be code of users, called by the simulation
 METHODS = frozenset((
     "action", "default_action", "update_pose", "modify", "before_tick", "after_tick", "restarted", "rearranged",
-    "edited", "viewpoint_changed", "report_pace", "act_together", "take_input", "settle", "serve", "release_delayed",
+    "edited", "viewpoint_changed", "report_pace", "take_input", "remember", "observe", "serve", "release_delayed",
 ))  # fmt: skip
 #: those that parts of the simulator pass on to their own parts
 NOTIFICATIONS = frozenset(("after_tick", "restarted", "rearranged", "edited"))
 #: lists of functions of users
 LISTS = frozenset((
-    "input_functions", "output_functions", "before_physics", "reviews", "group_taps", "observers", "sinks",
+    "input_functions", "output_functions", "before_physics", "reviews", "observers", "sinks",
     "_subscribers", "_callbacks", "input_modifiers", "output_modifiers",
 ))  # fmt: skip
 #: a part that calls another one of its own in turn, within the guard of its caller
@@ -36,7 +36,8 @@ WITHIN = {
     # asked by the guard of `serve`, and passed to `Guard.each`
     ("core/requests.py", "serve"), ("simulation/ticks/ticking.py", "action"),
     ("simulation/ticks/ticking.py", "update_pose"),
-    ("core/groups/group.py", "settle"), ("core/object.py", "settle"),
+    ("core/rows/sensor_rows.py", "default_action"), ("core/rows/sensor_rows.py", "remember"),
+    ("core/rows/sensor_rows.py", "observe"), ("core/sensor.py", "observe"), ("simulation/ticks/ticking.py", "observe"),
     # listens at a port
     ("core/clients/network.py", "serve"),
 }  # fmt: skip

@@ -10,7 +10,7 @@ from morse.core.datastream import AbstractDatastream, DatastreamManager
 from morse.core.modifier import AbstractModifier
 from morse.core.observer import Observer
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data
+from morse.helpers.components import add_data, on_read
 from morse.robots.fakerobot import FakeRobot
 
 if TYPE_CHECKING:
@@ -118,35 +118,26 @@ class Carriage(FakeRobot):
             fault()
 
 
-class Team(Gauge):
-    """Sensors that act together; the data of each are computed when they are read."""
+class Team(Sensor):
+    """Sensors whose data are computed when they are read."""
 
-    add_data("row", 0, "int", "Number")
+    add_data("count", 0, "int", "Number of the measurement")
 
+    def observe(self) -> int:
+        if Gauge.where == "observing":
+            fail_in(self)
+        return 1
+
+    @on_read
     def default_action(self) -> None:
-        if self.where != "lazy":
-            super().default_action()
-        self.local_data["row"] = 1
+        if Gauge.where == "lazy":
+            fail_in(self)
+        self.local_data["count"] = self.observation()
 
-    @classmethod
-    def act_together(cls, group: Any) -> None:
-        def values(row: int) -> tuple[int]:
-            if cls.where == "lazy":
-                fail_in(group.members[row])
-            return (1,)
-
-        if cls.where == "together" and group.context.clock.tick >= TICK:
-            fault()
-        group.write(("row",), values)
-
-    def may_act_together(self) -> bool:
-        if self.where == "joining":  # called whenever groups are formed
+    def may_wait(self) -> bool:
+        if Gauge.where == "waiting":
             fail_in(self)
         return True
-
-    def settle(self) -> None:
-        if self.where == "settling":
-            fail_in(self)
 
 
 class Shaky(AbstractModifier):

@@ -19,7 +19,7 @@ LISTS = ["input_functions", "output_functions", "input_modifiers", "output_modif
 OF_CLOCK = ["tick", "time", "frequency", "period"]
 OF_CONTEXT = [
     *("clock", "world", "services", "guard", "journal", "complaints", "robots", "components", "stream_managers"),
-    *("service_objects", "overlays", "failed", "group_taps", "time_shares", "arrivals", "scene"),
+    *("service_objects", "overlays", "failed", "time_shares", "arrivals", "scene"),
 ]
 PLACES = [
     *((f"self.{name}", value) for name in OWN for value in (None, 5)),

@@ -27,12 +27,16 @@ class Pair:
         self.together, self.alone = pushers(obstacle), pushers(obstacle)
         self.fleet = self.together.fleet([self.together.game_object(f"robot{i}") for i in range(COUNT)])
         self.single = []
+        self.lasting = None
         drive = self.together.drives._drive_body
         self.together.drives._drive_body = lambda *arguments: self.single.append(1) or drive(*arguments)
 
     def tick(self, v, w, position, grounded):
-        self.fleet.renew()
-        self.fleet.command([v] * COUNT, 0.0, [w] * COUNT, position, lambda: [grounded] * COUNT)
+        if (v, w, position, grounded) != self.lasting:
+            self.lasting = v, w, position, grounded
+            for i in range(COUNT):
+                self.together.game_object(f"robot{i}").drive((v, 0, 0), (0, 0, w), position=position, ground=grounded)
+                assert self.fleet.adopt(i)
         self.together.drive_fleet(self.fleet)
         for i in range(COUNT):
             self.alone.game_object(f"robot{i}").drive((v, 0, 0), (0, 0, w), position=position, ground=grounded)

@@ -32,7 +32,7 @@ def parts(simulation: Any) -> Iterator[Any]:
 
 def constants(part: Any) -> dict[str, str]:
     """The attributes of a part that are not part of its state, as text."""
-    names = left_out(type(part)) - _FOLLOWS
+    names = left_out(type(part)) - _FOLLOWS - {"_is_read"}  # who has looked changes nothing
     values = {name: value for name, value in vars(part).items() if name in names}
     return {
         name: repr(value) for name, value in values.items() if isinstance(value, (bool, int, float, str, tuple, list))

@@ -67,11 +67,9 @@ def _check(name: str, ticks: int, elsewhere: Any, monkeypatch: pytest.MonkeyPatc
     with contextlib.closing(run.simulation):
         run.check_restored(run.simulation, run.state)
         run.check_all(pickle.loads(run.pickled))
-        with monkeypatch.context() as alone:
-            alone.setenv("MORSE_FLEETS", "off")
-            run.check_all(run.build)
-            with morse.load(run.build, seed=3) as other:
-                run.check_restored(other, State.from_bytes(run.content))
+        run.check_all(run.build)
+        with morse.load(run.build, seed=3) as other:
+            run.check_restored(other, State.from_bytes(run.content))
         there = elsewhere.apply(components.go_on, (name, run.carrier, run.content, ticks), {"real": real})
         assert there == run.end
 
@@ -107,10 +105,8 @@ def _hashes(simulation: Any, ticks: int) -> list[str]:
 
 
 @pytest.mark.parametrize("sockets", [True, False])
-@pytest.mark.parametrize("fleets", ["on", "off"])
-def test_the_end_of_a_command_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch, fleets: str, sockets: bool) -> None:
+def test_the_end_of_a_command_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch, sockets: bool) -> None:
     """A robot whose controller is gone stops, also where its state is restored, and also without sockets there."""
-    monkeypatch.setenv("MORSE_FLEETS", fleets)
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     with morse.load(_limited, seed=1, sockets=True) as first:
         first.step(10)

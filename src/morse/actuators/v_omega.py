@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from morse.actuators.speed_command import SpeedCommand
 from morse.core.robot import drives_body
-from morse.helpers.components import add_property
-
-if TYPE_CHECKING:
-    from morse.core.groups.group import Group
+from morse.helpers.components import add_property, while_same
 
 
 class MotionVW(SpeedCommand):
@@ -29,16 +24,12 @@ class MotionVW(SpeedCommand):
 
     _type: str
 
+    @while_same("v", "w")
     def default_action(self) -> None:
         """Apply the speeds."""
         (v,), w = self.speeds()
         self.robot_parent.apply_speed(self._type, (v, 0.0, 0.0), (0.0, 0.0, w))
 
-    @classmethod
-    def act_together(cls, group: Group) -> None:
-        """Apply the speeds of all members."""
-        group.drive(group.attributes("_type"), group.read("v"), None, group.read("w"))
-
-    def may_act_together(self) -> bool:
+    def may_wait(self) -> bool:
         """Whether the robot is driven as one body and the speeds have no limits."""
         return drives_body(self.robot_parent) and not self.is_limited()

@@ -8,7 +8,6 @@ from morse.actuators.speed_command import SpeedCommand
 from morse.core.wheeled_robot import PhysicsDifferentialRobot
 
 if TYPE_CHECKING:
-    from morse.core.groups.group import Group
     from morse.core.robot import Robot
     from morse.core.world import Body
 
@@ -33,13 +32,3 @@ class MotionVWDiff(SpeedCommand):
         """Turn the wheels."""
         (v,), w = self.speeds()
         self.robot_parent.apply_vw_wheels(v, w)
-
-    @classmethod
-    def act_together(cls, group: Group) -> None:
-        """Turn the wheels of all robots."""
-        for member, v, w in zip(group.members, group.read("v"), group.read("w"), strict=True):
-            member.robot_parent.apply_vw_wheels(v, w)
-
-    def may_act_together(self) -> bool:
-        """Whether the speeds have no limits."""
-        return not self.is_limited()

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from morse.actuators.limited_motion import LimitedMotion
 from morse.core.limits import SPEED, TURN_RATE
 from morse.core.robot import drives_body
-from morse.helpers.components import add_data, add_kind, add_property
-
-if TYPE_CHECKING:
-    from morse.core.groups.group import Group
+from morse.helpers.components import add_data, add_kind, add_property, while_same
 
 
 class MotionXYW(LimitedMotion):
@@ -35,6 +30,7 @@ class MotionXYW(LimitedMotion):
     linear_axes = 2
     _type: str
 
+    @while_same("x", "y", "w")
     def default_action(self) -> None:
         """Apply the speeds."""
         (x, y), w = self.speeds()
@@ -44,11 +40,6 @@ class MotionXYW(LimitedMotion):
         """See `LimitedMotion.commanded`."""
         return (self.local_data["x"], self.local_data["y"]), self.local_data["w"]
 
-    @classmethod
-    def act_together(cls, group: Group) -> None:
-        """Apply the speeds of all members."""
-        group.drive(group.attributes("_type"), group.read("x"), group.read("y"), group.read("w"))
-
-    def may_act_together(self) -> bool:
+    def may_wait(self) -> bool:
         """Whether the robot is driven as one body and the speeds have no limits."""
         return drives_body(self.robot_parent) and not self.is_limited()

@@ -10,6 +10,7 @@ from morse.core.declarations import add_state, fields_of_component
 from morse.core.guard import modify, read
 from morse.core.journal import COMMAND
 from morse.core.object import Object
+from morse.core.rows.marks import lasting_fields
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -37,6 +38,10 @@ class Actuator(Object):
     _command_limit: float | None = None
 
     add_state("command_end", float | None, "Time at which the last command ends", unit="s")
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        cls.acts_in_rows = bool(lasting_fields(cls))
 
     def limit_commands(self, seconds: float) -> None:
         """Prepare for commands that end: the scene declares a stream with the option ``timeout``.

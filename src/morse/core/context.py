@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from morse.core.abstractobject import AbstractObject
     from morse.core.clients.network import Network
     from morse.core.clock import Clock
-    from morse.core.groups.group import Group
     from morse.core.object import Object
     from morse.core.request_manager import MorseServices
     from morse.core.world import World
@@ -69,8 +68,6 @@ class Context:
         service_objects: objects that offer the services of ``simulation``, ``time`` and ``communication``; several
             objects may share a name.
         network: the network thread for sockets and the live view; None for a simulation without either.
-        group_taps: callbacks, called after each measurement of sensors that act together, with their
-            `morse.core.groups.group.Group`.
         failed: names of the components that were deactivated because they raised exceptions.
         controls: input at the live view; it changes between ticks only.
         journal: record of all input from outside the simulation.
@@ -100,7 +97,6 @@ class Context:
     stream_managers: dict[str, Any] = field(default_factory=dict)
     service_objects: list[AbstractObject] = field(default_factory=list)
     overlays: dict[str, Any] = field(default_factory=dict)
-    group_taps: list[Callable[[Group], object]] = field(default_factory=list)
     failed: set[str] = field(default_factory=set)
     controls: Controls = _NOTHING_HELD
     journal: Journal = field(init=False)

@@ -60,8 +60,7 @@ class AbstractDatastream(ABC):
     def waiting(self) -> Sized | None:
         """Return a collection that is empty while `default` has nothing to do; None if this is not known.
 
-        The collection is the same object at each call. Components that act together do not call `default` while the
-        collection is empty.
+        The collection is the same object at each call. `default` need not be called while the collection is empty.
         """
         return None
 

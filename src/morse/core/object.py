@@ -12,20 +12,19 @@ from morse.core.abstractobject import AbstractObject
 from morse.core.classes import describing
 from morse.core.classes.fixed import OfOneClass
 from morse.core.declarations import add_state, data_fields, levels, properties
-from morse.core.groups.group import OnDemand
 from morse.core.requests import Requesting
 from morse.core.services import ServiceDeclaration, declared_services, service
 from morse.core.state.attributes import replace, state_of
 from morse.core.state.errors import StateError
-from morse.helpers.transformation import Transformation3d
+from morse.helpers.transformation import FollowingPose, Transformation3d
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from morse.core.context import Context
     from morse.core.declarations import DataField
-    from morse.core.groups.group import Group
     from morse.core.parts.moving_parts import MovingPart
+    from morse.core.rows.unread import Entry
     from morse.core.world import Body
 
 logger = logging.getLogger(__name__)
@@ -82,7 +81,7 @@ class Object(Requesting, AbstractObject):
                 self.local_data[name] = copy.deepcopy(field.default)
         for python_name, prop in properties(type(self)).items():
             setattr(self, python_name, obj[prop.name] if prop.name in obj else copy.deepcopy(prop.default))
-        self.position_3d = Transformation3d(obj)
+        self.position_3d = FollowingPose(obj) if self.acts_in_rows else Transformation3d(obj)
         self.initial_position_3d = Transformation3d(obj)
         self.input_functions: list[Callable[[Any], bool]] = []
         self.output_functions: list[Callable[[Any], Any]] = []
@@ -109,7 +108,8 @@ class Object(Requesting, AbstractObject):
         "rays",
         "on_completion",
         "_offered",
-        "group",
+        "_in_rows",
+        "_is_read",
         *_OF_EACH_TICK,
     )
 
@@ -122,8 +122,12 @@ class Object(Requesting, AbstractObject):
         """Return the component in whose frame its data are; None for itself."""
         return None
 
-    #: the group of components that act together with this one
-    group: Group | None = None
+    #: whether instances may be rows, see `morse.core.rows`
+    acts_in_rows: ClassVar[bool] = False
+    #: the rows of which this component is one; None if it acts in each tick
+    _in_rows: Entry | None = None
+    #: whether somebody may have a reference to its data
+    _is_read = False
 
     @property
     def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
@@ -156,14 +160,11 @@ class Object(Requesting, AbstractObject):
 
         Override it together with `set_state` for a component that keeps a part of its state elsewhere.
         """
-        if self.group is not None:
-            _ = self.local_data  # fills in fields that are computed on demand
-            self.settle()
+        data = None if self._in_rows is None else self._in_rows.data_of(self)
         own = state_of(self)
-        # a group removes the data and restores them; the other attributes keep their order, because views follow their
-        # arrays
-        if "local_data" in own:
-            own["local_data"] = own.pop("local_data")
+        # the same order, whether it is a row or not; the others keep their order, because views follow their arrays
+        if data is not None or "local_data" in own:
+            own["local_data"] = own.pop("local_data", data)
         return own
 
     def set_state(self, state: dict[str, Any]) -> None:
@@ -180,9 +181,9 @@ class Object(Requesting, AbstractObject):
             lacking = is_whole and name in present and name not in state
             if lacking or (state.get(name, self) is None and present.get(name) is not None and name not in options):
                 raise StateError(f"'{name}' of {self.name()} is missing")
+        if self._in_rows is not None:
+            self._in_rows.release()
         replace(self, [name for name in self.get_state() if name in present] if is_whole else (), state)
-        if self.group is not None:
-            self.group.is_changed = True
         # the client that called a running service may have disconnected; the service continues nevertheless
         self.on_completion = None if self.running_service is None else _nobody
 
@@ -208,14 +209,14 @@ class Object(Requesting, AbstractObject):
     @active.setter
     def active(self, value: bool) -> None:
         self._active = bool(value)
-        if self.group is not None:
-            self.group.is_changed = True
+        if self._in_rows is not None:
+            self._in_rows.is_changed = True
 
     def switch_off(self) -> None:
         """Deactivate the component after an error, also if its class overrides `active` or does not observe it."""
         vars(self)["_active"] = False
-        if self.group is not None:
-            self.group.is_changed = True
+        if self._in_rows is not None:
+            self._in_rows.is_changed = True
         for name in _OF_EACH_TICK:
             method = getattr(self, name, None)
             if callable(method) and not str(getattr(method, "__module__", "")).startswith("morse."):
@@ -225,16 +226,12 @@ class Object(Requesting, AbstractObject):
         """Switch between active and inactive."""
         self.active = not self._active
 
-    def may_act_together(self) -> bool:
-        """Whether the component takes part in ``act_together`` of its class; called whenever groups are formed."""
-        return True
+    def may_wait(self) -> bool:
+        """Whether the action may be omitted while it has nothing to do, as its class declares (`morse.core.rows`).
 
-    def settle(self) -> None:
-        """Update the attributes that ``act_together`` does not update.
-
-        It is called before a component that acted together with others acts alone, or is saved. ``position_3d`` and
-        ``local_data`` are updated automatically.
+        It is called when the component is loaded, and after its properties have changed.
         """
+        return True
 
     def periodic_call(self) -> bool:
         """Return True: the action of a component is only called at its frequency. Kept for components of 1.4."""
@@ -278,8 +275,8 @@ class Object(Requesting, AbstractObject):
 
         python_name, new_value = checked_property(self, name, value)
         setattr(self, python_name, new_value)
-        if self.group is not None:
-            self.group.is_changed = True  # whether the component acts together with others may depend on the property
+        if self._in_rows is not None:
+            self._in_rows.is_changed = True
 
     @service(changes=False)
     def get_configurations(self) -> dict[str, Any]:
@@ -304,7 +301,6 @@ _NEEDED = (
 )
 for _name in _NEEDED:
     setattr(Object, _name, OfOneClass(_name))
-Object.local_data = OnDemand()  # type: ignore[assignment] # all but members of groups have an attribute of their own
 
 
 def _nobody(_outcome: Any) -> None:

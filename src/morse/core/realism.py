@@ -133,3 +133,9 @@ def copied(value: Any) -> Any:
     if type(value) is dict or type(value) is LocalData:
         return {key: copied(item) for key, item in value.items()}
     return deepcopy(value)
+
+
+def phase_of(component: Any) -> float:
+    """Return the time of the first action of a component after the start, s."""
+    realism = getattr(component, "realism", None)
+    return realism.phase if isinstance(realism, Realism) else 0.0

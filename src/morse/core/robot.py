@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 from morse.core.declarations import add_data, add_property, add_state
 from morse.core.object import Object
 from morse.core.parts.link_parts import link_parts
+from morse.core.services import service
 from morse.helpers.chain import Chain
+from morse.helpers.transformation import FollowingPose
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,6 +40,7 @@ class Robot(Object):
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self.time_shift = 0.0
+        self.position_3d = FollowingPose(obj)
         self.position_3d.follow(obj)
         self._no_gravity = bool(self._no_gravity)
         self._is_ground_robot = bool(self._is_ground_robot)
@@ -76,6 +79,14 @@ class Robot(Object):
             and cls.update_pose is Object.update_pose
             and not own.keys() & {"action", "default_action", "update_pose"}
         )
+
+    @service
+    def set_property(self, name: str, value: Any) -> None:
+        """Change a property while the simulation runs."""
+        super().set_property(name, value)
+        for component in self.context.components.values():
+            if component.robot_parent is self and component._in_rows is not None:
+                component._in_rows.is_changed = True  # its speed may depend on the property
 
     def gettime(self) -> float:
         """Simulated time on the clock of this robot, s."""
@@ -116,5 +127,5 @@ class Robot(Object):
 
 
 def drives_body(robot: Robot) -> bool:
-    """Whether a robot uses `Robot.apply_speed` without override, so that `Group.drive` is equivalent."""
+    """Whether a robot uses `Robot.apply_speed` without override, so that its body moves as commanded."""
     return type(robot).apply_speed is Robot.apply_speed and "apply_speed" not in vars(robot)

@@ -8,6 +8,8 @@ from morse.core.declarations import add_data, add_state, data_fields
 from morse.core.guard import modify, publish
 from morse.core.noise import measured
 from morse.core.object import Object
+from morse.core.rows.marks import is_on_read
+from morse.core.rows.unread import Unread, present_data
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
 from morse.scene.realism import is_numeric
@@ -37,6 +39,7 @@ class Sensor(Object):
     """
 
     robot_parent: Robot
+    local_data = Unread()  # an attribute of the sensor has precedence
 
     add_data("timestamp", 0.0, "float", "Simulated time of the measurement", unit="s")
 
@@ -51,23 +54,36 @@ class Sensor(Object):
     _reports: ClassVar[bool] = False
     #: whether the class is the user's, so that its data may have any size
     _is_checked: ClassVar[bool] = False
-    not_state: ClassVar[tuple[str, ...]] = ("_counted",)
+    not_state: ClassVar[tuple[str, ...]] = ("_counted", "observed")
+    #: what `observe` has returned at the time of a measurement that is computed later
+    observed: Any = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
         cls._reports = cls.report is not Sensor.report
         cls._is_checked = not cls.__module__.startswith("morse.")
+        cls.acts_in_rows = is_on_read(cls)
 
     capturing: bool | None = None
 
     @service(changes=False)
     def get_local_data(self) -> dict[str, Any]:
         """The present data of the sensor."""
-        return self.local_data
+        return present_data(self)
 
     def watched_space(self) -> WatchedSpace | None:
         """The space that the sensor observes, for the live view; None if only its rays are shown."""
         return None
+
+    def observe(self) -> Any:
+        """Return what a measurement needs of the present moment besides the pose, such as the hits of rays.
+
+        For a sensor that measures when its data are read, it is called in each tick in which the sensor is due.
+        """
+
+    def observation(self) -> Any:
+        """Return the result of `observe` at the time of the measurement."""
+        return self.observe() if self.observed is None else self.observed
 
     def measure(self) -> None:
         """Fill the measured fields of ``local_data`` with the true values; noise is added afterwards."""

@@ -13,6 +13,7 @@ from morse.core.declarations import (
     prop,
     scaled,
 )
+from morse.core.rows.marks import on_read, while_same
 
 __all__ = [
     "add_data",
@@ -24,6 +25,8 @@ __all__ = [
     "each",
     "euler",
     "mapped",
+    "on_read",
     "prop",
     "scaled",
+    "while_same",
 ]

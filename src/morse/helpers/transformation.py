@@ -59,10 +59,9 @@ class Transformation3d:
     they are read. Returned objects are copies.
     """
 
-    __slots__ = ("_link", "_position", "_rotation")
+    __slots__ = ("_position", "_rotation")
     _position: Sequence[float]
     _rotation: Sequence[float]
-    _link: tuple[PoseSource, int, object]
 
     def __init__(self, obj: Posed | None = None) -> None:
         """Create the pose of an object, or the identity."""
@@ -97,17 +96,6 @@ class Transformation3d:
         """
         self._position = position
         self._rotation = rotation
-
-    def follow(self, source: PoseSource, row: int = 0) -> None:
-        """Follow a source: reading this pose returns the present pose of the source.
-
-        The effect of `update` and `set_pose` lasts until the stamp of the source changes.
-        """
-        self._link = (source, row, None)
-        self.__class__ = _Following
-
-    def stay(self) -> None:
-        """Stop following a source, and keep the present pose."""
 
     def get_pose(self) -> tuple[Sequence[float], Sequence[float]]:
         """Return the arguments of `set_pose`; they must not be modified."""
@@ -216,58 +204,61 @@ class Transformation3d:
         )
 
 
-_PLACE, _TURN = Transformation3d.__dict__["_position"], Transformation3d.__dict__["_rotation"]
+class FollowingPose(Transformation3d):
+    """A pose that may follow a source: reading it returns the present pose of the source.
 
+    The effect of `update` and `set_pose` lasts until the stamp of the source changes.
+    """
 
-class _Following(Transformation3d):
-    """A pose that follows a source; a separate class, so that other poses are read without a check."""
+    __slots__ = ("_here", "_row", "_source", "_stamp", "_turn")
 
-    __slots__ = ()
+    def __init__(self, obj: Posed | None = None) -> None:
+        self._source: PoseSource | None = None
+        super().__init__(obj)
 
-    def _fresh(self) -> None:
-        source, row, stamp = self._link
-        if source.stamp != stamp:
-            position, rotation = source.pose_of(row)
+    def follow(self, source: PoseSource, row: int = 0) -> None:
+        """Follow a row of a source, from the next change of its stamp on."""
+        self._source, self._row = source, row
+        self._stamp = source.stamp
+
+    def stay(self) -> None:
+        """Stop following, and keep the present pose."""
+        self._refresh()
+        self._source = None
+
+    def _refresh(self) -> None:
+        source = self._source
+        if source is not None and source.stamp != self._stamp:
+            position, rotation = source.pose_of(self._row)
             self.set_pose(position, rotation)
 
     def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
         """See `Transformation3d.set_pose`."""
-        source, row, _ = self._link
-        self._link = (source, row, source.stamp)
-        _PLACE.__set__(self, position)
-        _TURN.__set__(self, rotation)
+        self._here, self._turn = position, rotation
+        if self._source is not None:
+            self._stamp = self._source.stamp
 
-    def stay(self) -> None:
-        """See `Transformation3d.stay`."""
-        self._fresh()
-        self.__class__ = Transformation3d  # type: ignore[assignment]
+    @property
+    def _position(self) -> Sequence[float]:
+        self._refresh()
+        return self._here
 
-    def _get_position(self) -> Sequence[float]:
-        self._fresh()
-        position: Sequence[float] = _PLACE.__get__(self)
-        return position
+    @_position.setter
+    def _position(self, position: Sequence[float]) -> None:
+        self._here = position
 
-    def _get_rotation(self) -> Sequence[float]:
-        self._fresh()
-        rotation: Sequence[float] = _TURN.__get__(self)
-        return rotation
+    @property
+    def _rotation(self) -> Sequence[float]:
+        self._refresh()
+        return self._turn
 
-    def _set_position(self, position: Sequence[float]) -> None:
-        self.set_pose(position, self._rotation)
-
-    def _set_rotation(self, rotation: Sequence[float]) -> None:
-        self.set_pose(self._position, rotation)
-
-    _position = property(_get_position, _set_position)
-    _rotation = property(_get_rotation, _set_rotation)
+    @_rotation.setter
+    def _rotation(self, rotation: Sequence[float]) -> None:
+        self._turn = rotation
 
     def __reduce_ex__(self, protocol: object) -> tuple[object, ...]:
         """A copy is the present pose and does not follow the source."""
         return _plain, (self._position, self._rotation)
-
-
-#: the class of poses that follow a source
-FOLLOWING = _Following
 
 
 def _plain(position: Sequence[float], rotation: Sequence[float]) -> Transformation3d:

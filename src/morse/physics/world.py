@@ -316,7 +316,7 @@ class World(ObjectWorld):
 
     def fleet(self, objects: Sequence[Posed]) -> Fleet:
         """Create a fleet of objects that are driven together with `drive_fleet`."""
-        return Fleet([obj.slot for obj in objects])
+        return Fleet(self.drives, [obj.slot for obj in objects])
 
     def snapshots(self, objects: Sequence[Posed]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""
@@ -327,7 +327,7 @@ class World(ObjectWorld):
         return VelocitySnapshots(self, cast("Sequence[GameObject]", objects))
 
     def drive_fleet(self, fleet: Fleet) -> None:
-        """Use the commands that were set by `Fleet.command` for the next tick."""
+        """Drive the bodies of a fleet in the next tick."""
         self.drives.command_fleet(fleet)
 
     def displaced_slots(self) -> list[int]:

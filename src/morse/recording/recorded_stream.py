@@ -68,6 +68,10 @@ class RecordedStream(TopicStream):
 
     # -- the tick ----------------------------------------------------------------------------
 
+    @property
+    def waiting(self) -> None:
+        """See `AbstractDatastream.waiting`: a recording takes each measurement."""
+
     def default(self, ci: Object | None = None) -> bool:
         """Keep the present data."""
         tape = self._tape

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_kind, add_level, add_state
+from morse.helpers.components import add_data, add_kind, add_level, add_state, on_read
 from morse.helpers.geodesy import LocalPlane
 
 if TYPE_CHECKING:
-    from morse.core.groups.group import Group
     from morse.core.robot import Robot
     from morse.core.world import Body
 
@@ -91,16 +90,11 @@ class GPS(Sensor):
         utc=_utc,
     )
 
+    @on_read
     def measure(self) -> None:
         """Measure the position in the world."""
         data = self.local_data
         data["x"], data["y"], data["z"] = self.position_3d.get_pose()[0]
-
-    @classmethod
-    def act_together(cls, group: Group) -> None:
-        """Take the positions of all members."""
-        poses = group.poses
-        group.write(("x", "y", "z"), lambda row: poses.pose(row)[0], later=True)
 
 
 class RawGPS(GPS):

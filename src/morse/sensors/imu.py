@@ -11,30 +11,18 @@ from morse.helpers.geodesy import has_place
 from morse.helpers.inertial_errors import ErrorTerms, InertialErrors
 from morse.mathutils.rotations import turn_back
 from morse.sensors.magnetometer import field_around
-from morse.sensors.motion_sensor import Motion, MotionSensor, changed
+from morse.sensors.motion_sensor import Motion, MotionSensor
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from morse.core.groups.group import Group
     from morse.core.robot import Robot
     from morse.core.world import Body
-    from morse.mathutils.rotations import Triple
 
 _ZERO = [0.0, 0.0, 0.0]
 _VISUAL = Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.9, 0.6))
-#: attributes with errors, and all attributes that determine which IMUs act together
-_ERRORS = tuple(f"_{part}_{kind}" for part in ("gyro", "accel") for kind in ("density", "instability", "walk"))
-_SETTINGS = ("_computation_mode", *_ERRORS)
 #: the g of data sheets, m/s^2
 _G = 9.80665
-
-
-def _start(imu: IMU) -> tuple[float, tuple[Triple, Triple]]:
-    """Return the time and the velocities of the last measurement."""
-    (vx, vy, vz), (wx, wy, wz) = imu._linear, imu._angular
-    linear, angular = (float(vx), float(vy), float(vz)), (float(wx), float(wy), float(wz))
-    return float(imu._time), (linear, angular)
 
 
 def _has_magnetometer(imu: IMU) -> bool:
@@ -194,55 +182,6 @@ class IMU(MotionSensor):
         if self._field is not None:
             felt["magnetic_field"] = list(turn_back(rotation, self._field.north_east_down(position)))
         return felt
-
-    # -- many of them ----------------------------------------------------------------------
-
-    def may_act_together(self) -> bool:
-        """Return True only without errors, and if the velocity is that of the body."""
-        dynamic = self._computation_mode == "Velocity" or self.robot_parent.bge_object.is_dynamic
-        return self._computation_mode != "Position" and dynamic and not any(getattr(self, name) for name in _ERRORS)
-
-    @classmethod
-    def act_together(cls, group: Group) -> None:
-        """Measure for all members; the values are computed for those that are read."""
-        members: Any = group.members
-        memory, poses, clock = group.memory, group.poses, group.context.clock
-        settings = [group.attributes(name) for name in _SETTINGS]
-        if memory.setdefault("settings", settings) != settings:
-            # a member may have got errors, so that the group has to be formed again
-            group.is_changed = True
-            return
-        before, here = memory.get("moment"), (clock.time, poses, group.velocities())
-        # a restored state may hold anything: errors appear here, and not when the data are read
-        starts = [] if before is not None else [_start(member) for member in members]
-        memory["moment"] = here
-        names = ["angular_velocity", "linear_acceleration"]
-        if members[0].has_magnetometer:
-            names.append("magnetic_field")
-
-        def measured(row: int) -> list[list[float]]:
-            member, (time, _, velocities) = members[row], here
-            then, moved = starts[row] if before is None else (before[0], before[2].velocity(row))
-            passed = time - then if time > then else clock.period
-            pose = poses.pose(row)
-            motion = changed(moved, velocities.velocity(row), passed, pose[0], velocities.origin(row))
-            felt = member._felt(motion, pose)
-            return [felt[name] for name in names]
-
-        group.write(names, measured, later=True)
-
-    def settle(self) -> None:
-        """Set the last measurement, from which the next accelerations are computed."""
-        moment = self.group.memory.get("moment") if self.group is not None else None
-        if self.group is None or moment is None:
-            return
-        row = self.group.row_of(self)
-        time, poses, velocities = moment
-        (vx, vy, vz), (wx, wy, wz) = velocities.velocity(row)
-        self._time = self._measured = time
-        position, rotation = poses.pose(row)
-        # tuples, as when it acts alone: the hash of a state depends on the types
-        self._pose, self._linear, self._angular = (tuple(position), tuple(rotation)), (vx, vy, vz), (wx, wy, wz)
 
     def _add_errors(self) -> None:
         now, data = self.clock.time, self.local_data

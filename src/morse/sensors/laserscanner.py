@@ -13,7 +13,7 @@ from morse.core.limits import ANGLE
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.streams.local_data import Later, LocalData
-from morse.helpers.components import add_data, add_kind, add_level, add_property, computed, prop
+from morse.helpers.components import add_data, add_kind, add_level, add_property, computed, on_read, prop
 from morse.helpers.fans import fan
 from morse.mathutils.portable import matmul
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.core.groups.group import Group
     from morse.core.noise import Noise
     from morse.core.robot import Robot
     from morse.core.world import Body
@@ -254,17 +253,18 @@ class LaserScanner(Sensor):
             self.__dict__.update(before)
             raise MorseRPCTypeError(f"{self.name()}: {error}") from None
 
-    def _look(self) -> Any:
-        """The present hits of the rays; the rays are created again if properties were changed."""
+    def observe(self) -> Any:
+        """Return the present hits of the rays; the rays are created again if properties were changed."""
         if self._arc != self._arc_properties():
             self.create_laser_arc()
         rays = self.rays
         rays.refresh()
         return rays.sight
 
+    @on_read
     def measure(self) -> None:
         """Measure the scan."""
-        sight, data = self._look(), self.local_data
+        sight, data = self.observation(), self.local_data
         # copied, because the bundles of a cast share their arrays
         data["range_list"] = Later(lambda: sight.ranges.copy())
         if self.level == "rssi":
@@ -276,7 +276,7 @@ class LaserScanner(Sensor):
             return
         rays, data = self.rays, self.local_data
         if self.realism is None:
-            sight = rays.sight
+            sight = self.observation()
             data["point_list"] = Later(lambda: sight.points.copy())
             return
         distances = data["range_list"]
@@ -285,24 +285,7 @@ class LaserScanner(Sensor):
         if "remission_list" in data:
             data["remission_list"] = np.where(met, data["remission_list"], 0.0)
 
-    @classmethod
-    def act_together(cls, group: Group) -> None:
-        """Measure the scans of all members, which have the same level."""
-        sights = [scanner._look() for scanner in group.members]  # type: ignore[attr-defined]
-        group.memory["sights"] = sights
-
-        def ranges(row: int) -> Later:
-            return Later(lambda: sights[row].ranges.copy())
-
-        def points(row: int) -> Later:
-            return Later(lambda: sights[row].points.copy())
-
-        if "point_list" in group.fields:
-            group.write(("range_list", "point_list"), lambda row: (ranges(row), points(row)))
-        else:
-            group.write(("range_list",), lambda row: (ranges(row),))
-
-    def may_act_together(self) -> bool:
+    def may_wait(self) -> bool:
         """Return False with remissions, because they may change until they are read."""
         return self.level != "rssi"
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_kind, add_level, add_state, computed, euler
+from morse.helpers.components import add_data, add_kind, add_level, add_state, computed, euler, on_read
 from morse.helpers.transformation import Transformation3d
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from morse.core.groups.group import Group
     from morse.core.robot import Robot
     from morse.core.world import Body
 
@@ -127,38 +126,17 @@ class RawOdometry(Odometry):
 class IntegratedOdometry(Odometry):
     """Measures the pose relative to the start, and velocities."""
 
+    @on_read
     def default_action(self) -> None:
         """Measure the pose relative to the start, and the displacement per second."""
         pose = self.relative_pose()
-        rate = _rate(self.frequency, self.clock.time - self._time)
+        now = self.local_data["timestamp"]
+        rate = _rate(self.frequency, now - self._time)
         self.local_data.update(zip(_INTEGRATED, _numbers(pose, self.previous_pos, rate), strict=True))
-        self.previous_pos, self._time = pose, self.clock.time
+        self.previous_pos, self._time = pose, now
 
-    @classmethod
-    def act_together(cls, group: Group) -> None:
-        """Measure for all members; the values are computed on demand."""
-        here, before = group.poses, group.memory.get("poses")
-        group.memory["poses"] = here
-        now, last = group.context.clock.time, group.memory.get("time")
-        group.memory["time"] = now
-        frequency = group.members[0].frequency
-        times = group.attributes("_time") if last is None else ()
-        originals = group.attributes("original_pos")
-        starts = group.attributes("previous_pos") if before is None else ()
-
-        def relative(row: int, poses: Any) -> Transformation3d:
-            original: Transformation3d = originals[row]
-            return original.transformation3d_with(poses.transformation(row))
-
-        def numbers(row: int) -> tuple[float, ...]:
-            previous = starts[row] if before is None else relative(row, before)
-            passed = now - (times[row] if last is None else last)
-            return _numbers(relative(row, here), previous, _rate(frequency, passed))
-
-        group.write(_INTEGRATED, numbers, later=True)
-
-    def settle(self) -> None:
-        """Set the pose of the last measurement, from which the next displacement is measured."""
+    def remember(self) -> None:
+        """Set the pose from which the next displacement is measured."""
         self.previous_pos, self._time = self.relative_pose(), self.local_data["timestamp"]
 
 

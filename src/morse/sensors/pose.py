@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_kind, euler
-
-if TYPE_CHECKING:
-    from morse.core.groups.group import Group
+from morse.helpers.components import add_data, add_kind, euler, on_read
 
 
 class Pose(Sensor):
@@ -27,12 +22,8 @@ class Pose(Sensor):
     add_data("roll", 0.0, "float", "Rotation about X", unit="rad", frame="world", angle=True)
     add_kind("pose", position=("x", "y", "z"), orientation=euler("roll", "pitch", "yaw"))
 
+    @on_read
     def default_action(self) -> None:
         """Measure the pose."""
         data = self.local_data
         data["x"], data["y"], data["z"], data["yaw"], data["pitch"], data["roll"] = self.position_3d.numbers()
-
-    @classmethod
-    def act_together(cls, group: Group) -> None:
-        """Measure the poses of all members."""
-        group.write(("x", "y", "z", "yaw", "pitch", "roll"), group.poses.numbers, later=True)

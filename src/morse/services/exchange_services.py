@@ -10,6 +10,7 @@ from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short
+from morse.core.rows.unread import present_data
 from morse.core.services import concurrent_service
 from morse.core.streams.pending_commands import PendingCommands
 from morse.core.validation.errors import CommandError
@@ -71,7 +72,7 @@ class ExchangeServices(AbstractObject):
 
         def answer(outcome: tuple[str, Any]) -> None:
             if outcome[0] == status.SUCCESS:
-                outcome = (status.SUCCESS, {name: component.local_data for name, component in sensors.items()})
+                outcome = (status.SUCCESS, {name: present_data(component) for name, component in sensors.items()})
             ended(outcome)
 
         return self._simulation.request_steps(n, answer)

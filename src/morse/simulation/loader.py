@@ -12,8 +12,8 @@ from morse.core.classes.classpath import load_class
 from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
 from morse.core.external_object import ExternalObject
-from morse.core.groups.overwritten import hidden_methods
 from morse.core.kinds import findings_of
+from morse.core.parts.overwritten import hidden_methods
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.robot import Robot
 from morse.middleware.registry import needs_network

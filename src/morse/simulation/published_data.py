@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from morse.core.groups.overwritten import uncover
+from morse.core.parts.overwritten import uncover
 from morse.core.validation.published import misfits
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from morse.core import status
 from morse.core.clock import Clock
 from morse.core.context import Context, Controls, acting, forget
-from morse.core.groups.overwritten import uncover
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
 from morse.core.node_name import node_name
+from morse.core.parts.overwritten import uncover
 from morse.core.reports.faults import name_of
 from morse.core.request_manager import MorseServices
 from morse.middleware.registry import needs_network
@@ -392,9 +392,12 @@ class Simulation(Recorded, Handles):
         self._check_open()
         self.journal.note(RESTORE, "", state)
         with acting(self.context):
-            # a group keeps values between ticks, and would give its members those of the state before
+            # rows have data and poses of the state before
             self._ticker.separate()
-            self._saving.restore(state, self._end_services)
+            try:
+                self._saving.restore(state, self._end_services)
+            finally:
+                self._ticker.gather()
             for obj in self.context.service_objects:
                 if obj.get_state() is None:
                     obj.restart()

@@ -37,7 +37,7 @@ from morse.core.reports.faults import ENDINGS, class_name
 from morse.core.state import arrays
 from morse.core.state.simple import TAKEN_APART
 from morse.core.streams.local_data import Later, LocalData
-from morse.helpers.transformation import FOLLOWING, Transformation3d
+from morse.helpers.transformation import FollowingPose, Transformation3d
 from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ class Writer:
             Matrix: lambda v: ["values", "Matrix", [list(row) for row in v]],
             Transformation3d: _pose,
             defaultdict: lambda v: ["default dict", self._items(v), _factory(v)],
-            FOLLOWING: _pose,
+            FollowingPose: _pose,
         }
         for cls in _DICTS:
             self._writers[cls] = lambda v: [_DICTS[type(v)], self._items(v)]

@@ -95,10 +95,16 @@ class Drives:
         self._withdraw(index)
         self._commands[index] = command
 
+    def command_of(self, index: int) -> Command | None:
+        """Return the command of a slot that `command` has set for the next tick."""
+        return self._commands.get(index)
+
     def command_fleet(self, fleet: Fleet) -> None:
-        """Use the commands of a fleet that were set by `Fleet.command`."""
-        for index in [index for index in self._commands if index in fleet.rows]:
-            del self._commands[index]
+        """Use the commands of a fleet in the next tick."""
+        fleet.renew()
+        if self._commands:
+            for index in [index for index in self._commands if index in fleet.rows]:
+                del self._commands[index]
         for other in self._fleets:
             if other is fleet:
                 return

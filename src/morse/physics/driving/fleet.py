@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from array import array
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from morse.kernel.driving import gliders
 from morse.kernel.driving.arrays import GliderArrays
-from morse.physics.driving.command import Command
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
     from morse.kernel.driving.arrays import GliderWork
+    from morse.physics.driving.command import Command
+    from morse.physics.driving.drives import Drives
     from morse.physics.gliding.gliding import Gliding
     from morse.physics.state.engine_state import EngineState
 
@@ -25,14 +25,16 @@ if TYPE_CHECKING:
 class Fleet:
     """Bodies whose velocities in the plane of their X and Y axes are commanded in the same ticks.
 
-    The velocities of robots that glide, and of robots that push something, are written in one call each. `Drives`
-    handles the others one by one: robots that start, stop, or have friction.
+    The command of each body lasts until `adopt` replaces it. The velocities of robots that glide, and of robots that
+    push something, are written in one call each. `Drives` handles the others one by one: robots that start, stop, or
+    have friction.
 
     Attributes:
         rows: row of each slot.
     """
 
-    def __init__(self, slots: Sequence[int]) -> None:
+    def __init__(self, drives: Drives, slots: Sequence[int]) -> None:
+        self._drives = drives
         self._slots = np.array(slots, dtype=np.int64)
         self.rows = {slot: row for row, slot in enumerate(slots)}
         count = len(slots)
@@ -42,32 +44,26 @@ class Fleet:
         self._others = np.zeros(count, dtype=np.int64)
         self._settled = np.zeros(count, dtype=np.int64)
         self._settled_count = 0
-        self._grounds: Callable[[], Sequence[bool]] = lambda: [False] * count
+        self._commands: list[Any] = [None] * count
         self._withdrawn: set[int] = set()
         self._work: GliderWork | None = None
         self._state: EngineState | None = None
 
-    def command(
-        self,
-        forward: Sequence[float] | NDArray[np.float64],
-        aside: Sequence[float] | NDArray[np.float64] | float,
-        rate: Sequence[float] | NDArray[np.float64],
-        shifts: Sequence[bool] | bool,
-        grounds: Callable[[], Sequence[bool]],
-    ) -> None:
-        """Set the commands for the next tick.
+    def adopt(self, row: int) -> bool:
+        """Make the present command of a body last: the command of `Drives` for the next tick.
 
-        Args:
-            forward, aside: (N,) velocity along their X and Y axes, m/s.
-            rate: (N,) angular velocity about their Z axes, rad/s.
-            shifts: (N,) booleans: rows that move without gaining momentum.
-            grounds: returns (N,) booleans: rows that keep their vertical speed, and their roll and pitch rates.
+        Returns:
+            False if the body has no command, or one that does not keep it in the plane of its X and Y axes.
         """
-        for target, values in ((self._forward, forward), (self._aside, aside), (self._rate, rate)):
-            # twice as fast for a list of floats
-            target[:] = array("d", values) if isinstance(values, list) else values
-        self._shifts[:] = shifts
-        self._grounds = grounds
+        slot = int(self._slots[row])
+        command = self._drives.command_of(slot)
+        if command is None or command.linear[2] or command.angular[0] or command.angular[1]:
+            return False
+        self._commands[row] = command
+        self._forward[row], self._aside[row], _ = command.linear
+        self._rate[row] = command.angular[2]
+        self._shifts[row], self._ground[row] = command.shift, command.ground
+        return True
 
     def renew(self) -> None:
         """Use the commands of all bodies again, also of those that `withdraw` removed."""
@@ -77,18 +73,13 @@ class Fleet:
         """Remove the command of one slot, because the slot gets no command, or a command from another caller."""
         self._withdrawn.add(self.rows[slot])
 
-    def _row_command(self, row: int) -> Command:
-        return Command(
-            (float(self._forward[row]), float(self._aside[row]), 0.0),
-            (0.0, 0.0, float(self._rate[row])),
-            bool(self._shifts[row]),
-            bool(self._ground[row]),
-        )
-
     def commands(self) -> dict[int, Command]:
         """Return the commands as single commands, by slot."""
-        self._ground[:] = self._grounds()
-        return {slot: self._row_command(row) for slot, row in self.rows.items() if row not in self._withdrawn}
+        return {
+            slot: command
+            for slot, row in self.rows.items()
+            if row not in self._withdrawn and (command := self._commands[row]) is not None
+        }
 
     def begin(
         self,
@@ -118,11 +109,10 @@ class Fleet:
         if not count:
             return {}
         rows = [row for row in self._others[:count].tolist() if row not in self._withdrawn]
-        return {int(self._slots[row]): self._row_command(row) for row in rows}
+        return {int(self._slots[row]): self._commands[row] for row in rows}
 
     def _push(self, work: GliderWork, state: EngineState, gliding: Gliding, count: int) -> int:
         """Write the velocities of the robots that do not glide; return how many remain to be driven one by one."""
-        self._ground[:] = self._grounds()
         left, self._settled_count = work.push(state.positions.array, state.rotations.array, count, gliding.tick)
         if left < count:
             state.is_stirred = True
@@ -131,7 +121,7 @@ class Fleet:
     def settle(self, gliding: Gliding) -> None:
         """Let the robots glide that have settled, after `begin`."""
         for row in self._settled[: self._settled_count].tolist():
-            gliding.consider_settled(int(self._slots[row]), self._row_command(row))
+            gliding.consider_settled(int(self._slots[row]), self._commands[row])
 
     def end(self) -> None:
         """Called at the end of a tick."""

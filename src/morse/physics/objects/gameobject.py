@@ -347,9 +347,11 @@ class GameObject(LegacyNames):
         self, linear: Sequence[float], angular: Sequence[float], *, position: bool = False, ground: bool = False
     ) -> None:
         """See `morse.core.world.Body.drive`."""
-        self._world.drives.command(
-            self.slot, Command(floats3(linear, VELOCITY), floats3(angular, ANGULAR_VELOCITY), position, ground)
-        )
+        x, y, z = floats3(linear, VELOCITY)
+        wx, wy, wz = floats3(angular, ANGULAR_VELOCITY)
+        # there is no negative zero among the commands: equal commands give the same bits
+        command = Command((x + 0.0, y + 0.0, z + 0.0), (wx + 0.0, wy + 0.0, wz + 0.0), position, ground)
+        self._world.drives.command(self.slot, command)
 
     def halt(self) -> None:
         """Set the velocity to 0."""

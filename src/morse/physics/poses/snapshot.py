@@ -71,16 +71,28 @@ class Snapshots:
     def __init__(self, state: EngineState, objects: Sequence[Mounted]) -> None:
         self._state, self._objects = state, objects
         self._slots = [obj.slot for obj in objects]
+        self._index, self._rows = np.array(self._slots, dtype=np.int64), range(len(self._slots))
         self._displacements = -1
         self._mountings: list[Mounting] = []
 
     def now(self) -> Snapshot:
-        """Return a snapshot of the present poses."""
+        """Return a snapshot of the present poses, with the poses of all rigid groups."""
         state = self._state
         if self._displacements != state.displacements:
-            self._displacements = state.displacements
-            self._mountings = [obj.mounting for obj in self._objects]
+            self._look()
         return Snapshot(state.positions.share(), state.rotations.share(), self._slots, self._mountings)
+
+    def copy(self) -> Snapshot:
+        """Return a snapshot of the present poses, with copies of those of the rigid groups of the objects."""
+        state, index = self._state, self._index
+        if self._displacements != state.displacements:
+            self._look()
+        positions, rotations = state.positions.array.take(index, 0), state.rotations.array.take(index, 0)
+        return Snapshot(positions, rotations, self._rows, self._mountings)
+
+    def _look(self) -> None:
+        self._displacements = self._state.displacements
+        self._mountings = [obj.mounting for obj in self._objects]
 
 
 class Moving(Mounted, Protocol):

@@ -21,7 +21,6 @@ from morse.rosmsgs.topics.backend import announce
 from morse.rosmsgs.topics.robots import Robots
 from morse.rosmsgs.topics.rosout import LogTopic
 from morse.rosmsgs.topics.sending import Sender
-from morse.rosmsgs.topics.together import Together
 from morse.rosmsgs.topics.transforms import Transforms
 
 if TYPE_CHECKING:
@@ -47,8 +46,7 @@ class TopicManager(DatastreamManager):
     Attributes:
         names: names of topics and frames.
         transforms: the tree of frames.
-        sender: sends images, clouds, and messages of sensors that act together.
-        together: sensors that act together.
+        sender: encodes and sends what need not be done in the tick.
         backend: transports the messages.
     """
 
@@ -66,10 +64,6 @@ class TopicManager(DatastreamManager):
         announce(self.backend, self.title)
         self._complaints = Complaints(logger)
         self.sender = Sender(lambda: self.backend.takes_threads and context.paced())
-        #: None if the backend takes other messages than CDR, or takes them in the tick only
-        self.together: Together | None = None
-        if self.backend.takes_threads and self.backend.is_cdr:
-            self.together = Together(context, self.sender, self.wants_transforms)
         #: topics by name: their type, and the component that publishes them
         self._claims: dict[str, tuple[str, str]] = {}
         self._publishers: dict[tuple[str, str, Qos], Publisher] = {}
@@ -213,8 +207,6 @@ class TopicManager(DatastreamManager):
         name = stream.component_name
         self.sender.finish()
         self.release(name)
-        if self.together is not None:
-            self.together.remove(stream)
         self._aliases = {alias: owner for alias, owner in self._aliases.items() if owner != name}
         if stream.direction == "OUT":
             self.transforms.remove(stream)
@@ -271,8 +263,6 @@ class TopicManager(DatastreamManager):
     def finalize(self) -> None:
         """Close all topics and leave the domain."""
         super().finalize()
-        if self.together is not None:
-            self.together.close()
         self.sender.close()
         if self._log is not None:
             self._log.close()

@@ -17,14 +17,12 @@ from morse.rosmsgs.poses import pose_of, product, quaternion_of
 from morse.rosmsgs.sizes import check_size
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Iterable, Sized
 
     from morse.core.kinds import BoundKind, Message
-    from morse.helpers.transformation import Transformation3d
     from morse.rosmsgs.outlets import Inlet, Outlet
     from morse.rosmsgs.topics.backend import Publisher, Subscription
     from morse.rosmsgs.topics.manager import TopicManager
-    from morse.rosmsgs.topics.together import Together
 
 #: number of actions without a message after which a stream checks for senders of another type
 _PATIENCE = 120
@@ -44,6 +42,16 @@ class _Hearing(NamedTuple):
     bound: BoundKind
     inlet: Inlet
     subscription: Subscription
+
+
+class _Readers:
+    """The readers of the messages of a stream: false without any."""
+
+    def __init__(self, stream: TopicStream) -> None:
+        self._stream = stream
+
+    def __len__(self) -> int:
+        return self._stream.has_readers
 
 
 class TopicStream(KindStream, ComponentMessages):
@@ -75,11 +83,7 @@ class TopicStream(KindStream, ComponentMessages):
             ]
         else:
             self._offer_all()
-        together = self.manager.together
-        self._rigid: Transformation3d | None = None
-        self._together: Together | None = (
-            together if together is not None and together.takes(self, self.sending) else None
-        )
+        self._readers = _Readers(self) if self._commands is None else None
 
     def find_kinds(self) -> tuple[BoundKind, ...]:
         """See `KindStream.find_kinds`."""
@@ -106,43 +110,30 @@ class TopicStream(KindStream, ComponentMessages):
         named = {line.outlet.frame for _, lines in self.sending for line in lines if line.outlet.frame}
         return {bound.frame for bound in self.kinds} | named
 
-    # -- acting together ---------------------------------------------------------------------
+    # -- readers -----------------------------------------------------------------------------
 
     @property
-    def waiting(self) -> Collection[Any] | None:
+    def waiting(self) -> Sized | None:
         """See `AbstractDatastream.waiting`."""
-        return None if self._together is None else ()
+        return self._readers
 
     @property
     def moves_frames(self) -> bool:
         """Whether the frame of the robot follows from its messages."""
         return self._moving is not None
 
-    def is_ready(self, written: Collection[str]) -> bool:
-        """Whether its messages follow from these data fields, which are measured in each tick.
+    @property
+    def has_readers(self) -> bool:
+        """Whether somebody reads a message, or the frame that follows from one."""
+        return any(self.has_reader(topic) or self.moves(topic) for topic in self._lines)
 
-        Messages about the robot also need the pose of the sensor on the robot, which must be constant.
-        """
-        if any(bound.needs is None or not bound.needs <= set(written) for bound, _ in self.sending):
-            return False
-        if not self._tells_of_robot():
-            return True
-        self._rigid = self.mounting()
-        return self.is_rigid()
-
-    def _tells_of_robot(self) -> bool:
-        return any(line.outlet.has_child for _, lines in self.sending for line in lines)
-
-    def move_frames(self, message: Message) -> None:
-        """Set the pose of the robot in the tree of frames, in the thread that publishes the tree."""
-        self.manager.transforms.moved(self, self.motion(message, self._rigid).pose)
-
-    def detached(self, line: Sending) -> Sending:
-        """A topic whose messages another thread may make; the pose on the robot is that found by `is_ready`."""
+    def _detached(self, line: Sending) -> Sending:
+        """A topic whose messages another thread may make: with the present pose of the sensor on the robot."""
         if not line.outlet.has_child:
             return line
-        make = partial(self.odometry, mounting=self._rigid)
-        numbers = partial(self.odometry_numbers, mounting=self._rigid)
+        mounting = self.mounting()
+        make = partial(self.odometry, mounting=mounting)
+        numbers = partial(self.odometry_numbers, mounting=mounting)
         return line._replace(outlet=line.outlet._replace(make=make, numbers=numbers))
 
     # -- publishing --------------------------------------------------------------------------
@@ -168,8 +159,8 @@ class TopicStream(KindStream, ComponentMessages):
             if not line.publisher.wanted():
                 continue
             frame = self.frame_id(line.outlet.frame or message.frame)
-            if line.outlet.takes_long:
-                self.manager.sender.do(partial(self.send, line, message.complete(), frame), self)
+            if line.outlet.takes_long or line.outlet.is_detached:
+                self.manager.sender.do(partial(self.send, self._detached(line), message.complete(), frame), self)
             else:
                 self.send(line, message, frame)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from morse.core.actuator import Actuator
 from morse.core.realism import copied
 from morse.core.reports.hints import nearest
+from morse.core.rows.unread import present_data
 from morse.core.sensor import Sensor
 from morse.core.streams.pending_commands import PendingCommands
 from morse.core.validation.errors import CommandError
@@ -124,7 +125,7 @@ class ComponentHandle:
     @property
     def data(self) -> dict[str, Any]:
         """A copy of the present data; arrays stay arrays."""
-        return _copy(self.component.local_data)
+        return _copy(present_data(self.component))
 
     def publish(self, message: dict[str, Any]) -> None:
         """Set fields of an actuator, which applies them in the next tick.
@@ -200,7 +201,7 @@ class ComponentHandle:
         return component
 
     def _measured(self, sensor: Any) -> None:
-        message = _copy(sensor.local_data)
+        message = _copy(present_data(sensor))
         self._messages.append(message)
         self._count += 1
         if self._subscribers:

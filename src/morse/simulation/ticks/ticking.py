@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.context import acting
 from morse.core.guard import after_tick, before_tick
-from morse.core.realism import Realism
+from morse.core.realism import Realism, phase_of
 from morse.core.reports.faults import name_of
 from morse.core.requests import serve
+from morse.core.rows.rows import Rows
 from morse.core.sensor import Sensor
+from morse.simulation.ticks.arranging import arranged
 from morse.simulation.ticks.schedule import Schedule
-from morse.simulation.ticks.together import Together, arranged, phase_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
@@ -51,7 +52,7 @@ class Ticker:
         self.before_physics: list[Callable[[], object]] = []
         self.reviews: list[Callable[[int, bool], int]] = []
         self._acting = acting(context)
-        self._groups: list[Together] = []
+        self._rows: list[Rows] = []
         self._served: list[AbstractObject] = []
         self._offered = 0
 
@@ -69,8 +70,8 @@ class Ticker:
         actuators.sort(key=lambda actuator: bool(getattr(actuator, "obeys_controls", False)))
         self._actuators: Schedule[Any] = Schedule(arranged(actuators, self._act), frequency)
         self._sensors: Schedule[Any] = Schedule(arranged(loaded.sensors, self._act), frequency, _phase)
-        self._groups = [
-            unit for units in (self._actuators, self._sensors) for unit in units if isinstance(unit, Together)
+        self._rows = [
+            entry for entries in (self._actuators, self._sensors) for entry in entries if isinstance(entry, Rows)
         ]
         sensors = [sensor for sensor in loaded.sensors if isinstance(sensor, Sensor)]
         self._asking_actuators = Schedule([a for a in loaded.actuators if a.requests], frequency)
@@ -78,9 +79,14 @@ class Ticker:
         self._delayed = [s.realism for s in sensors if isinstance(s.realism, Realism) and s.realism.delay]
 
     def separate(self) -> None:
-        """Dissolve all groups of components that act together, until the next tick."""
-        for group in self._groups:
-            group.dissolve()
+        """Let no component be a row: all have the data and the poses of their last actions."""
+        for rows in self._rows:
+            rows.release()
+
+    def gather(self) -> None:
+        """Undo `separate`."""
+        for rows in self._rows:
+            rows.form()
 
     def tick(self) -> bool:
         """Run one tick.
@@ -134,24 +140,27 @@ class Ticker:
             again: whether those measure, too, that have measured in the last tick.
         """
         measured = () if again else map(id, self._sensors.due(self._due))
-        before, units = set(measured), []
+        before, units, released = set(measured), [], []
         for unit in self._sensors:
             if id(unit) in before:
                 continue
-            members = unit.members if type(unit) is Together else (unit,)
+            members = unit.members if isinstance(unit, Rows) else (unit,)
             wanted = members if names is None else [member for member in members if member.name() in names]
             if len(wanted) == len(members):
                 units.append(unit)
             elif wanted:
-                unit.dissolve()
+                unit.release()
+                released.append(unit)
                 units += wanted
         with self._acting:
-            sensors = [one for unit in units for one in (unit.members if type(unit) is Together else (unit,))]
+            sensors = [one for unit in units for one in (unit.members if isinstance(unit, Rows) else (unit,))]
             if again:
                 self._guard.each(sensors, _look_again, self._guard.deactivate)
             if asking := [sensor for sensor in sensors if getattr(sensor, "requests", ())]:
                 serve(asking, self._guard)
             self._act(units)
+        for unit in released:
+            unit.form()
 
     def look(self) -> None:
         """Process input and services while the simulation is paused."""
@@ -180,13 +189,15 @@ class Ticker:
 
     def _actuate(self) -> None:
         self._due = self._clock.tick
-        self._act(self._busy_robots())
+        if robots := self._busy_robots():
+            self._act(robots)
         if asking := self._asking_actuators.due(self._due):
             serve(asking, self._guard)
         self._act(self._actuators.due(self._due))
 
     def _move(self) -> None:
-        self._guard.each(self.before_physics, call, self._remove_push)
+        if self.before_physics:
+            self._guard.each(self.before_physics, call, self._remove_push)
         self._context.world.step()
         self._clock.advance()
         if self._busy:
@@ -266,7 +277,7 @@ def _update_pose(robot: Robot) -> None:
 
 
 def _phase(component: Any) -> float:
-    return component.phase if type(component) is Together else phase_of(component)
+    return component.phase if isinstance(component, Rows) else phase_of(component)
 
 
 def _is_busy(part: AbstractObject) -> bool:

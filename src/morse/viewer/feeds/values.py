@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from morse.core.rows.unread import present_data
 from morse.viewer.view_messages import Values
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ class ValuesFeed:
 
 
 def _data_of(component: Any) -> dict[str, Any]:
-    return {str(field): shown(value) for field, value in component.local_data.items()}
+    return {str(field): shown(value) for field, value in present_data(component).items()}
 
 
 def _not_shown(_error: BaseException) -> None:

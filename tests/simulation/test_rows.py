@@ -1,4 +1,4 @@
-"""Components that act together are bit-identical to components that act alone; all readers see their data."""
+"""Sensors that measure when they are read, and actuators whose speeds last: nobody notices which components act."""
 
 from __future__ import annotations
 
@@ -7,19 +7,13 @@ import json
 import logging
 import math
 import pickle
-from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
 import pytest
 
 import morse
-from morse.core.sensor import Sensor
-from morse.sensors.laserscanner import LaserScanner
-from morse.simulation.ticks.together import Together
-
-if TYPE_CHECKING:
-    from morse.core.groups.group import Group
+from morse.core.rows.marks import is_on_read, lasting_fields
 
 COUNT = 4
 
@@ -74,17 +68,28 @@ def hashes(sim, ticks, read=None):
     return found
 
 
-def groups(sim):
-    return [unit for unit in sim._ticker._groups if unit._group is not None]
+def touch(sim):
+    """Keep the data of all sensors, which then measure in each tick."""
+    for component in sim.context.components.values():
+        assert component.local_data is not None
+
+
+@pytest.fixture
+def restless(monkeypatch):
+    """Let all actuators act in each tick."""
+    from morse.actuators.v_omega import MotionVW
+    from morse.actuators.xy_omega import MotionXYW
+
+    for cls in (MotionVW, MotionXYW):
+        monkeypatch.setattr(cls, "may_wait", lambda self: False)
 
 
 @pytest.mark.parametrize("extra", ["", "sideways", "rates"])
 @pytest.mark.parametrize("kernel", ["", "off"])
-def test_bits_are_those_of_components_that_act_alone(monkeypatch, extra, kernel):
+def test_bits_are_those_of_components_that_act_in_each_tick(monkeypatch, request, extra, kernel):
     with morse.load(scene(extra)) as simulation:
-        assert {len(unit._group) for unit in groups(simulation)} == {COUNT}
-        together = hashes(simulation, 200)
-    monkeypatch.setenv("MORSE_FLEETS", "off")
+        waiting = hashes(simulation, 200)
+    request.getfixturevalue("restless")
     if kernel:
         from morse.kernel import loading
 
@@ -92,8 +97,8 @@ def test_bits_are_those_of_components_that_act_alone(monkeypatch, extra, kernel)
         monkeypatch.setenv("MORSE_KERNEL", kernel)
     try:
         with morse.load(scene(extra)) as simulation:
-            assert not groups(simulation)
-            assert hashes(simulation, 200) == together
+            touch(simulation)
+            assert hashes(simulation, 200) == waiting
     finally:
         if kernel:
             loading.library.cache_clear()
@@ -228,7 +233,6 @@ def test_a_component_that_is_switched_off_keeps_its_last_measurement_and_comes_b
     sim.step(1)
     assert pose.local_data["timestamp"] == sim.clock.time
     sim.step(70)
-    assert pose.group is not None
     assert pose.local_data["x"] == pose.bge_object.worldPosition[0]
 
 
@@ -270,77 +274,98 @@ def test_functions_that_publish_and_read_are_called(sim):
     assert said[-1]["x"] == pose.bge_object.worldPosition[0] > 3.2
 
 
-# classes of users ----------------------------------------------------------------------------------
+def count_calls(monkeypatch, cls, name):
+    calls = []
+    original = getattr(cls, name)
+
+    def counted(self, *arguments):
+        calls.append(self.name())
+        return original(self, *arguments)
+
+    for mark in ("on_read", "while_same"):
+        if hasattr(original, mark):
+            setattr(counted, mark, getattr(original, mark))
+    monkeypatch.setattr(cls, name, counted)
+    return calls
 
 
-class Height(Sensor):
-    """Measures the height of a sensor; as the documentation has it."""
+@pytest.mark.parametrize("count", [1, 4])
+def test_what_nobody_reads_is_not_measured_and_a_speed_that_lasts_is_not_applied_again(monkeypatch, count):
+    from morse.actuators.v_omega import MotionVW
+    from morse.sensors.pose import Pose
 
-    _name = "Height"
+    monkeypatch.setattr("test_rows.COUNT", count)
+    measured, applied = (
+        count_calls(monkeypatch, Pose, "default_action"),
+        count_calls(monkeypatch, MotionVW, "default_action"),
+    )
+    with morse.load(scene()) as sim:
+        named(sim, "r0.motion").local_data["v"] = 1.0
+        sim.step(20)
+        assert (measured, len(applied)) == ([], count)
+        assert sim.r0.pose.data["x"] == named(sim, "r0.pose").bge_object.worldPosition[0] > 0.3
+        assert measured == ["r0.pose"]
+        sim.r0.motion.publish({"v": 0.5})
+        sim.step(20)
+        applied.clear()
+        sim.r0.motion.publish({"v": 0.6})
+        sim.step(20)
+        assert applied == ["r0.motion"]
+        assert measured == ["r0.pose"], "a copy of the data is no reference to them"
+        kept = named(sim, "r0.pose").local_data
+        sim.step(3)
+        assert (kept["timestamp"], measured.count("r0.pose")) == (sim.clock.time, 5)
 
-    def default_action(self):
-        self.local_data["timestamp"] = self.position_3d.z
 
-    @classmethod
-    def act_together(cls, group):
-        raise ZeroDivisionError("the class is wrong")
-
-
-class Lower(Height):
-    def default_action(self):
-        pass
-
-
-def test_a_subclass_that_acts_differently_acts_alone():
-    from morse.core.groups.joining import has_group_action
-    from morse.sensors.odometry import IntegratedOdometry, Odometry, RawOdometry
+def test_a_class_decides_for_its_own_action_only():
+    from morse.actuators.v_omega import MotionVW
+    from morse.core.modifier import AbstractModifier  # noqa: F401
+    from morse.sensors.gps import GPS, RawGPS
+    from morse.sensors.odometry import IntegratedOdometry, Odometry
     from morse.sensors.pose import Pose
 
     class Same(Pose):
-        """Only another name."""
+        """Only another name, and a method of its own."""
+
+        def height(self):
+            return self.position_3d.z
 
     class Different(Pose):
         def default_action(self):
             super().default_action()
 
-    assert [has_group_action(c) for c in (Pose, Same, Different, Height, Lower)] == [True, True, False, True, False]
-    assert [has_group_action(c) for c in (IntegratedOdometry, Odometry, RawOdometry)] == [True, False, False]
+    class Reporting(Pose):
+        def report(self):
+            self.local_data["x"] = 0.0
+
+    class Slow(MotionVW):
+        def commanded(self):
+            return (0.1,), 0.0
+
+    assert [is_on_read(c) for c in (Pose, Same, Different, Reporting)] == [True, True, False, False]
+    assert [is_on_read(c) for c in (GPS, RawGPS, IntegratedOdometry, Odometry)] == [True, False, True, False]
+    assert [lasting_fields(c) for c in (MotionVW, Slow)] == [("v", "w"), ()]
 
 
-def test_a_class_whose_group_action_is_wrong_is_told_of_and_acts_one_by_one(sim, caplog, monkeypatch):
-    from morse.sensors.pose import Pose
-
-    monkeypatch.setattr(Pose, "act_together", classmethod(lambda cls, group: 1 / 0))
-    with caplog.at_level(logging.ERROR):
-        sim.step(5)
-    (record,) = caplog.records
-    assert "act_together of Pose failed" in record.getMessage()
-    assert all(named(sim, f"r{n}.pose").local_data["timestamp"] == sim.clock.time for n in range(COUNT))
-
-
-def test_arrays_are_read_row_by_row(sim):
-    members = [named(sim, f"r{n}.pose") for n in range(COUNT)]
-    sim.step(1)
-    (unit,) = [unit for unit in groups(sim) if type(unit.members[0]).__name__ == "Pose"]
-    group: Group = unit._group
-    positions, rotations = group.poses.positions(), group.poses.rotations()
-    for row, member in enumerate(members):
-        assert positions[row].tolist() == list(member.bge_object.worldPosition)
-        assert rotations[row].tolist() == [pytest.approx(list(r)) for r in member.bge_object.worldOrientation]
-    group.write(("x", "y"), positions[:, :2] + 100.0)
-    assert members[2].local_data["x"] == positions[2, 0] + 100.0
-    with pytest.raises(ValueError, match="shape"):
-        group.write(("x", "y"), positions)
-
-
-def test_profiles_name_groups(sim):
+def test_profiles_name_rows(sim):
     from morse.simulation.ticks.profile import Profile
 
     profile = Profile()
     sim._ticker.component_profiles.append(profile)
     sim.step(2)
     assert {f"{COUNT} x Pose", f"{COUNT} x MotionVW", f"{COUNT} x IntegratedOdometry"} <= profile.components.keys()
-    assert all(isinstance(unit, Together) for unit in groups(sim))
+
+
+def test_negative_zero_is_zero(sim):
+    sim.step(3)
+    state = sim.save()
+    named(sim, "r1.motion").local_data["v"] = -0.0
+    sim.step(5)
+    later = [named(sim, "r1.pose").get_state()["local_data"], sim.context.robots["r1"].bge_object.velocity()]
+    sim.restore(state)
+    sim.step(5)
+    now = [named(sim, "r1.pose").get_state()["local_data"], sim.context.robots["r1"].bge_object.velocity()]
+    assert repr(now) == repr(later)
 
 
 # laser scanners -----------------------------------------------------------------------------------
@@ -364,16 +389,12 @@ def scanners():
     Environment("indoors-1/boxes", fastmode=True)
 
 
-def scan(sim, name):
-    data = named(sim, name).local_data
-    return {key: np.asarray(data[key]).copy() for key in data}
-
-
-def test_scanners_of_one_level_act_together_with_the_same_bits(monkeypatch):
-    def seen():
+def test_scans_are_the_same_whether_they_are_measured_in_each_tick_or_when_read():
+    def seen(reader=None):
         found = []
         with morse.load(scanners) as simulation:
-            units = {(type(unit.members[0]), unit.members[0].level): len(unit._group) for unit in groups(simulation)}
+            if reader is not None:
+                reader(simulation)
             for tick in range(90):
                 drive(simulation, tick)
                 simulation.step(1)
@@ -381,25 +402,23 @@ def test_scanners_of_one_level_act_together_with_the_same_bits(monkeypatch):
                     named(simulation, "r1.sick").set_property("scan_window", 90.0)
                 if tick % 7 == 0:
                     found += [
-                        scan(simulation, f"r{number}.{name}")
+                        {
+                            key: np.asarray(value).copy()
+                            for key, value in getattr(getattr(simulation, f"r{number}"), name).data.items()
+                        }
                         for number in range(COUNT)
                         for name in ("sick", "infrared", "hokuyo", "rssi")
                     ]
-            return units, found, simulation.state_hash()
+            return found, simulation.state_hash()
 
-    units, together, state = seen()
-    assert units[LaserScanner, "raw"] == 2 * COUNT
-    assert units[LaserScanner, "range"] == COUNT
-    assert (LaserScanner, "rssi") not in units
-    monkeypatch.setenv("MORSE_FLEETS", "off")
-    units, alone, other = seen()
-    assert not units
+    waiting, state = seen()
+    always, other = seen(touch)
     assert state == other
-    for one, two in zip(together, alone, strict=True):
+    for one, two in zip(waiting, always, strict=True):
         assert one.keys() == two.keys()
         assert all(np.array_equal(one[key], two[key]) for key in one)
-    assert {len(one["range_list"]) for one in together} >= {91, 181, 21, 1081}
-    assert any((one["range_list"] < 5.0).any() for one in together)
+    assert {len(one["range_list"]) for one in waiting} >= {91, 181, 21, 1081}
+    assert any((one["range_list"] < 5.0).any() for one in waiting)
 
 
 def test_a_scan_that_was_read_stays_as_it_was():
@@ -411,51 +430,3 @@ def test_a_scan_that_was_read_stays_as_it_was():
         simulation.step(60)
         assert np.array_equal(kept, before)
         assert not np.array_equal(named(simulation, "r0.sick").local_data["range_list"], before)
-
-
-# inertial sensors and GPS ----------------------------------------------------------------------------
-
-
-def travellers():
-    from morse.builder import GPS, IMU, Environment, FakeRobot, Morsy, MotionVW
-
-    for number in range(COUNT + 1):
-        robot = FakeRobot(f"r{number}") if number == COUNT else Morsy(f"r{number}")
-        robot.translate(2.0 * number, 0.3 * number, 0.0)
-        robot.append(MotionVW("motion"))
-        imu, gps = IMU("imu"), GPS("gps")
-        imu.translate(0.2 * (number % 2), 0.1, 0.3)
-        imu.rotate(0.0, 0.2, 0.1)
-        gps.translate(0.0, 0.1, 0.5)
-        robot.append(imu)
-        robot.append(gps)
-    Environment("indoors-1/boxes", fastmode=True)
-
-
-def test_inertial_units_and_receivers_act_together_with_the_same_bits(monkeypatch):
-    def seen():
-        found = []
-        with morse.load(travellers) as simulation:
-            units = {type(unit.members[0]).__name__: len(unit._group) for unit in groups(simulation)}
-            for tick in range(200):
-                drive(simulation, tick)
-                simulation.step(1)
-                if tick == 60:
-                    named(simulation, "r1.imu").set_property("GyroNoiseDensity", 0.01)
-                if tick == 120:
-                    named(simulation, "r1.imu").set_property("GyroNoiseDensity", 0.0)
-                if tick % 9 == 0:
-                    names = [f"r{number}.{kind}" for number in range(COUNT + 1) for kind in ("imu", "gps")]
-                    found += [dict(named(simulation, name).local_data) for name in names]
-                if tick % 40 == 0:
-                    found.append(simulation.state_hash())
-            after = {type(unit.members[0]).__name__: len(unit._group) for unit in groups(simulation)}
-            return units, after, found
-
-    units, after, together = seen()
-    assert units["IMU"] == after["IMU"] == COUNT
-    assert units["GPS"] == COUNT + 1
-    monkeypatch.setenv("MORSE_FLEETS", "off")
-    units, _, alone = seen()
-    assert not units
-    assert together == alone

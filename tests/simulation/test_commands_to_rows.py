@@ -1,4 +1,4 @@
-"""Commands of the process to actuators that act together."""
+"""Commands of the process to actuators whose speeds last."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ def scene() -> None:
     Environment("empty", fastmode=True)
 
 
-def test_a_command_arrives_after_the_group_was_formed_again() -> None:
+def test_a_command_arrives_after_the_rows_were_formed_again() -> None:
     with morse.load(scene) as simulation:
         robots = [getattr(simulation, f"r{number}") for number in range(5)]
-        for robot in robots:  # the first command of each forms the group again
+        for robot in robots:  # the first command of each forms the rows again
             robot.motion.publish({"v": 1.0})
             simulation.step(2)
         for number, robot in enumerate(robots):

@@ -1,4 +1,4 @@
-"""Messages of sensors that act together are made beside the ticks, and are the same as those of single sensors."""
+"""Messages of sensors are made beside the ticks in a paced run, and are the same as those made in the ticks."""
 
 from __future__ import annotations
 
@@ -46,14 +46,13 @@ class Watched(DeskPublisher):
 
 @pytest.fixture(scope="module")
 def runs() -> Iterator[dict[str, dict[str, Watched]]]:
-    """The topics of a run with single sensors, of one in groups, and of one in groups that the wall clock paces."""
+    """The topics of a run, and of one that the wall clock paces."""
     found = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MORSE_SOCKET_PORT", "0")
         patch.setattr("desk.DeskPublisher", Watched)
         patch.setattr(Desk, "takes_threads", True)
-        for name, fleets in (("single", "off"), ("together", "on"), ("paced", "on")):
-            patch.setenv("MORSE_FLEETS", fleets)
+        for name in ("unpaced", "paced"):
             desk = Desk(None)
             patch.setattr("morse.middleware.ros2.domain.make_backend", lambda options, desk=desk: desk)
             with morse.load(scene, sockets=True) as simulation:
@@ -73,26 +72,24 @@ def _sensors(topics: dict[str, Watched]) -> list[str]:
     return [topic for topic in topics if topic.endswith(("/pose", "/odometry", "/imu/data")) or topic == "/tf"]
 
 
-def test_messages_are_those_of_single_sensors(runs: dict[str, dict[str, Watched]]) -> None:
-    topics = _sensors(runs["single"])
+def test_each_tick_sends_a_message(runs: dict[str, dict[str, Watched]]) -> None:
+    topics = _sensors(runs["unpaced"])
     assert len(topics) == 3 * ROBOTS + 1
     for topic in topics:
-        single = runs["single"][topic].sent
+        single = runs["unpaced"][topic].sent
         assert len(set(single)) == len(single) == TICKS
-        assert runs["together"][topic].sent == single, topic
 
 
 def test_messages_beside_the_ticks_are_the_same_and_in_order(runs: dict[str, dict[str, Watched]]) -> None:
-    for topic in _sensors(runs["single"]):
-        assert runs["paced"][topic].sent == runs["single"][topic].sent, topic
+    for topic in _sensors(runs["unpaced"]):
+        assert runs["paced"][topic].sent == runs["unpaced"][topic].sent, topic
 
 
 def test_a_paced_tick_does_not_encode_them(runs: dict[str, dict[str, Watched]]) -> None:
     here = threading.get_ident()
     poses = [topic for topic in _sensors(runs["paced"]) if topic.endswith("/pose")]
-    # the first measurement of a group tells which data it contains
     assert all(here not in runs["paced"][topic].threads for topic in poses)
-    assert all(runs["together"][topic].threads == {here} for topic in poses)
+    assert all(runs["unpaced"][topic].threads == {here} for topic in poses)
 
 
 def test_a_sensor_that_is_deleted_sends_what_it_has_measured(monkeypatch: pytest.MonkeyPatch) -> None:

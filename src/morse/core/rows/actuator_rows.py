@@ -1,0 +1,102 @@
+"""Actuators that drive their robots at speeds that last."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from morse.core.rows.marks import lasting_fields
+from morse.core.rows.rows import Rows, waiting
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class ActuatorRows(Rows):
+    """Actuators of one class whose action is marked by `morse.core.rows.marks.while_same`.
+
+    The action of a row is called when its fields have changed. The speed at which it drives the robot lasts, and all of
+    these robots are driven by one call.
+    """
+
+    def __init__(self, members: Sequence[Any], act: Any) -> None:
+        self._fields = lasting_fields(type(members[0]))
+        #: members whose actions do not drive their robots as bodies
+        self._others: set[int] = set()
+        super().__init__(members, act)
+
+    def is_row(self, member: Any) -> bool:
+        """Whether the speed lasts."""
+        return super().is_row(member) and id(member) not in self._others and not member.input_modifiers
+
+    @staticmethod
+    def functions_of(member: Any) -> list[Any]:
+        """The streams that receive its commands."""
+        functions: list[Any] = member.input_functions
+        return functions
+
+    @staticmethod
+    def modifiers_of(member: Any) -> list[Any]:
+        """The modifiers of its commands."""
+        modifiers: list[Any] = member.input_modifiers
+        return modifiers
+
+    def _take(self) -> None:
+        self._values: list[list[Any]] = []
+        self._fleet = self._context.world.fleet([member.robot_parent.bge_object for member in self._rows])
+        # commands that end, and functions that do not tell whether they have something to do
+        self._always = [
+            member
+            for member in self._rows
+            if member.limits_commands or member.command_end is not None or None in map(waiting, member.input_functions)
+        ]
+
+    # -- a tick ------------------------------------------------------------------------------
+
+    def action(self) -> None:
+        """Read the commands that have arrived, and drive the robots."""
+        self._look()
+        self.stamp += 1
+        self._poses = self._snapshots.copy()
+        if self._always or any(self._signs):
+            self._take_input()
+        while self._rows and not self._drive():
+            self.form()
+        if self._each:
+            self._act(self._each)
+
+    def _take_input(self) -> None:
+        busy = {id(member): member for member in self._always}
+        busy.update((id(member), member) for member, sign in self._waiting if sign)
+        for member in busy.values():
+            self._guard.run(member.take_input, partial(self._guard.deactivate, member))
+
+    def _drive(self) -> bool:
+        """Drive all robots; return False if the rows have to be formed again."""
+        if self.is_changed:
+            return False
+        try:
+            values = [[own["local_data"][field] for own in self._attributes] for field in self._fields]
+            is_same = values == self._values
+        except Exception:  # a field is missing, or holds an array: the actions tell
+            values, is_same = [], False
+        if not is_same:
+            self._renew(values)
+        if self.is_changed:
+            return False
+        self._context.world.drive_fleet(self._fleet)
+        return True
+
+    def _renew(self, values: list[list[Any]]) -> None:
+        """Call the actions of the rows whose fields have changed."""
+        rows: Sequence[int] = range(len(self._rows))
+        if values and self._values:
+            now, before = zip(*values, strict=True), zip(*self._values, strict=True)
+            rows = [row for row, (new, old) in enumerate(zip(now, before, strict=True)) if new != old]
+        self._values = values
+        for row in rows:
+            member = self._rows[row]
+            self._guard.run(member.default_action, partial(self._guard.deactivate, member))
+            if member.active and not self._fleet.adopt(row):
+                self._others.add(id(member))
+                self.is_changed = True

@@ -1,0 +1,76 @@
+"""Declares which actions need not be called in each tick, and finds the classes for which this holds."""
+
+from __future__ import annotations
+
+from types import FunctionType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_F = TypeVar("_F", bound="Callable[..., Any]")
+
+#: the methods that may be marked
+_ACTIONS = ("default_action", "measure")
+#: methods of a subclass that leave the action of the class as it is
+_HARMLESS = frozenset(("__init__", "__init_subclass__", "get_state", "set_state", "finalize"))
+
+
+def on_read(action: _F) -> _F:
+    """Mark ``measure`` or ``default_action`` of a sensor whose data are computed when they are read.
+
+    The action reads ``position_3d``, which is then the pose at the time of the measurement,
+    ``local_data["timestamp"]``, the result of `Sensor.observation`, properties, and what does not change. It is not
+    called for data that nobody reads. A class that needs the pose of the previous measurement defines ``remember()``,
+    which takes what is needed from ``position_3d`` if the previous measurement was not read.
+    """
+    action.on_read = True  # type: ignore[attr-defined]
+    return action
+
+
+def while_same(*fields: str) -> Callable[[_F], _F]:
+    """Mark ``default_action`` of an actuator that drives its robot by ``apply_speed``, by a speed that lasts.
+
+    Args:
+        fields: the fields of ``local_data`` on which the speed depends, and nothing else but properties. While they
+            have the same values, and `Object.may_wait`, the robot is driven at the same speed without a call.
+    """
+
+    def mark(action: _F) -> _F:
+        action.while_same = fields  # type: ignore[attr-defined]
+        return action
+
+    return mark
+
+
+def is_on_read(cls: type[Any]) -> bool:
+    """Whether the sensors of a class measure when they are read."""
+    return _mark_of(cls, "on_read") is True
+
+
+def lasting_fields(cls: type[Any]) -> tuple[str, ...]:
+    """Return the fields whose values determine the action of an actuator; () if it has to act in each tick."""
+    fields: tuple[str, ...] = _mark_of(cls, "while_same") or ()
+    return fields
+
+
+def is_overridden(component: Any) -> bool:
+    """Whether an attribute of a component hides a method of its class."""
+    cls = type(component)
+    return any(isinstance(getattr(cls, name, None), FunctionType) for name in vars(component))
+
+
+def _mark_of(cls: type[Any], mark: str) -> Any:
+    """Return the mark of the first action in the order of inheritance, unless a subclass changes how it acts."""
+    changed: set[str] = set()
+    for base in cls.__mro__:
+        for name in _ACTIONS:
+            if name in vars(base):
+                value = getattr(vars(base)[name], mark, None)
+                return value if value is not None and not any(hasattr(base, other) for other in changed) else None
+        changed |= {name for name, value in vars(base).items() if name not in _HARMLESS and _is_behaviour(value)}
+    return None
+
+
+def _is_behaviour(value: Any) -> bool:
+    return isinstance(value, (FunctionType, property, classmethod, staticmethod))

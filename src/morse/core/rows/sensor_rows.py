@@ -1,0 +1,119 @@
+"""Sensors that measure when their data are read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.guard import publish
+from morse.core.rows.rows import Rows, waiting
+from morse.core.sensor import Sensor
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class SensorRows(Rows):
+    """Sensors of one class whose action is marked by `morse.core.rows.marks.on_read`.
+
+    An action of the rows stores the time and the poses of all rigid bodies, once for all of them. The measurement of a
+    row is computed from these when its data are read.
+    """
+
+    _datas: Sequence[dict[str, Any]] = ()
+
+    def is_row(self, member: Any) -> bool:
+        """Whether the sensor may measure later, because nobody can have a reference to its data."""
+        return (
+            super().is_row(member)
+            and not member._is_read
+            and member.realism is None
+            and not member.output_modifiers
+            and all(waiting(function) is not None for function in member.output_functions)
+        )
+
+    @staticmethod
+    def functions_of(member: Any) -> list[Any]:
+        """The streams that send its data."""
+        functions: list[Any] = member.output_functions
+        return functions
+
+    @staticmethod
+    def modifiers_of(member: Any) -> list[Any]:
+        """The modifiers of its data."""
+        modifiers: list[Any] = member.output_modifiers
+        return modifiers
+
+    def _take(self) -> None:
+        self._datas = [own.pop("local_data") for own in self._attributes]
+        # the stamp of the last action whose results the attributes of each row contain
+        self._measured = [self.stamp] * len(self._rows)
+        self._before = self._poses
+        self._time = self._time_before = self._context.clock.time
+        self._remembers = hasattr(type(self.members[0]), "remember")
+        self._observes = type(self.members[0]).observe is not Sensor.observe
+
+    def _release(self, member: Any) -> None:
+        own = vars(member)
+        if "local_data" in own:
+            member._is_read = True  # somebody has assigned another dictionary, and may keep it
+        else:
+            own["local_data"] = self.data_of(member)
+        if self._observes:
+            member.observed = None
+        super()._release(member)
+
+    # -- a tick ------------------------------------------------------------------------------
+
+    def action(self) -> None:
+        """Take note of the time and of the poses, and publish the data that somebody waits for."""
+        self._look()
+        self.stamp += 1
+        self._before, self._time_before = self._poses, self._time
+        self._poses, self._time = self._snapshots.copy(), self._context.clock.time
+        if self._observes:
+            self._guard.each(self._rows, _observe, self._guard.deactivate)
+        if any(self._signs):
+            self._publish()
+        if self._each:
+            self._act(self._each)
+
+    def _publish(self) -> None:
+        for member in {id(member): member for member, sign in self._waiting if sign}.values():
+            own = vars(member)
+            data = own["local_data"] = self.data_of(member)
+            if member.active:
+                publish(member, member.output_functions)
+            if own.get("local_data") is data:
+                del own["local_data"]
+
+    # -- reading -----------------------------------------------------------------------------
+
+    def data_of(self, member: Any) -> dict[str, Any]:
+        """Return the data of a row, which are valid until its next action."""
+        row = self._row_of[id(member)]
+        data = self._datas[row]
+        if self._measured[row] != self.stamp:
+            last, self._measured[row] = self._measured[row], self.stamp
+            own = vars(member)
+            own["local_data"] = data
+            try:
+                self._measure(row, member, data, last)
+            except BaseException as error:
+                self._guard.deactivate(member, error)
+            own.pop("local_data", None)
+        return data
+
+    def _measure(self, row: int, member: Any, data: dict[str, Any], last: int) -> None:
+        if self._remembers and last < self.stamp - 1:
+            data["timestamp"] = self._time_before
+            member.position_3d.set_pose(*self._before.pose(row))
+            member.remember()
+            member.position_3d.set_pose(*self._poses.pose(row))
+        data["timestamp"] = self._time
+        member.default_action()
+        if member._reports:
+            member.report()
+
+
+def _observe(member: Any) -> None:
+    member.observed = member.observe()

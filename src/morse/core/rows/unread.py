@@ -1,0 +1,44 @@
+"""Data that are measured when they are read."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+
+class Entry(Protocol):
+    """An entry of the schedule with several components; see `morse.core.rows.rows.Rows`.
+
+    Attributes:
+        is_changed: whether a component has changed.
+    """
+
+    is_changed: bool
+
+    def data_of(self, member: Any) -> dict[str, Any]:
+        """Return the data of a component."""
+
+    def release(self) -> None:
+        """Let all components act in each tick."""
+
+
+class Unread:
+    """``local_data`` of a sensor that measures on read: like a cached property, the first access makes an attribute.
+
+    Who has accessed the dictionary may keep it. From then on the sensor measures in each tick, as other sensors do.
+    Parts of MORSE that keep no reference use `present_data` instead.
+    """
+
+    def __get__(self, component: Any, owner: type) -> Any:
+        if component is None:
+            return self
+        if component._in_rows is None:
+            raise AttributeError(f"{owner.__name__} has no local_data yet: call super().__init__ first")
+        data = vars(component)["local_data"] = component._in_rows.data_of(component)
+        component._is_read = True
+        return data
+
+
+def present_data(component: Any) -> dict[str, Any]:
+    """Return ``local_data`` of a component for readers that do not keep it: it is valid until the next action."""
+    data: dict[str, Any] = component.local_data if component._in_rows is None else component._in_rows.data_of(component)
+    return data
