@@ -80,7 +80,7 @@ def get_material(name: str) -> ObjectMaterial:
     raise MorseBuilderNoComponentError(f"there is no material '{name}'{checks.suggestion(name, names)}")
 
 
-def properties(obj: SceneObject, **kwargs: Any) -> None:
+def properties(obj: SceneObject, **kwargs: object) -> None:
     """Set properties of an object."""
     node = _object(obj, "bpymorse.properties(obj, ...)").node
     for key, value in kwargs.items():
@@ -155,7 +155,7 @@ def _environment(function: str) -> Any:
     return environment
 
 
-def _object(obj: Any, what: str) -> SceneObject:
+def _object(obj: object, what: str) -> SceneObject:
     if not isinstance(obj, SceneObject):
         raise TypeError(f"{what} takes an object of the scene such as robot._bpy_object, got {checks.shown(obj)}")
     return obj

@@ -7,7 +7,7 @@ import logging
 import signal
 import sys
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.cli.ports import port_number
 from morse.core.clients.network import Network
@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     stop = threading.Event()
 
-    def end(_number: int, _frame: Any) -> None:
+    def end(_number: int, _frame: object) -> None:
         stop.set()
 
     for number in ending_signals():

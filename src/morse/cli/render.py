@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -101,7 +101,7 @@ def command(
 
 
 def _check(
-    show: str | None, time: float, film: float | None, rate: float, camera: str | None, others: tuple[Any, ...]
+    show: str | None, time: float, film: float | None, rate: float, camera: str | None, others: tuple[object, ...]
 ) -> None:
     if show is not None and show not in _SHOWN:
         raise CommandError(f"--show is one of {', '.join(_SHOWN)}, not '{show}'.{nearest(show, _SHOWN)}", status=2)

@@ -40,7 +40,7 @@ class AbstractObject:
         """The services this object offers."""
         return list(declared_services(type(self)))
 
-    def completed(self, status: str, result: Any = None) -> None:
+    def completed(self, status: str, result: object = None) -> None:
         """End the running asynchronous service.
 
         Args:

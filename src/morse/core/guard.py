@@ -108,7 +108,7 @@ class Guard:
             off(error)
         return None
 
-    def call(self, functions: MutableSequence[Any], *arguments: Any) -> None:
+    def call(self, functions: MutableSequence[Any], *arguments: object) -> None:
         """Call the functions of a list; one that raises is removed from it."""
         self.each(functions, lambda one: one(*arguments), lambda one, error: self.remove(functions, one, error))
 
@@ -173,7 +173,7 @@ class Guard:
         if drop is not None:
             self.run(lambda: drop(stream), lambda again: self.failed(stream, name_of(stream), _AGAIN, again))
 
-    def remove(self, functions: MutableSequence[Any], function: Any, error: BaseException) -> None:
+    def remove(self, functions: MutableSequence[Any], function: object, error: BaseException) -> None:
         """Remove a callback from its list."""
         self.failed(function, f"the callback {name_of(function)}", "is removed", error)
         functions[:] = [one for one in functions if one is not function]
@@ -194,7 +194,7 @@ class Guard:
         self.run(observer.close, lambda again: self.failed(observer, who, _AGAIN, again))
 
 
-def _no_remarks(_component: Any) -> Iterable[str]:
+def _no_remarks(_component: object) -> Iterable[str]:
     return ()
 
 
@@ -202,7 +202,7 @@ def _ignored(_error: BaseException) -> None:
     """Used where another error is being reported."""
 
 
-def _stream_of(function: Any) -> Any:
+def _stream_of(function: object) -> Any:
     """The stream whose method a component calls; the function itself if it does not belong to a stream."""
     owner = attribute(function, "__self__", function)
     if attribute(owner, "component_instance", _NOTHING) is _NOTHING:
@@ -210,11 +210,11 @@ def _stream_of(function: Any) -> Any:
     return attribute(owner, "stream", owner)
 
 
-def _manager_of(function: Any) -> Any:
+def _manager_of(function: object) -> Any:
     return attribute(_stream_of(function), "manager")
 
 
-def _without_data(component: Any, error: BaseException) -> BaseException:
+def _without_data(component: object, error: BaseException) -> BaseException:
     kind = class_name(type(vars(component).get("local_data")))
     return TypeError(f"self.local_data is a dictionary of the data, not {kind}").with_traceback(trace_of(error))
 
@@ -222,7 +222,7 @@ def _without_data(component: Any, error: BaseException) -> BaseException:
 # -- calls of components, which are frequent -----------------------------------------------------
 
 
-def publish(component: Any, functions: MutableSequence[Any]) -> None:
+def publish(component: object, functions: MutableSequence[Any]) -> None:
     """Call the output functions of a component; a stream that raises is closed."""
     failures = None
     for function in functions:
@@ -236,7 +236,7 @@ def publish(component: Any, functions: MutableSequence[Any]) -> None:
         _close(component, functions, failures)
 
 
-def read(component: Any, functions: MutableSequence[Any]) -> bool:
+def read(component: object, functions: MutableSequence[Any]) -> bool:
     """Call the input functions of a component, and return whether data arrived; a stream that raises is closed."""
     has_input, failures = False, None
     for function in functions:

@@ -56,7 +56,7 @@ class AbstractModifier(ABC):
         """The data of the component."""
         return self.component_instance.local_data
 
-    def parameter(self, arg: str, prop: str | None = None, default: Any = None) -> Any:
+    def parameter(self, arg: str, prop: str | None = None, default: object = None) -> Any:
         """Return an option of the script, else a property of the environment, else the default."""
         if arg in self.kwargs:
             return self.kwargs[arg]

@@ -62,5 +62,5 @@ class MorseOverlay(AbstractObject):
         self.overlaid_object.interrupt()
 
 
-def _nobody(_outcome: Any) -> None:
+def _nobody(_outcome: object) -> None:
     """Completion callback of a service whose client has disconnected."""

@@ -52,7 +52,7 @@ class OfferedService(NamedTuple):
     changes: bool
 
     @classmethod
-    def of(cls, callback: Callable[..., Any], name: str, is_async: bool) -> OfferedService:
+    def of(cls, callback: Callable[..., object], name: str, is_async: bool) -> OfferedService:
         """A service from the method behind it."""
         declaration = getattr(callback, "_morse_service", None)
         changes = declaration.changes if isinstance(declaration, ServiceDeclaration) else True
@@ -64,7 +64,7 @@ class OfferedService(NamedTuple):
 _known_arguments: WeakKeyDictionary[FunctionType, dict[str, Arguments]] = WeakKeyDictionary()
 
 
-def _accepted_by(callback: Callable[..., Any], name: str) -> Arguments:
+def _accepted_by(callback: Callable[..., object], name: str) -> Arguments:
     function = callback.__func__ if isinstance(callback, MethodType) else None
     if not isinstance(function, FunctionType):
         return Arguments(callback, name)
@@ -142,18 +142,18 @@ class RequestManager(ABC):
             self.on_service_completion(request_id, outcome)
 
     def register_service(
-        self, component_name: str, callback: Callable[..., Any], service_name: str | None = None
+        self, component_name: str, callback: Callable[..., object], service_name: str | None = None
     ) -> None:
         """Offer a function that returns its result."""
         self._register(component_name, callback, service_name or callback.__name__, is_async=False)
 
     def register_async_service(
-        self, component_name: str, callback: Callable[..., Any], service_name: str | None = None
+        self, component_name: str, callback: Callable[..., object], service_name: str | None = None
     ) -> None:
         """Offer a function whose first argument is called with the outcome."""
         self._register(component_name, callback, service_name or callback.__name__, is_async=True)
 
-    def _register(self, component: str, callback: Callable[..., Any], name: str, *, is_async: bool) -> None:
+    def _register(self, component: str, callback: Callable[..., object], name: str, *, is_async: bool) -> None:
         if not callable(callback):
             raise MorseServiceError(f"'{name}' of {component} is not callable, it cannot be a service")
         if self.post_registration(component, name, is_async):
@@ -215,7 +215,7 @@ class RequestManager(ABC):
     #: name of this manager in messages to clients
     title = "the service manager"
 
-    def _ended(self, request_id: uuid.UUID, outcome: Any) -> None:
+    def _ended(self, request_id: uuid.UUID, outcome: object) -> None:
         running = self._running.pop(request_id, _GONE)
         if running is _GONE:
             return
@@ -273,7 +273,7 @@ class RequestManager(ABC):
 _GONE: Any = object()
 
 
-def _result(service: Callable[..., Any], *arguments: Any) -> Any:
+def _result(service: Callable[..., object], *arguments: object) -> Any:
     """Call a service.
 
     Raises:

@@ -70,7 +70,9 @@ def service(
     return method
 
 
-def async_service(fn: Callable[..., Any] | None = None, component: str | None = None, name: str | None = None) -> Any:
+def async_service(
+    fn: Callable[..., object] | None = None, component: str | None = None, name: str | None = None
+) -> Any:
     """Declare a method as a service that ends when the component calls ``completed``."""
     return service(fn, component=component, name=name, asynchronous=True)  # type: ignore[call-overload]
 
@@ -79,7 +81,7 @@ def async_service(fn: Callable[..., Any] | None = None, component: str | None = 
 def concurrent_service(fn: _F) -> _F: ...
 @overload
 def concurrent_service(*, changes: bool = True) -> Callable[[_F], _F]: ...
-def concurrent_service(fn: Callable[..., Any] | None = None, *, changes: bool = True) -> Any:
+def concurrent_service(fn: Callable[..., object] | None = None, *, changes: bool = True) -> Any:
     """Declare a method as a service that continues over several ticks, with any number of simultaneous calls.
 
     The first argument of the method is a callback: ``ended((status, result))`` ends this call. The method may return a
@@ -116,7 +118,7 @@ class _Caller(Protocol):
     def interrupt(self) -> None: ...
 
 
-def _asynchronous(fn: Callable[..., Any]) -> Callable[..., Any]:
+def _asynchronous(fn: Callable[..., object]) -> Callable[..., Any]:
     @functools.wraps(fn)
     def call(self: _Caller, callback: Callable[[Any], None] | None, *args: Any, **kwargs: Any) -> Any:
         if self.on_completion is not None:
@@ -152,7 +154,7 @@ def declared_services(cls: type) -> Iterator[ServiceDeclaration]:
                 yield declaration._replace(attribute=attribute)
 
 
-def signature_of(method: Callable[..., Any]) -> inspect.Signature:
+def signature_of(method: Callable[..., object]) -> inspect.Signature:
     """Return the signature for clients: without ``self`` and the completion callback."""
     plain = getattr(method, "_morse_callable", None) or getattr(
         getattr(method, "__func__", None), "_morse_callable", None
@@ -167,7 +169,7 @@ def signature_of(method: Callable[..., Any]) -> inspect.Signature:
     return inspect.Signature(visible, return_annotation=returns)
 
 
-def hints_of(method: Callable[..., Any]) -> dict[str, Any]:
+def hints_of(method: Callable[..., object]) -> dict[str, Any]:
     """Return the annotations of a service that can be evaluated, including the metadata of `typing.Annotated`."""
     function = getattr(method, "_morse_callable", None) or getattr(method, "__func__", method)
     names = getattr(function, "__globals__", {})
@@ -180,7 +182,7 @@ def hints_of(method: Callable[..., Any]) -> dict[str, Any]:
     return hints
 
 
-def _without_range(hint: Any) -> Any:
+def _without_range(hint: object) -> Any:
     if typing.get_origin(hint) is typing.Annotated:
         return typing.get_args(hint)[0]
     if typing.get_origin(hint) in (typing.Union, UnionType):

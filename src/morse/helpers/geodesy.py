@@ -106,7 +106,7 @@ class LocalPlane:
         self._axes = product(east_north_up, self._turned)
 
     @classmethod
-    def of(cls, properties: Mapping[str, Any]) -> LocalPlane:
+    def of(cls, properties: Mapping[str, object]) -> LocalPlane:
         """Create the plane of an environment from its properties.
 
         Raises:
@@ -158,7 +158,7 @@ class LocalPlane:
         return self.world_of_ecef(ecef_of_geodetic(longitude, latitude, altitude))
 
 
-def angle_against_north(properties: Mapping[str, Any]) -> float:
+def angle_against_north(properties: Mapping[str, object]) -> float:
     """Return the counter-clockwise rotation of a world about Z relative to east and north, rad; 0 if it is not set.
 
     Raises:
@@ -167,7 +167,7 @@ def angle_against_north(properties: Mapping[str, Any]) -> float:
     return _number(properties, "angle_against_north") if "angle_against_north" in properties else 0.0
 
 
-def has_place(properties: Mapping[str, Any]) -> bool:
+def has_place(properties: Mapping[str, object]) -> bool:
     """Whether an environment declares its position on the earth."""
     return all(name in properties for name in _NEEDED)
 

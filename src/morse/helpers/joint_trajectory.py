@@ -62,14 +62,14 @@ def points_of(trajectory: dict[str, Any], names: Sequence[str]) -> tuple[float |
     return start, points
 
 
-def _number(value: Any, what: str, low: float) -> float:
+def _number(value: object, what: str, low: float) -> float:
     try:
         return float(Spec("number", low=low, high=_LONGEST).check()(value))
     except ValueError as error:
         raise ValueError(f"{what} is {shown(value)}, expected {error}") from None
 
 
-def _point(entry: Any, names: Sequence[str], where: str) -> Point:
+def _point(entry: object, names: Sequence[str], where: str) -> Point:
     if not isinstance(entry, dict):
         raise ValueError(f"{where} is {shown(entry)}, expected an object with 'positions' and 'time_from_start'")
     if "time_from_start" not in entry:
@@ -80,7 +80,7 @@ def _point(entry: Any, names: Sequence[str], where: str) -> Point:
     return Point(time, positions, *others)
 
 
-def _numbers(values: Any, names: Sequence[str], what: str) -> tuple[float, ...]:
+def _numbers(values: object, names: Sequence[str], what: str) -> tuple[float, ...]:
     spec = Spec("list", (len(names),), low=-_FARTHEST, high=_FARTHEST)
     try:
         return tuple(float(value) for value in spec.check()(values))

@@ -28,7 +28,7 @@ _VIEWS = ("web", "studio", "none", None)
 
 
 def load(
-    scene: str | os.PathLike[str] | Callable[[], Any] | Scene,
+    scene: str | os.PathLike[str] | Callable[[], object] | Scene,
     *,
     seed: int | None = None,
     sockets: bool = False,
@@ -110,7 +110,7 @@ def load(
     return simulation
 
 
-def _check_failure(on_failure: Any) -> None:
+def _check_failure(on_failure: object) -> None:
     if on_failure not in _ON_FAILURE:
         raise ValueError(
             f"on_failure is 'deactivate' or 'raise', not {quoted(on_failure)}{nearest(on_failure, _ON_FAILURE)}"
@@ -148,7 +148,7 @@ def _check(seed: Any, view: Any, arguments: Any, speed: Any, view_port: Any) -> 
         raise ValueError(f"view_port is a TCP port from 0 to 65535, not {view_port}")
 
 
-def described(scene: str | os.PathLike[str] | Callable[[], Any] | Scene, options: RunOptions) -> Scene:
+def described(scene: str | os.PathLike[str] | Callable[[], object] | Scene, options: RunOptions) -> Scene:
     """The scene of an argument; a `Scene` is copied, because simulations modify theirs.
 
     Raises:

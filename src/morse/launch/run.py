@@ -13,7 +13,7 @@ import threading
 import traceback
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
@@ -125,7 +125,7 @@ def _interruption_held_back() -> Iterator[list[int]]:
     """Only record Ctrl+C in the list: loading compiled modules and starting event loops must not be interrupted."""
     signals: list[int] = []
 
-    def note(number: int, _frame: Any) -> None:
+    def note(number: int, _frame: object) -> None:
         signals.append(number)
 
     before = signal.signal(signal.SIGINT, note)
@@ -192,7 +192,7 @@ def _leave_at_second_interruption(leave: Callable[[int], object]) -> None:
     """Ctrl+C ends the script of a scene; a second one ends the process, because the script has caught the first."""
     signals: list[int] = []
 
-    def interrupt(number: int, _frame: Any) -> None:
+    def interrupt(number: int, _frame: object) -> None:
         signals.append(number)
         if len(signals) > 1:
             leave(130)
@@ -207,7 +207,7 @@ def _hurry_at_signals(simulation: Simulation) -> None:
     if threading.current_thread() is not threading.main_thread():
         return
 
-    def hurry(_number: int, frame: Any) -> None:
+    def hurry(_number: int, frame: object) -> None:
         if not simulation.ending.interrupts:
             simulation.ending.hurry()
 

@@ -12,7 +12,7 @@ import threading
 import traceback
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.simulation import loader
 from morse.simulation.ticks import ticking
@@ -86,7 +86,7 @@ class StuckTicks:
         self._over = threading.Event()
         threading.Thread(target=self._watch, name="morse ticks", daemon=True).start()
 
-    def end(self, number: int, _frame: Any) -> None:
+    def end(self, number: int, _frame: object) -> None:
         """Signal handler: end the simulation after its tick, or at once if component code does not return.
 
         Raises:

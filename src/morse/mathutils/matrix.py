@@ -192,7 +192,7 @@ class Matrix:
     def __matmul__(self, other: Matrix) -> Matrix: ...
     @overload
     def __matmul__(self, other: Vector) -> Vector: ...
-    def __matmul__(self, other: Any) -> Any:
+    def __matmul__(self, other: object) -> Any:
         if isinstance(other, (Matrix, Vector)):
             return self * other
         return NotImplemented
@@ -208,7 +208,7 @@ class Matrix:
             return self._applied_to_row(other)
         return NotImplemented
 
-    def __rmatmul__(self, other: Any) -> Any:
+    def __rmatmul__(self, other: object) -> Any:
         return self._applied_to_row(other) if isinstance(other, Vector) else NotImplemented
 
     def _applied(self, vector: Vector) -> Vector:
@@ -293,7 +293,7 @@ class Matrix:
         self._check_square("determinant")
         return algebra.determinant(self._rows)
 
-    def inverted(self, fallback: Any = ...) -> Any:
+    def inverted(self, fallback: object = ...) -> Any:
         """Return the inverse.
 
         Raises:

@@ -77,7 +77,7 @@ class Quaternion(QuaternionAlgebra):
     def __matmul__(self, other: Quaternion) -> Quaternion: ...
     @overload
     def __matmul__(self, other: Vector) -> Vector: ...
-    def __matmul__(self, other: Any) -> Any:
+    def __matmul__(self, other: object) -> Any:
         if isinstance(other, (Quaternion, Vector)):
             return self * other
         return NotImplemented

@@ -242,7 +242,7 @@ class VectorAlgebra(FloatSequence):
         """Reverse the direction."""
         self._assign([-a for a in self._items])
 
-    def angle(self, other: Iterable[float], fallback: Any = ...) -> Any:
+    def angle(self, other: Iterable[float], fallback: object = ...) -> Any:
         """Return the angle to another vector, 0 to pi radians.
 
         Args:
@@ -266,7 +266,7 @@ class VectorAlgebra(FloatSequence):
         b = self._operand(other, "lerp")
         return self._plain._wrap([p + (q - p) * factor for p, q in zip(self._items, b._items, strict=True)])
 
-    def slerp(self, other: Iterable[float], factor: float, fallback: Any = ...) -> Any:
+    def slerp(self, other: Iterable[float], factor: float, fallback: object = ...) -> Any:
         """Return the interpolated direction, of length 1.
 
         Raises:

@@ -112,7 +112,7 @@ def _reach(
     return (points.min(axis=0), points.max(axis=0)) if len(points) else (position, position)
 
 
-def _as_arrays(pose: tuple[Any, Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _as_arrays(pose: tuple[object, object]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(3,) and (3, 3) of a position and a rotation, row by row."""
     return np.array(pose[0]), np.reshape(np.array(pose[1]), (3, 3))
 

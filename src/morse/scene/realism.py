@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
-from typing import Any
 
 
 def _checked(name: str, value: object, unit: str) -> None:
@@ -65,7 +64,7 @@ class RealismModel:
         _checked("delay", self.delay, " of seconds")
 
 
-def is_numeric(value: Any) -> bool:
+def is_numeric(value: object) -> bool:
     """Whether noise can be added: to numbers, and to vectors and lists of numbers, but not to booleans or strings."""
     if isinstance(value, (bool, str, bytes, dict)) or value is None:
         return False

@@ -19,7 +19,7 @@ def details(context: Context) -> dict[str, Any]:
     }
 
 
-def _robot(context: Context, name: str, robot: Any, declarations: dict[str, ComponentDeclaration]) -> dict[str, Any]:
+def _robot(context: Context, name: str, robot: object, declarations: dict[str, ComponentDeclaration]) -> dict[str, Any]:
     description: dict[str, Any] = {"name": name, "type": type(robot).__name__, "components": {}}
     for component_name, component in context.components.items():
         if component.robot_parent is robot:

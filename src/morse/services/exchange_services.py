@@ -70,7 +70,7 @@ class ExchangeServices(AbstractObject):
         for inbox, fields in given:  # all commands are valid
             inbox.put(fields)
 
-        def answer(outcome: tuple[str, Any]) -> None:
+        def answer(outcome: tuple[str, object]) -> None:
             if outcome[0] == status.SUCCESS:
                 outcome = (status.SUCCESS, {name: present_data(component) for name, component in sensors.items()})
             ended(outcome)

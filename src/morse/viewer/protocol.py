@@ -58,7 +58,7 @@ def server_message_types() -> list[type[msgspec.Struct]]:
     return messages(view_messages, ServerMessage)
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     """Numbers and vectors of other libraries as JSON values; other values as strings."""
     if hasattr(value, "tolist"):
         return value.tolist()

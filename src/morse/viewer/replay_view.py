@@ -149,7 +149,7 @@ class ReplayView(View):
         """Jump, and stay there while the time line is dragged, or if it was paused before."""
         self._target = max(0, min(position, self._timeline.length))
 
-    def _refuse(self, event: Any) -> None:
+    def _refuse(self, event: object) -> None:
         self._server.send(Refused(type(event).__name__, "a recorded run cannot be changed"))
 
     def end(self) -> None:

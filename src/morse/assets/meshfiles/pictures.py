@@ -62,7 +62,7 @@ class Pictures:
         self._pixels = 0
         self.warnings: list[str] = []
 
-    def image(self, name: str, picture: Any) -> Image:
+    def image(self, name: str, picture: object) -> Image:
         """The image of a picture of Pillow; a chequered pattern if it is damaged or too large.
 
         Args:
@@ -109,7 +109,7 @@ def _opened(data: bytes) -> Any:
         return Pillow.open(io.BytesIO(data))
 
 
-def _encoded(picture: Any) -> bytes:
+def _encoded(picture: object) -> bytes:
     """The file of a picture; empty if it is not known."""
     file = getattr(picture, "fp", None)
     return file.getvalue() if isinstance(file, io.BytesIO) else b""

@@ -124,7 +124,7 @@ class _Reading:
             library.warnings.append(f"sheared objects are shown without shear: {', '.join(self._sheared[:5])}")
         return library
 
-    def _in_order(self, parents: dict[Any, Any], base: Any) -> list[Any]:
+    def _in_order(self, parents: dict[Any, Any], base: object) -> list[Any]:
         """All frames except the base, parents first."""
         ordered: dict[Any, None] = {}
         for frame in sorted(parents, key=str):

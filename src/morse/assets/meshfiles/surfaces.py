@@ -42,7 +42,7 @@ class Surfaces:
         """Pictures that a chequered pattern replaces."""
         return self._pictures.warnings
 
-    def mesh(self, name: str, source: Any) -> Mesh:
+    def mesh(self, name: str, source: object) -> Mesh:
         """Triangles with normals and texture coordinates.
 
         Raises:
@@ -78,7 +78,7 @@ class Surfaces:
             materials=(self._material(name, source.visual),),
         )
 
-    def _material(self, name: str, visual: Any) -> Material:
+    def _material(self, name: str, visual: object) -> Material:
         material = getattr(visual, "material", None)
         if material is None:
             color = _linear(_numbers(getattr(visual, "main_color", None), 4, (204, 204, 204, 255)) / 255.0)
@@ -114,7 +114,7 @@ class Surfaces:
             double_sided=sided,
         )
 
-    def _image(self, name: str, picture: Any) -> Image:
+    def _image(self, name: str, picture: object) -> Image:
         image = self._pictures.image(name, picture)
         self.images.setdefault(image.name, image)
         return image
@@ -139,7 +139,7 @@ def _normals(vertices: Any, triangles: Any) -> Any:
     return None if normals is None else normals.astype(np.float32).reshape(count, 3, 3)
 
 
-def _numbers(values: Any, count: int, default: tuple[float, ...]) -> Any:
+def _numbers(values: object, count: int, default: tuple[float, ...]) -> Any:
     """Some numbers, or the default if there are no numbers or too few."""
     if values is None:
         return np.array(default, dtype=float)

@@ -52,7 +52,7 @@ class CouplingReader:
             tuple(constraint for constraint in constraints if constraint is not None),
         )
 
-    def _name(self, kind: Any, index: int, word: str) -> str:
+    def _name(self, kind: object, index: int, word: str) -> str:
         return mujoco.mj_id2name(self._model, kind, index) or f"{word}{index}"
 
     # -- tendons ---------------------------------------------------------------------------

@@ -39,7 +39,7 @@ class Newcomer:
 
 def describe_newcomer(
     name: str,
-    make: Callable[[], Any],
+    make: Callable[[], object],
     position: Sequence[float],
     rotation: Sequence[float],
     present: Iterable[Node],

@@ -54,7 +54,7 @@ class _Materials(list[Any]):
         super().__setitem__(key, value)
         self._store()
 
-    def clear(self, *_: Any) -> None:
+    def clear(self, *_: object) -> None:
         super().clear()
         self._node.materials.clear()
 
@@ -64,7 +64,7 @@ class _Materials(list[Any]):
         return material
 
 
-def _check(material: Any) -> None:
+def _check(material: object) -> None:
     if not isinstance(material, (ObjectMaterial, SharedMaterial)):
         raise TypeError(f"a material such as bpy.data.materials.new('Red') is expected, got {checks.shown(material)}")
 
@@ -123,7 +123,7 @@ class MeshData(Facade):
             raise ValueError(f"from_pydata(faces) takes indices of the {len(points)} vertices")
         self._node.mesh = polyhedron(self.name, points, corners)
 
-    def update(self, *_args: Any, **_kwargs: Any) -> None:
+    def update(self, *_args: object, **_kwargs: object) -> None:
         """Accepted for old scripts: there is nothing to compute."""
 
     validate = update
@@ -213,7 +213,7 @@ class CameraData(Facade):
         value = self._node.properties.get(name, getattr(lens, field))
         return float(value) if isinstance(value, (int, float, str)) else float(getattr(lens, field))
 
-    def _set(self, field: str, name: str, value: Any) -> None:
+    def _set(self, field: str, name: str, value: object) -> None:
         number = checks.number(value, f"camera.{field}", above=0.0)
         if self._node.camera is not None:
             setattr(self._node.camera, field, number)

@@ -70,7 +70,7 @@ def property_type(value: object) -> str:
     return "FLOAT" if isinstance(value, float) else "STRING"
 
 
-def checked_property(name: str, value: Any) -> object:
+def checked_property(name: str, value: object) -> object:
     """Return the value of a property as it is stored; numpy scalars are converted to Python scalars.
 
     Raises:
@@ -98,7 +98,7 @@ class GameProperty:
         return self._properties[self.name]
 
     @value.setter
-    def value(self, value: Any) -> None:
+    def value(self, value: object) -> None:
         self._properties[self.name] = checked_property(self.name, value)
 
     @property
@@ -187,7 +187,7 @@ class GameSettings:
                 unknown_attribute(self, name)
             return Ignored(f"game.{name}")
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if name in _WITHOUT_EFFECT:
             notice(f"game.{name} has no effect")
             return

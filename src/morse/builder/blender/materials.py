@@ -73,7 +73,7 @@ class _Surface:
                 unknown_attribute(self, name)
             return Ignored(f"material.{name}")
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if name in _WITHOUT_EFFECT:
             notice(f"material.{name} has no effect")
         elif name.startswith("_") or hasattr(type(self), name):
@@ -85,7 +85,7 @@ class _Surface:
         """The material as the scene has it."""
         raise NotImplementedError
 
-    def _write(self, **changes: Any) -> None:
+    def _write(self, **changes: object) -> None:
         raise NotImplementedError
 
     @property

@@ -48,7 +48,7 @@ class NamedList(list[_T]):
     def __contains__(self, item: object) -> bool:
         return self.get(item) is not None if isinstance(item, str) else super().__contains__(item)
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: object = None) -> Any:
         """Return the item of that name, or ``default``."""
         return next((item for item in self if item.name == name), default)
 

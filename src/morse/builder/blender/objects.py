@@ -66,7 +66,7 @@ class SceneObject:
                 unknown_attribute(self, name)
             return Ignored(f"object.{name}")
 
-        def __setattr__(self, name: str, value: Any) -> None:
+        def __setattr__(self, name: str, value: object) -> None:
             if name in _WITHOUT_EFFECT:
                 notice(f"object.{name} has no effect")
                 return
@@ -219,13 +219,13 @@ class SceneObject:
     def __getitem__(self, name: str) -> Any:
         return self.node.properties[name]
 
-    def __setitem__(self, name: str, value: Any) -> None:
+    def __setitem__(self, name: str, value: object) -> None:
         self.node.properties[name] = checked_property(name, value)
 
     def __contains__(self, name: str) -> bool:
         return name in self.node.properties
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: object = None) -> Any:
         """The value of a property, or ``default``."""
         return self.node.properties.get(name, default)
 

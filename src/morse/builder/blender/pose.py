@@ -63,7 +63,7 @@ class LiveEuler(Euler):
         return self.copy()
 
 
-def _checked(value: Any, what: str) -> Any:
+def _checked(value: object, what: str) -> Any:
     if hasattr(value, "__iter__") and not isinstance(value, str):
         return [checks.number(item, what) for item in value]
     return checks.number(value, what)

@@ -115,7 +115,7 @@ class Kinect(SensorCreator):
         self.video_camera.add_stream(*args, **kwargs)
         self.depth_camera.add_stream(*args, **kwargs)
 
-    def add_interface(self, interface: str, **kwargs: Any) -> None:
+    def add_interface(self, interface: str, **kwargs: object) -> None:
         """Offer the services and stream the data of both cameras."""
         super().add_interface(interface)
         for camera in (self.video_camera, self.depth_camera):

@@ -178,7 +178,9 @@ class Interfaces:
         else:
             self.add_interface(interface)
 
-    def add_overlay(self, datastream: str, overlay: str, config: dict[str, Any] | None = None, **kwargs: Any) -> None:
+    def add_overlay(
+        self, datastream: str, overlay: str, config: dict[str, Any] | None = None, **kwargs: object
+    ) -> None:
         """Offer the services of an overlay instead of those of the component.
 
         Args:
@@ -202,7 +204,7 @@ class Interfaces:
         modifier_name: str | None = None,
         classpath: str | None = None,
         direction: str | None = None,
-        **kwargs: Any,
+        **kwargs: object,
     ) -> None:
         """Add a modifier, which changes the data after a measurement or before an actuator acts.
 

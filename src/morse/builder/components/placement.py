@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.errors import checks
 from morse.builder.errors.angles import hint_at_radians
@@ -55,7 +55,7 @@ class Placement:
         hint_at_radians(f"{type(self).__name__}.rotate", (x, y, z))
         self._add(self._bpy_object.node.rotation_euler, (x, y, z), "rotate")
 
-    def _add(self, target: list[float], values: tuple[Any, Any, Any], method: str) -> None:
+    def _add(self, target: list[float], values: tuple[object, object, object], method: str) -> None:
         what = f"{type(self).__name__}.{method}"
         steps = [checks.number(value, f"{what}({axis})") for axis, value in zip("xyz", values, strict=True)]
         target[:] = [old + step for old, step in zip(target, steps, strict=True)]

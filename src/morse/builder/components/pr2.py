@@ -86,7 +86,7 @@ class BarePR2(GroundRobot):
         component.name = attribute
         self._equipment.append(component)
 
-    def add_interface(self, interface: str, **kwargs: Any) -> None:
+    def add_interface(self, interface: str, **kwargs: object) -> None:
         """Connect all components to a middleware; on the socket, ``joint_state`` sends all joints in one flat object.
 
         Args:

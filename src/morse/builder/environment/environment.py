@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from morse.assets import find, load
 from morse.builder import workspace
@@ -135,7 +135,7 @@ class Environment(ViewMethods, TimeMethods):
         if name is not None:
             self.settings.node_name = checks.text(name, "env.create(name)")
 
-    def properties(self, **kwargs: Any) -> None:
+    def properties(self, **kwargs: object) -> None:
         """Set properties of the world.
 
         Args:
@@ -149,7 +149,7 @@ class Environment(ViewMethods, TimeMethods):
 
     # --- accepted for old scripts -----------------------------------------------------------
 
-    def set_background_scene(self, scene: Any = None) -> None:
+    def set_background_scene(self, scene: object = None) -> None:
         """Accepted for old scripts, without effect, because there is one scene."""
         _without_effect("set_background_scene")
 

@@ -183,7 +183,7 @@ class TimeMethods(EnvironmentDescription):
         else:
             raise TypeError(f"env.configure_service(component) takes a component, got {checks.shown(component)}")
 
-    def configure_stream_manager(self, stream_manager: str, **kwargs: Any) -> None:
+    def configure_stream_manager(self, stream_manager: str, **kwargs: object) -> None:
         """Set options of a middleware, e.g. ``configure_stream_manager('socket', time_sync=True, sync_port=5000)``.
 
         Raises:

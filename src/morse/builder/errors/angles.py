@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.names import frames
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
-def hint_at_radians(what: str, angles: Iterable[Any]) -> None:
+def hint_at_radians(what: str, angles: Iterable[object]) -> None:
     """Warn about angles of more than a full turn, because they are most likely degrees.
 
     Args:

@@ -64,7 +64,7 @@ def number(
     return result
 
 
-def integer(value: Any, what: str, *, minimum: int | None = None) -> int:
+def integer(value: object, what: str, *, minimum: int | None = None) -> int:
     """Return an integer (``2.0`` is accepted).
 
     Raises:
@@ -77,7 +77,7 @@ def integer(value: Any, what: str, *, minimum: int | None = None) -> int:
     return int(result)
 
 
-def triple(value: Any, what: str) -> tuple[float, float, float]:
+def triple(value: object, what: str) -> tuple[float, float, float]:
     """Three finite numbers, e.g. a position or a colour.
 
     Raises:
@@ -93,7 +93,7 @@ def triple(value: Any, what: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def color(value: Any, what: str) -> tuple[float, float, float]:
+def color(value: object, what: str) -> tuple[float, float, float]:
     """Red, green and blue, each 0..1.
 
     Raises:
@@ -106,7 +106,7 @@ def color(value: Any, what: str) -> tuple[float, float, float]:
     return rgb
 
 
-def boolean(value: Any, what: str) -> bool:
+def boolean(value: object, what: str) -> bool:
     """Return a boolean (1 and 0 are accepted; other numbers and texts with a warning).
 
     Raises:
@@ -118,7 +118,7 @@ def boolean(value: Any, what: str) -> bool:
     raise TypeError(f"{what} takes True or False, got {shown(value)}")
 
 
-def text(value: Any, what: str) -> str:
+def text(value: object, what: str) -> str:
     """A non-empty string.
 
     Raises:
@@ -132,7 +132,7 @@ def text(value: Any, what: str) -> str:
     return value
 
 
-def names(value: Any, what: str) -> list[str]:
+def names(value: object, what: str) -> list[str]:
     """Several names; one name stands for a list of it, with a warning.
 
     Raises:
@@ -145,7 +145,7 @@ def names(value: Any, what: str) -> list[str]:
     return words
 
 
-def choice(value: Any, options: Iterable[str], what: str) -> str:
+def choice(value: object, options: Iterable[str], what: str) -> str:
     """One of several words.
 
     Raises:

@@ -24,7 +24,7 @@ logger = logging.getLogger(__name__)
 _OF_SOME_MIDDLEWARE = ("topic", "frame_id", "parent_frame_id", "child_frame_id", "device")
 
 
-def stream_options(manager: str, values: Mapping[str, Any]) -> dict[str, Any]:
+def stream_options(manager: str, values: Mapping[str, object]) -> dict[str, Any]:
     """The options of a stream.
 
     Args:
@@ -47,7 +47,7 @@ def stream_options(manager: str, values: Mapping[str, Any]) -> dict[str, Any]:
     return checked_options(f"a stream of {middleware.name}", options, common)
 
 
-def manager_options(manager: str, values: Mapping[str, Any]) -> dict[str, Any]:
+def manager_options(manager: str, values: Mapping[str, object]) -> dict[str, Any]:
     """The options of a stream manager.
 
     Args:
@@ -63,7 +63,7 @@ def manager_options(manager: str, values: Mapping[str, Any]) -> dict[str, Any]:
     return checked_options(f"the stream manager of {middleware.name}", middleware.manager_options, values)
 
 
-def modifier_options(classpath: str, values: Mapping[str, Any]) -> dict[str, Any]:
+def modifier_options(classpath: str, values: Mapping[str, object]) -> dict[str, Any]:
     """Return the options of a modifier; a class without ``options`` accepts any option.
 
     Args:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from morse.core.validation.spec import Spec
 
 
-def properties(owner: str, declarations: Mapping[str, Property], parameters: Mapping[str, Any]) -> dict[str, Any]:
+def properties(owner: str, declarations: Mapping[str, Property], parameters: Mapping[str, object]) -> dict[str, Any]:
     """Return the properties of a component, with numbers and truth values instead of the texts for them."""
     return {
         name: _value(spec_of_property(declarations[name], script=True), value, f"the property '{name}' of {owner}")
@@ -24,7 +24,7 @@ def properties(owner: str, declarations: Mapping[str, Property], parameters: Map
     }
 
 
-def options(owner: str, declarations: Mapping[str, Option], parameters: Mapping[str, Any]) -> dict[str, Any]:
+def options(owner: str, declarations: Mapping[str, Option], parameters: Mapping[str, object]) -> dict[str, Any]:
     """Return the options of a modifier, with numbers and truth values instead of the texts for them."""
     return {
         name: _option(declarations[name], value, f"the option '{name}' of {owner}") if name in declarations else value
@@ -32,7 +32,7 @@ def options(owner: str, declarations: Mapping[str, Option], parameters: Mapping[
     }
 
 
-def _option(option: Option, value: Any, what: str) -> Any:
+def _option(option: Option, value: object, what: str) -> Any:
     if not isinstance(option.type, tuple):
         return _value(spec_of_option(option), value, what)
     if float not in option.type or str in option.type:
@@ -43,11 +43,11 @@ def _option(option: Option, value: Any, what: str) -> Any:
     return _number(value, what)
 
 
-def _number(value: Any, what: str) -> Any:
+def _number(value: object, what: str) -> Any:
     return values.number(value, what) if isinstance(value, str) else value
 
 
-def _value(spec: Spec, value: Any, what: str) -> Any:
+def _value(spec: Spec, value: object, what: str) -> Any:
     if not isinstance(value, str):
         return value
     if spec.kind in ("number", "integer"):

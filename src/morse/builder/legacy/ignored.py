@@ -37,17 +37,17 @@ class Ignored:
                 raise AttributeError(name)
             return Ignored(f"{self._path}.{name}", silent=True)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         pass
 
-    def __call__(self, *args: Any, **kwargs: Any) -> Ignored:
+    def __call__(self, *args: object, **kwargs: object) -> Ignored:
         """Another ignored value."""
         return Ignored(f"{self._path}()", silent=True)
 
-    def __getitem__(self, key: Any) -> Ignored:
+    def __getitem__(self, key: object) -> Ignored:
         return Ignored(f"{self._path}[{key!r}]", silent=True)
 
-    def __setitem__(self, key: Any, value: Any) -> None:
+    def __setitem__(self, key: object, value: object) -> None:
         pass
 
     def __iter__(self) -> Iterator[Any]:
@@ -64,7 +64,7 @@ class Ignored:
 
     __lt__ = __le__ = __gt__ = __ge__ = _false
 
-    def _other(self, other: Any) -> Any:
+    def _other(self, other: object) -> Any:
         return other
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __matmul__ = __truediv__ = __rtruediv__ = _other
@@ -101,7 +101,7 @@ class Facade:
                 raise AttributeError(name)
             return Ignored(f"{self._path}.{name}")
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if hasattr(type(self), name) or name.startswith("_"):
             object.__setattr__(self, name, value)
         else:

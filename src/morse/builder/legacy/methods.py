@@ -20,7 +20,7 @@ def _configure_mw(
     component.add_stream(datastream, method, path, **options)
 
 
-def _nothing(_component: Any, *_args: Any, **_kwargs: Any) -> None:
+def _nothing(_component: object, *_args: object, **_kwargs: object) -> None:
     pass
 
 
@@ -37,7 +37,7 @@ OLD_METHODS: Mapping[str, tuple[str, Callable[..., Any]]] = {
 OLD_METHODS_OF_HUMAN = ("disable_keyboard_control", "use_world_camera")
 
 
-def old_method(component: Any, name: str) -> Callable[..., Any] | None:
+def old_method(component: object, name: str) -> Callable[..., Any] | None:
     """The method of that name, which logs its new name; None if there was none."""
     if name in OLD_METHODS_OF_HUMAN and hasattr(component, "skeleton"):
         notice(f"{name} has no effect: a Human has neither a keyboard nor a camera unless the script appends one")

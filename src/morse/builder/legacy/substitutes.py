@@ -22,12 +22,12 @@ class ArgSpec(NamedTuple):
     defaults: tuple[Any, ...] | None
 
 
-def getargspec(function: Any) -> ArgSpec:
+def getargspec(function: object) -> ArgSpec:
     """The parameters of a function."""
     return ArgSpec(*inspect.getfullargspec(function)[:4])
 
 
-def distribution(*_args: Any, **_kwargs: Any) -> tuple[str, str, str]:
+def distribution(*_args: object, **_kwargs: object) -> tuple[str, str, str]:
     """Name, version and code name of the Linux distribution; empty if unknown."""
     try:
         release = platform.freedesktop_os_release()

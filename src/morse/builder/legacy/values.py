@@ -35,7 +35,7 @@ def number(value: Any, what: str) -> Any:
     return result
 
 
-def boolean(value: Any, what: str) -> Any:
+def boolean(value: object, what: str) -> Any:
     """The truth value of a number or a text: any text that is not empty is true; anything else unchanged."""
     value = scalar(value)
     if not isinstance(value, (str, int, float)) or value in (True, False):
@@ -46,7 +46,7 @@ def boolean(value: Any, what: str) -> Any:
     return bool(value)
 
 
-def names(value: Any, what: str) -> Any:
+def names(value: object, what: str) -> Any:
     """A list of the one name that a text is; anything else unchanged."""
     if not isinstance(value, str):
         return value

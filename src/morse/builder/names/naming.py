@@ -10,7 +10,7 @@ Names have several sources; a stronger source replaces a weaker one:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder import workspace
 from morse.builder.names.frames import user_frames
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
 
-def check_given_name(name: Any) -> str:
+def check_given_name(name: object) -> str:
     """A name that a script gives to a component.
 
     Raises:
@@ -63,7 +63,7 @@ def name_in_frame(component: Part, parent: Part, frame: FrameType) -> str | None
     return next((name for place in places if (name := _holder(component, place)) is not None), None)
 
 
-def _holder(component: Part, variables: Mapping[str, Any]) -> str | None:
+def _holder(component: Part, variables: Mapping[str, object]) -> str | None:
     return next((name for name, value in variables.items() if value is component and _usable(name)), None)
 
 
@@ -71,7 +71,7 @@ def _usable(name: str) -> bool:
     return name.isidentifier() and name != "self" and not name.startswith("_")
 
 
-def name_unparented(variables: Mapping[str, Any], strength: Strength) -> None:
+def name_unparented(variables: Mapping[str, object], strength: Strength) -> None:
     """Name the components among these variables that have no parent."""
     for name, value in list(variables.items()):
         if isinstance(value, Part) and _usable(name) and value.is_complete and value.parent is None:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _called: WeakKeyDictionary[type, type] = WeakKeyDictionary()
 
 
-def describe(cls: type, *args: Any, **kwargs: Any) -> Any:
+def describe(cls: type, *args: object, **kwargs: object) -> Any:
     """The builder object of a component class that a scene script calls; None if the caller is not a scene script."""
     if not workspace.is_being_described():
         return None

@@ -5,8 +5,6 @@ Their descriptors have no ``__get__``: reading such an attribute takes no longer
 
 from __future__ import annotations
 
-from typing import Any
-
 from morse.core.reports.faults import class_name
 
 
@@ -16,7 +14,7 @@ class OfOneClass:
     def __init__(self, name: str) -> None:
         self._name = name
 
-    def __set__(self, part: object, value: Any) -> None:
+    def __set__(self, part: object, value: object) -> None:
         check_class(part, self._name, value)
         vars(part)[self._name] = value
 
@@ -27,11 +25,11 @@ class ReadOnly:
     def __init__(self, name: str, mend: str) -> None:
         self._name, self._mend = name, mend
 
-    def __set__(self, part: object, value: Any) -> None:
+    def __set__(self, part: object, value: object) -> None:
         raise AttributeError(f"'{self._name}' cannot be set: {self._mend}")
 
 
-def check_class(part: object, name: str, value: Any) -> None:
+def check_class(part: object, name: str, value: object) -> None:
     """Raise `TypeError` for a value of another class than that of the present value of an attribute."""
     before = vars(part).get(name)
     if before is not None and type(value) is not type(before):

@@ -128,7 +128,7 @@ class Network:
         """Whether the simulation runs the loop, because it waits for its clients."""
         return self._borrower is not None
 
-    def post(self, function: Callable[..., object], *args: Any) -> None:
+    def post(self, function: Callable[..., object], *args: object) -> None:
         """Schedule ``function(*args)`` in the thread that runs the loop; after `stop` the call is ignored.
 
         ``function`` may write to connections and schedule callbacks, but must not assume that the loop is running.

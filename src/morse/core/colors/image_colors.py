@@ -45,7 +45,7 @@ def depth_levels(image: NDArray[Any]) -> Levels:
     return Levels(grey, low, high)
 
 
-def is_picture(image: Any) -> TypeGuard[NDArray[Any]]:
+def is_picture(image: object) -> TypeGuard[NDArray[Any]]:
     """Whether it is an image that can be shown."""
     if not isinstance(image, np.ndarray) or image.dtype.kind not in "fiub" or not image.size:
         return False
@@ -89,12 +89,12 @@ def as_heat(image: NDArray[Any]) -> NDArray[np.uint8]:
     return np.stack([np.interp(share, steps, channel) for channel in np.transpose(_HEAT)], axis=-1).astype(np.uint8)
 
 
-def unit_of(component: Any) -> str:
+def unit_of(component: object) -> str:
     """The unit of the pixels of a camera."""
     return str(getattr(fields_of_component(component).get("image"), "unit", ""))
 
 
-def is_temperature(component: Any) -> bool:
+def is_temperature(component: object) -> bool:
     """Whether the images of a camera contain temperatures."""
     return unit_of(component) in _OF_TEMPERATURE
 

@@ -34,7 +34,7 @@ def _refused(frame: FrameType, what: str, error: Exception) -> MorseDeclarationE
 
 def add_data(
     name: str,
-    default_value: Any,
+    default_value: object,
     type: str = "",
     doc: str = "",
     level: str | list[str] | tuple[str, ...] = "all",
@@ -103,7 +103,7 @@ def add_data(
     body.f_locals.setdefault("_data_fields", {})[name] = field
 
 
-def _array(default: Any, dtype: str, shape: Shape) -> Any:
+def _array(default: object, dtype: str, shape: Shape) -> Any:
     import numpy as np
 
     array = np.array(default, dtype)
@@ -112,14 +112,14 @@ def _array(default: Any, dtype: str, shape: Shape) -> Any:
 
 def add_property(
     python_name: str,
-    default_value: Any,
+    default_value: object,
     name: str,
     type: str = "",
     doc: str = "",
     *,
     low: float | None = None,
     high: float | None = None,
-    choices: tuple[Any, ...] = (),
+    choices: tuple[object, ...] = (),
     unit: str = "",
     allow: tuple[str, ...] = (),
 ) -> None:
@@ -185,7 +185,7 @@ def add_kind(
     when: Callable[[Any], bool] | None = None,
     topic: str = "",
     on_request: bool = False,
-    **slots: Any,
+    **slots: object,
 ) -> None:
     """Declare a message kind of the component, and the sources of the values of its slots.
 

@@ -20,7 +20,7 @@ def data_fields(cls: type) -> dict[str, DataField]:
     return _merged(cls, "_data_fields")
 
 
-def fields_of_component(component: Any) -> dict[str, DataField]:
+def fields_of_component(component: object) -> dict[str, DataField]:
     """The data fields of a component: those of its class, and those that follow from its model."""
     return {**data_fields(type(component)), **getattr(component, "own_fields", {})}
 

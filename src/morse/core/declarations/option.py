@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations.fields import OptionFields
 from morse.core.declarations.refused import check_option
@@ -26,7 +26,7 @@ class Option(OptionFields):
 
     if not TYPE_CHECKING:  # type checkers shall see the parameters of the tuple
 
-        def __new__(cls, *args: Any, **kwargs: Any) -> Option:
+        def __new__(cls, *args: object, **kwargs: object) -> Option:
             """Check the option, because a class with an option that no value fits must not be created."""
             option = super().__new__(cls, *args, **kwargs)
             try:

@@ -143,7 +143,7 @@ def _check_parameter(parameter: Property | OptionFields) -> None:
         _check_numbers(numbers_in(default), default, parameter.low, parameter.high, parameter.allow)
 
 
-def _check_unit(unit: Any) -> None:
+def _check_unit(unit: object) -> None:
     if not isinstance(unit, str):
         raise MorseDeclarationError(f"unit is a string, not {shown(unit)}")
     if unit:
@@ -163,7 +163,7 @@ def _check_range(low: float | None, high: float | None) -> None:
         raise MorseDeclarationError(f"low={low:g} is greater than high={high:g}")
 
 
-def _check_allow(allow: Any) -> None:
+def _check_allow(allow: object) -> None:
     if not isinstance(allow, tuple):
         raise MorseDeclarationError(f"allow is a tuple of some of {', '.join(ALLOWED)}, not {shown(allow)}")
     for name in allow:
@@ -171,7 +171,7 @@ def _check_allow(allow: Any) -> None:
 
 
 def _check_numbers(
-    numbers: Iterable[float], default: Any, low: float | None, high: float | None, allow: tuple[str, ...]
+    numbers: Iterable[float], default: object, low: float | None, high: float | None, allow: tuple[str, ...]
 ) -> None:
     for number in numbers:
         inside = (low is None or number >= low) and (high is None or number <= high)

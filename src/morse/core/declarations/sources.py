@@ -101,7 +101,7 @@ def scaled(field: str, factor: float) -> Scaled:
     return Scaled(field, factor)
 
 
-def computed(function: Callable[..., Any], *properties: str, by_rows: bool = False) -> Computed:
+def computed(function: Callable[..., object], *properties: str, by_rows: bool = False) -> Computed:
     """Return a source for a function of the data fields, which uses nothing else of the component.
 
     Args:

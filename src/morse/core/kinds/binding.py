@@ -156,7 +156,7 @@ class BoundKind:
             return [source.get(component) for _, source in self._sources]
         return [self.value_of(index, component) for index in range(len(self._sources))]
 
-    def value_of(self, index: int, component: Any) -> Any:
+    def value_of(self, index: int, component: object) -> Any:
         """Return one of the `values`."""
         slot, source = self._sources[index]
         value = source.get(component)
@@ -164,11 +164,11 @@ class BoundKind:
             return turned(value, slot.moves, *self._turns[slot.name], component)
         return value
 
-    def message_of(self, values: Sequence[Any], stamp: int) -> Message:
+    def message_of(self, values: Sequence[object], stamp: int) -> Message:
         """Return the message with the `values` of the slots at a time, whole ns."""
         return Message(self.kind, stamp, self.frame, self._slots_of(values))
 
-    def _slots_of(self, values: Sequence[Any]) -> dict[str, Any]:
+    def _slots_of(self, values: Sequence[object]) -> dict[str, Any]:
         slots: dict[str, Any] = {
             slot.name: as_slot(slot, value)
             for (slot, _), value in zip(self._sources, values, strict=True)
@@ -208,7 +208,7 @@ class BoundKind:
             return frozenset(self.component.local_data) - {"timestamp"}
         return frozenset(name for _, source in self._sources for name in source.fields if name is not None)
 
-    def gather_from(self, data: Mapping[str, Any], stamp: int) -> Message:
+    def gather_from(self, data: Mapping[str, object], stamp: int) -> Message:
         """Return the message with other data; in any thread, if `needs` is not None.
 
         Vectors are those of the data: sequences of numbers, or arrays.
@@ -222,7 +222,7 @@ class BoundKind:
         slots.update(self._covariances)
         return Message(self.kind, stamp, self.frame, slots)
 
-    def scatter(self, slots: Mapping[str, Any], frame: str = "") -> tuple[dict[str, Any], str | None]:
+    def scatter(self, slots: Mapping[str, object], frame: str = "") -> tuple[dict[str, Any], str | None]:
         """Return the fields that a command sets, for `morse.core.validation.Commands`; other fields stay unchanged.
 
         Args:
@@ -285,7 +285,7 @@ def _frame_in_message(slot: Slot, source: Source) -> str:
     return slot.frame if source.frame == NED_AS_WORLD else source.frame or slot.frame
 
 
-def _checked_array(slot: Slot, value: Any) -> Any:
+def _checked_array(slot: Slot, value: object) -> Any:
     import numpy as np
 
     array = np.asarray(value)
@@ -300,7 +300,7 @@ def _checked_array(slot: Slot, value: Any) -> Any:
     raise ValueError(f"the shape {slot.shape}")
 
 
-def _names(entry: Any) -> set[str]:
+def _names(entry: object) -> set[str]:
     return {entry} if isinstance(entry, str) else set()
 
 
@@ -346,7 +346,7 @@ def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
     return (general_kind(component),)
 
 
-def general_kind(component: Any) -> BoundKind:
+def general_kind(component: object) -> BoundKind:
     """Return the kind ``general`` of a component, whatever kinds it declares: all of its fields."""
     from morse.core.declarations import KindUse
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def covariances(
-    component: Any, kind: Kind, sources: Iterable[tuple[Slot, Source]], fields: Mapping[str, DataField]
+    component: object, kind: Kind, sources: Iterable[tuple[Slot, Source]], fields: Mapping[str, DataField]
 ) -> dict[str, Any]:
     """Return the covariance slots that the component does not fill itself; an empty list if no noise is declared.
 

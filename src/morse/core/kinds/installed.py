@@ -53,7 +53,7 @@ def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
     return good
 
 
-def _is_kind(kind: Any) -> bool:
+def _is_kind(kind: object) -> bool:
     return (
         isinstance(kind, Kind)
         and isinstance(kind.name, str)

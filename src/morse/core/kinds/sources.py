@@ -42,11 +42,11 @@ class Source:
         """Whether the source has a value at present."""
         return True
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: object) -> Any:
         """The value, in the unit of the slot; None if there is no value at present."""
         raise NotImplementedError
 
-    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+    def rows(self, columns: Mapping[str, object], component: object) -> Any:
         """The values of many messages, with a first axis of rows.
 
         Args:
@@ -58,7 +58,7 @@ class Source:
         """
         raise TypeError(f"{type(self).__name__} is read one by one")
 
-    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+    def put(self, value: object, fields: dict[str, Any]) -> str | None:
         """Convert a value of the slot into values of fields.
 
         Returns:
@@ -78,11 +78,11 @@ class Constant(Source):
     def __init__(self, value: Any) -> None:
         self._value = value
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: object) -> Any:
         """The constant."""
         return self._value
 
-    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+    def rows(self, columns: Mapping[str, object], component: object) -> Any:
         """The constant."""
         return self._value
 
@@ -94,12 +94,12 @@ class FromProperty(Source):
         self._name, self._factor, self._offset = source.name, factor * source.scale, offset
         self.properties = (source.name,)
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: object) -> Any:
         """The property, in the unit of the slot."""
         value = getattr(component, self._name)
         return value if isinstance(value, (str, bool)) else value * self._factor + self._offset
 
-    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+    def rows(self, columns: Mapping[str, object], component: object) -> Any:
         """The property, in the unit of the slot."""
         return self.get(component)
 
@@ -110,7 +110,7 @@ class FromFunction(Source):
     def __init__(self, function: Callable[[Any], Any], frame: str) -> None:
         self._function, self.frame = function, frame
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: object) -> Any:
         """The return value of the function."""
         return self._function(component)
 
@@ -123,14 +123,14 @@ class FromData(Source):
         self.frame = frame
         self.is_of_data = not self.properties
 
-    def _call(self, data: Any, component: Any) -> Any:
+    def _call(self, data: object, component: object) -> Any:
         return self._function(data, *[getattr(component, name) for name in self.properties])
 
     def get(self, component: Any) -> Any:
         """The return value of the function."""
         return self._call(component.local_data, component)
 
-    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+    def rows(self, columns: Mapping[str, object], component: object) -> Any:
         """The return value of the function."""
         return self._call(columns, component) if self._by_rows else super().rows(columns, component)
 
@@ -159,7 +159,7 @@ class FromField(Source):
             else (value * self._factor + self._offset)
         )
 
-    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+    def rows(self, columns: Mapping[str, object], component: object) -> Any:
         """The column of the field, in the unit of the slot."""
         column = columns[self._name]
         return column if self._plain else numeric(column) * self._factor + self._offset
@@ -226,14 +226,14 @@ class Among(Source):
         """Whether the slot applies to any of the fields."""
         return bool(self._chosen())
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: object) -> Any:
         """The numbers, NaN for fields to which the slot does not apply; None if it applies to none."""
         if not self.is_present:
             return None
         names, values = self._chosen(), self._stack.get(component)
         return [value if name in names else math.nan for name, value in zip(self.fields, values, strict=True)]
 
-    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+    def put(self, value: object, fields: dict[str, Any]) -> str | None:
         """Write the numbers of the fields to which the slot applies; NaN stands for no command."""
         names, numbers = self._chosen(), dict[str, Any]()
         remark = self._stack.put(value, numbers)
@@ -261,7 +261,7 @@ class FromEuler(Source):
         roll, pitch, yaw = angles
         return quaternion_of(roll * factor, pitch * factor, yaw * factor)
 
-    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+    def rows(self, columns: Mapping[str, object], component: object) -> Any:
         """The quaternions (R, 4)."""
         import numpy as np
 
@@ -308,7 +308,7 @@ class FromWord(Source):
         return None
 
 
-def source_of(slot: Slot, value: Any, fields: Mapping[str, DataField], units: Mapping[str, str]) -> Source | None:
+def source_of(slot: Slot, value: object, fields: Mapping[str, DataField], units: Mapping[str, str]) -> Source | None:
     """Return the source of a slot; None if the slot is optional and the component does not have its fields.
 
     Args:
@@ -415,7 +415,7 @@ def _euler(names: tuple[str | None, ...], fields: Mapping[str, DataField]) -> So
     return FromEuler(names, _common_frame(names, angles), factors.pop() if factors else 1.0)
 
 
-def _common_frame(names: tuple[Any, ...], fields: list[DataField | None]) -> str:
+def _common_frame(names: tuple[object, ...], fields: list[DataField | None]) -> str:
     frames = {field.frame: name for name, field in zip(names, fields, strict=True) if field is not None}
     if len(frames) > 1:
         pairs = ", ".join(f"'{name}' in {frame or 'none'}" for frame, name in frames.items())
@@ -450,7 +450,7 @@ def numeric(column: Any) -> Any:
     return column.astype("float64", copy=False)
 
 
-def _array(value: Any) -> Any:
+def _array(value: object) -> Any:
     import numpy as np
 
     return np.asarray(value, dtype=np.float64)

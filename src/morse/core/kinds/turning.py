@@ -74,7 +74,7 @@ def turned(value: Any, moves: str, source_frame: str, target_frame: str, compone
     return result + np.array(origin) if moves == POINT else result
 
 
-def _between(source_frame: str, target_frame: str, component: Any) -> tuple[tuple[float, ...], Rotation9]:
+def _between(source_frame: str, target_frame: str, component: object) -> tuple[tuple[float, ...], Rotation9]:
     """Return the origin and rotation of the transformation from one frame into another."""
     (p, a), (q, b) = _pose(source_frame, component), _pose(target_frame, component)
     inverse = (b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8])
@@ -83,7 +83,7 @@ def _between(source_frame: str, target_frame: str, component: Any) -> tuple[tupl
     return origin, product(inverse, a)
 
 
-def _north_east_down(properties: Mapping[str, Any]) -> Rotation9:
+def _north_east_down(properties: Mapping[str, object]) -> Rotation9:
     """Return the rotation of the axes north, east and down in the world."""
     from morse.helpers.geodesy import angle_against_north
 

@@ -29,7 +29,7 @@ class _Link(NamedTuple):
 
 
 def link_parts(
-    armature: Any, chain: Chain, values: Callable[[], Sequence[float]], components: Container[str] = ()
+    armature: object, chain: Chain, values: Callable[[], Sequence[float]], components: Container[str] = ()
 ) -> list[MovingPart]:
     """Return the links of an armature, parents before their children.
 
@@ -82,9 +82,9 @@ def _links(armature: Any, chain: Chain, components: Container[str]) -> Iterator[
 
 
 def _moved(
-    armature: Any,
+    armature: object,
     link: _Link,
-    parent: Any,
+    parent: object,
     index: int,
     chain: Chain,
     frames: Sequence[Pose],

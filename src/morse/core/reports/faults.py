@@ -96,7 +96,7 @@ def is_a(part: object, classes: type | tuple[type, ...]) -> bool:
     return issubclass(type(part), classes)
 
 
-def attribute(part: object, name: str, otherwise: Any = None) -> Any:
+def attribute(part: object, name: str, otherwise: object = None) -> Any:
     """Return an attribute of an object of the user; otherwise something else."""
     return _safely(lambda: getattr(part, name, otherwise), otherwise)
 
@@ -148,7 +148,7 @@ def _of_class(cls: Any) -> str:
     return f'  File "{code.co_filename}", line {code.co_firstlineno}, in {class_name(cls)}'
 
 
-def _safely(function: Callable[[], Any], otherwise: Any) -> Any:
+def _safely(function: Callable[[], object], otherwise: object) -> Any:
     """Return what a function of the user returns; otherwise something else."""
     try:
         return function()

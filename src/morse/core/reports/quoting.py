@@ -19,7 +19,7 @@ def escaped(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
-def quoted(value: Any, limit: int = _LIMIT) -> str:
+def quoted(value: object, limit: int = _LIMIT) -> str:
     """Return a value from outside in quotes, escaped, and shortened to about ``limit`` characters.
 
     The time is bounded: a text of any length and a list of any depth take about the same time.
@@ -27,14 +27,14 @@ def quoted(value: Any, limit: int = _LIMIT) -> str:
     return f"'{short(value, limit)}'" if isinstance(value, str) else shown(value, limit)
 
 
-def short(text: Any, limit: int = _LIMIT) -> str:
+def short(text: object, limit: int = _LIMIT) -> str:
     """Return a name from outside without quotes, escaped and shortened; return other values as `shown` does."""
     if not isinstance(text, str):
         return shown(text, limit)
     return escaped(text) if len(text) <= limit else f"{escaped(text[:limit])}… ({len(text)} characters)"
 
 
-def shown(value: Any, limit: int = _LIMIT) -> str:
+def shown(value: object, limit: int = _LIMIT) -> str:
     """Return the `repr` of a value, shortened to about ``limit`` characters; only the beginning is processed."""
     short = _Short()
     short.maxstring = short.maxother = short.maxlong = limit

@@ -64,7 +64,7 @@ def content(array: Array) -> list[Any]:
     return [list(array.shape), array.tobytes()]
 
 
-def array_of(kind: np.dtype[Any], shape: Sequence[int], data: bytes, order: Any = "C") -> Array:
+def array_of(kind: np.dtype[Any], shape: Sequence[int], data: bytes, order: object = "C") -> Array:
     """Recreate an array from the result of `content`."""
     return np.frombuffer(data, dtype=kind).reshape(shape, order="F" if order == "F" else "C").copy(order="A")
 
@@ -87,7 +87,7 @@ def check_generator(name: str, state: dict[str, Any]) -> None:
         check_place((state[part] if part else state)[key], size)
 
 
-def check_place(place: Any, size: int) -> None:
+def check_place(place: object, size: int) -> None:
     """Raise an error for a position outside the table of a generator."""
     if not isinstance(place, int) or not 0 <= place <= size:
         raise StateError("a generator of random numbers is damaged")

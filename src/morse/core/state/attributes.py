@@ -30,7 +30,7 @@ def left_out(cls: Any) -> frozenset[str]:
     return frozenset(names | (assigned - users - state_variables(cls).keys() - properties(cls).keys()))
 
 
-def state_of(owner: Any) -> dict[str, Any]:
+def state_of(owner: object) -> dict[str, Any]:
     """The attributes of an object that are part of its state."""
     cls: Any = type(owner)
     without = left_out(cls)

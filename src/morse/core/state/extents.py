@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from morse.core.state.errors import StateError
 
@@ -35,7 +35,7 @@ class Extents:
         self._items = self._height = 0
         return outer
 
-    def end(self, outer: tuple[int, int], value: Any, *, counts: bool) -> None:
+    def end(self, outer: tuple[int, int], value: object, *, counts: bool) -> None:
         """End a nested value.
 
         Args:
@@ -49,7 +49,7 @@ class Extents:
         """Count items that are not nested values."""
         self._items += items
 
-    def refer(self, value: Any, depth: int) -> None:
+    def refer(self, value: object, depth: int) -> None:
         """Count an earlier value once more, at a nesting depth.
 
         Raises:

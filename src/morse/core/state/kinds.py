@@ -54,7 +54,7 @@ _DATA = (
 )
 
 
-def kind_of(value: Any) -> Any:
+def kind_of(value: object) -> Any:
     """The kind of a value: words for data, the class of other objects."""
     if value is MISSING:
         return "nothing"
@@ -62,28 +62,28 @@ def kind_of(value: Any) -> Any:
     return word or ("a function" if is_routine(value) else type(value))
 
 
-def is_routine(value: Any) -> bool:
+def is_routine(value: object) -> bool:
     """Whether a value is a function or a method; the class of an object of the user may raise."""
     return issubclass(type(value), _ROUTINES)
 
 
-def word_of(value: Any) -> str:
+def word_of(value: object) -> str:
     """The kind of a value in words, for messages."""
     kind = kind_of(value)
     return kind if isinstance(kind, str) else f"an object of the class {class_name(kind)}"
 
 
-def misfit(value: Any, present: Any) -> StateError:
+def misfit(value: object, present: object) -> StateError:
     """The error for a value of another kind than the present value."""
     return StateError(f"the saved state contains {word_of(value)}, and this simulation has {word_of(present)}")
 
 
-def is_data(value: Any) -> bool:
+def is_data(value: object) -> bool:
     """Whether a value is data: its methods do nothing but compute."""
     return is_a(value, _DATA)
 
 
-def fits(value: Any, present: Any, new_types: frozenset[type] = frozenset()) -> bool:
+def fits(value: object, present: object, new_types: frozenset[type] = frozenset()) -> bool:
     """Whether a value may replace the present value of an attribute that MORSE has set.
 
     Args:
@@ -95,7 +95,7 @@ def fits(value: Any, present: Any, new_types: frozenset[type] = frozenset()) -> 
     return kind == "nothing" or (before == "nothing" and (is_data(value) or kind in new_types))
 
 
-def fits_roughly(value: Any, present: Any) -> bool:
+def fits_roughly(value: object, present: object) -> bool:
     """Whether a value may replace the present value of an attribute that a class of the user has set.
 
     Such an attribute may get data instead of an object, another component, an object of a related class; and anything
@@ -116,7 +116,7 @@ def _common(one: type, other: type) -> list[type]:
     return [base for base in one.__mro__ if base in other.__mro__]
 
 
-def _names(routine: Any) -> tuple[str, type]:
+def _names(routine: object) -> tuple[str, type]:
     return getattr(routine, "__name__", ""), type(getattr(routine, "__self__", None))
 
 

@@ -121,7 +121,7 @@ class Reader:
             "text": lambda data, _: data[1].decode("utf-8", "surrogatepass"),
         }
 
-    def part(self, name: str, data: Any, now: Any, holder: Any = None) -> Any:
+    def part(self, name: str, data: object, now: object, holder: object = None) -> Any:
         """Return the restored state of a part of the simulation.
 
         Args:
@@ -147,7 +147,7 @@ class Reader:
         except Exception as error:  # a damaged state may cause any exception, also in `set_state` of a user's class
             raise StateError(f"{name}: the saved state is damaged ({type(error).__name__}: {error!s:.200})") from None
 
-    def value(self, data: Any, now: Any = MISSING) -> Any:
+    def value(self, data: object, now: object = MISSING) -> Any:
         """Return a restored value.
 
         Args:
@@ -175,18 +175,18 @@ class Reader:
             self._check(value, now)
         return value
 
-    def _keep(self, value: Any) -> Any:
+    def _keep(self, value: object) -> Any:
         self._met.append(value)
         return value
 
-    def _again(self, data: list[Any], _now: Any) -> Any:
+    def _again(self, data: list[Any], _now: object) -> Any:
         if type(data[1]) is not int or data[1] < 0:
             raise StateError("the saved state is damaged: it refers to an object that was not saved before")
         value = self._met[data[1]]
         self._extents.refer(value, self._depth)
         return value
 
-    def _target(self, now: Any, cls: type, make: Callable[[], Any]) -> Any:
+    def _target(self, now: object, cls: type, make: Callable[[], object]) -> Any:
         """Return the present object if it has the right class and is not used for another value, else a new one."""
         if self._fresh or type(now) is not cls or id(now) in self._used:
             return self._keep(make())
@@ -201,12 +201,12 @@ class Reader:
         self._extents.count(len(data))
         return [self.value(item, present[i] if i < len(present) else MISSING) for i, item in enumerate(data)]
 
-    def _list(self, data: list[Any], now: Any) -> list[Any]:
+    def _list(self, data: list[Any], now: object) -> list[Any]:
         target: list[Any] = self._target(now, list, list)
         target[:] = self._items(data[1], now)
         return target
 
-    def _set(self, data: list[Any], now: Any) -> set[Any]:
+    def _set(self, data: list[Any], now: object) -> set[Any]:
         target: set[Any] = self._target(now, set, set)
         items = self._items(data[1], MISSING)
         target.clear()
@@ -240,13 +240,13 @@ class Reader:
             items[restored_key] = self.value(item, present.get(restored_key, MISSING))
         return items
 
-    def _namespace(self, data: list[Any], now: Any) -> SimpleNamespace:
+    def _namespace(self, data: list[Any], now: object) -> SimpleNamespace:
         present = dict(vars(now)) if type(now) is SimpleNamespace else {}
         target: SimpleNamespace = self._target(now, SimpleNamespace, SimpleNamespace)
         self._assign(target, data[1], present)
         return target
 
-    def _named_tuple(self, data: list[Any], now: Any) -> Any:
+    def _named_tuple(self, data: list[Any], now: object) -> Any:
         cls = self._class(data[1], now)
         items = self._items(data[2], now)
         if not issubclass(cls, tuple) or len(getattr(cls, "_fields", ())) != len(items):
@@ -255,7 +255,7 @@ class Reader:
 
     # -- numpy -----------------------------------------------------------------------------
 
-    def _view(self, data: list[Any], _now: Any) -> Any:
+    def _view(self, data: list[Any], _now: object) -> Any:
         place = len(self._met)
         self._keep(None)
         root = self.value(data[1])
@@ -267,7 +267,7 @@ class Reader:
         self._extents.repeat(view.size)
         return view
 
-    def _objects(self, data: list[Any], _now: Any) -> Any:
+    def _objects(self, data: list[Any], _now: object) -> Any:
         # the shape is used only if the number of items matches
         if any(type(n) is not int or n < 0 for n in data[1]) or np.prod(data[1], dtype=object) != len(data[2]):
             raise StateError("the number of items of an array does not match its shape")
@@ -286,19 +286,19 @@ class Reader:
         target.bit_generator.state = state
         return target
 
-    def _legacy_random(self, data: list[Any], now: Any) -> Any:
+    def _legacy_random(self, data: list[Any], now: object) -> Any:
         target = self._target(now, np.random.RandomState, lambda: np.random.RandomState(0))
         state = self.value(data[1])
         arrays.check_place(state[2], 624)
         target.set_state(state)
         return target
 
-    def _python_random(self, data: list[Any], now: Any) -> Any:
+    def _python_random(self, data: list[Any], now: object) -> Any:
         target = self._target(now, random.Random, random.Random)
         target.setstate(self.value(data[1]))
         return target
 
-    def _pose(self, data: list[Any], now: Any) -> Transformation3d:
+    def _pose(self, data: list[Any], now: object) -> Transformation3d:
         cls = type(now) if is_a(now, Transformation3d) else Transformation3d
         target: Transformation3d = self._target(now, cls, Transformation3d)
         _, position, rotation = data
@@ -309,13 +309,13 @@ class Reader:
 
     # -- objects ---------------------------------------------------------------------------
 
-    def _enum(self, data: list[Any], now: Any) -> Any:
+    def _enum(self, data: list[Any], now: object) -> Any:
         cls = self._class(data[1], now)
         if not issubclass(cls, Enum):
             raise StateError(f"{data[1]} is not an enumeration")
         return cls(self.value(data[3])) if data[2] is None else cls[data[2]]
 
-    def _own(self, data: list[Any], now: Any) -> Any:
+    def _own(self, data: list[Any], now: object) -> Any:
         cls = self._attributed(data[1], now)
         target = self._target(now, cls, lambda: object.__new__(cls))
         state = self.value(data[2])
@@ -323,7 +323,7 @@ class Reader:
             target.set_state(state)
         return target
 
-    def _object(self, data: list[Any], now: Any) -> Any:
+    def _object(self, data: list[Any], now: object) -> Any:
         cls = self._attributed(data[1], now)
         base = next((base for base in ITEMS if issubclass(cls, base)), object)
         target = self._target(now, cls, lambda: base.__new__(cls))
@@ -340,7 +340,7 @@ class Reader:
             set.update(target, Extents.spread(items))
         return target
 
-    def _assign(self, target: Any, data: list[Any], present: dict[str, Any]) -> None:
+    def _assign(self, target: object, data: list[Any], present: dict[str, Any]) -> None:
         for name, _ in data:
             check_name(type(target), name)
         for name, value in self._attributes(type(target), data, present):
@@ -372,7 +372,7 @@ class Reader:
                 self._strict, self._deep, self._created = outer
             yield name, value
 
-    def _check(self, value: Any, present: Any) -> None:
+    def _check(self, value: object, present: object) -> None:
         if value is present or self._trusted:
             return
         if not (fits(value, present, self._created) if self._strict else fits_roughly(value, present)):
@@ -392,7 +392,7 @@ class Reader:
             )
         return getattr(owner, name)
 
-    def _global(self, data: list[Any], now: Any) -> Any:
+    def _global(self, data: list[Any], now: object) -> Any:
         target = self._references.find_global(data[1])
         if inspect.isroutine(target):
             if not (is_routine(now) or self._trusted):
@@ -414,7 +414,7 @@ class Reader:
             self._met[place] = value = target
         return value
 
-    def _class(self, path: str, now: Any) -> type[Any]:
+    def _class(self, path: str, now: object) -> type[Any]:
         if now is not MISSING and class_path(type(now)) == path:
             return type(now)
         cls = self._references.find_class(path)
@@ -422,7 +422,7 @@ class Reader:
             raise StateError(f"the saved state contains a {path!r:.80}, which the simulation does not know")
         return cls
 
-    def _attributed(self, path: str, now: Any) -> type[Any]:
+    def _attributed(self, path: str, now: object) -> type[Any]:
         """Return a class whose objects are created without calling it."""
         cls = self._class(path, now)
         is_new = type(now) is not cls and not self._trusted

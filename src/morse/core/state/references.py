@@ -10,7 +10,7 @@ from morse.core.state.errors import StateError
 class References(Protocol):
     """Maps the parts of a simulation, and the classes and variables of its project, to names and back."""
 
-    def name_of(self, value: Any) -> str | None:
+    def name_of(self, value: object) -> str | None:
         """The name of a part of the simulation, such as ``component robot.pose``; None for other objects."""
 
     def find(self, name: str) -> Any:
@@ -26,7 +26,7 @@ class References(Protocol):
     def met_class(self, cls: type[Any]) -> None:
         """Record that an object of that class was saved, so that this process may recreate such objects."""
 
-    def global_name(self, value: Any) -> str | None:
+    def global_name(self, value: object) -> str | None:
         """``module:NAME`` of an object or function that is a variable of the user's project; None for others."""
 
     def find_global(self, name: str) -> Any:
@@ -40,7 +40,7 @@ class References(Protocol):
 class NoReferences:
     """References for data from outside, which do not refer to parts of the simulation, to classes or functions."""
 
-    def name_of(self, value: Any) -> str | None:
+    def name_of(self, value: object) -> str | None:
         """Nothing has a name."""
         return None
 
@@ -55,7 +55,7 @@ class NoReferences:
     def met_class(self, cls: type[Any]) -> None:
         """Do nothing, because such data do not contain objects of classes."""
 
-    def global_name(self, value: Any) -> str | None:
+    def global_name(self, value: object) -> str | None:
         """Nothing has a name."""
         return None
 

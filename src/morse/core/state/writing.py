@@ -121,7 +121,7 @@ class Writer:
         self._met.clear()
         self._numbers.clear()
 
-    def part(self, name: str, state: Any) -> Any:
+    def part(self, name: str, state: object) -> Any:
         """The state of a part of the simulation, as returned by its ``get_state()``."""
         self._path = [name]
         # a state that was created for this call is not shared
@@ -130,7 +130,7 @@ class Writer:
             return ["dict", self._pairs(state.items())]
         return self.value(state)
 
-    def value(self, value: Any) -> Any:
+    def value(self, value: object) -> Any:
         """Return a value as plain data."""
         cls = type(value)
         if cls in _PLAIN:
@@ -158,7 +158,7 @@ class Writer:
         finally:
             self._depth -= 1
 
-    def _written(self, value: Any, cls: type) -> Any:
+    def _written(self, value: object, cls: type) -> Any:
         write = self._writers.get(cls)
         if write is None:
             return self._other(value)
@@ -166,7 +166,7 @@ class Writer:
             self._number(value)
         return write(value)
 
-    def _number(self, value: Any) -> None:
+    def _number(self, value: object) -> None:
         self._numbers[id(value)] = len(self._met)
         self._met.append(value)  # keeps the object alive, so that its id is not reused
 
@@ -176,7 +176,7 @@ class Writer:
             del self._numbers[id(value)]
         del self._met[numbers:]
 
-    def _cannot_be_saved(self, value: Any, why: str = "") -> Any:
+    def _cannot_be_saved(self, value: object, why: str = "") -> Any:
         why = why or class_name(type(value))
         self.unsaved.append(f"{'.'.join(self._path)} ({why})")
         return AS_IS
@@ -223,11 +223,11 @@ class Writer:
         entry = AS_IS if name is None else self.value(owner)
         return AS_IS if entry == AS_IS else ["method", entry, name]
 
-    def _simple(self, value: Any) -> Any:
+    def _simple(self, value: object) -> Any:
         word, apart = TAKEN_APART[type(value)]
         return ["simple", word, *(self.value(part) for part in apart(value))]
 
-    def _pairs(self, items: Iterable[tuple[str, Any]]) -> list[list[Any]]:
+    def _pairs(self, items: Iterable[tuple[str, object]]) -> list[list[Any]]:
         pairs = []
         for name, value in items:
             self._path.append(str(name))
@@ -266,7 +266,7 @@ def _pose(value: Transformation3d) -> list[Any]:
     return ["pose", *(list(part) for part in value.get_pose())]
 
 
-def attributes_of(value: Any) -> dict[str, Any]:
+def attributes_of(value: object) -> dict[str, Any]:
     """The attributes of an object, from its dictionary and its slots."""
     attributes: dict[str, Any] = {}
     for cls in type(value).__mro__:
@@ -305,7 +305,7 @@ def _factory(value: defaultdict[Any, Any]) -> str | None:
     return name if name is not None and FACTORIES.get(name) is value.default_factory else None
 
 
-def _is_code(value: Any) -> bool:
+def _is_code(value: object) -> bool:
     return inspect.isroutine(value) or inspect.isclass(value) or isinstance(value, (type(inspect), logging.Logger))
 
 

@@ -74,7 +74,7 @@ def _refuse(component: Any, text: str) -> None:
     component.context.complaints.warn(text, text)
 
 
-def check_result(owner: object, result: Any) -> None:
+def check_result(owner: object, result: object) -> None:
     """Check the size of what a service of a user returns.
 
     Args:
@@ -158,7 +158,7 @@ def _excess_alone(value: Any) -> str:
     return f"a {class_name(type(value))}, which can be read only once" if _is_iterator(value) else ""
 
 
-def _is_iterator(value: Any) -> bool:
+def _is_iterator(value: object) -> bool:
     return any("__next__" in vars(cls) for cls in type.mro(type(value)))
 
 

@@ -155,7 +155,7 @@ class KindStream(AbstractDatastream):
             return commands[0] if commands else None
         return {name: value for command in commands for name, value in command.items()}
 
-    def _scattered(self, entry: BoundKind, slots: Mapping[str, Any], frame: str = "") -> dict[str, Any]:
+    def _scattered(self, entry: BoundKind, slots: Mapping[str, object], frame: str = "") -> dict[str, Any]:
         fields, remark = entry.scatter(slots, frame)
         if remark is not None:
             self.complain(remark, remark)

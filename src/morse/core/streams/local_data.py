@@ -46,13 +46,13 @@ class LocalData(dict[str, Any]):
             self[key]
         return self
 
-    def get(self, key: str, default: Any = None) -> Any:
+    def get(self, key: str, default: object = None) -> Any:
         """See `dict`."""
         if key in self:
             self[key]
         return super().get(key, default)
 
-    def setdefault(self, key: str, default: Any = None) -> Any:
+    def setdefault(self, key: str, default: object = None) -> Any:
         """See `dict`."""
         if key in self:
             self[key]

@@ -25,7 +25,7 @@ class PendingCommands:
         """Switch to an actuator that replaces the present one and has taken over its input functions."""
         self._commands = Commands(actuator)
 
-    def fitting(self, message: Any) -> dict[str, Any]:
+    def fitting(self, message: object) -> dict[str, Any]:
         """Return the fields of a message in the form that `put` takes.
 
         Raises:
@@ -37,7 +37,7 @@ class PendingCommands:
         """Set fields that `fitting` has returned, as `give` does."""
         self._waiting.update(fields)
 
-    def give(self, message: Any) -> None:
+    def give(self, message: object) -> None:
         """Set fields of the actuator at its next action; if a field is set several times, the last value is used.
 
         Raises:

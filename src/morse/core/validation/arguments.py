@@ -104,7 +104,7 @@ class Arguments:
         return f"wrong # of parameters for service. {self._service} takes ({names}), got {count}"
 
 
-def argument_ranges(method: Callable[..., Any]) -> dict[str, str]:
+def argument_ranges(method: Callable[..., object]) -> dict[str, str]:
     """Return the declared ranges and choices of the arguments of a service as text, by argument name."""
     ranges = {}
     for name, hint in hints_of(method).items():
@@ -116,11 +116,11 @@ def argument_ranges(method: Callable[..., Any]) -> dict[str, str]:
     return ranges
 
 
-def _anything(value: Any) -> Any:
+def _anything(value: object) -> Any:
     return value
 
 
-def check_of(hint: Any) -> Callable[[Any], Any]:
+def check_of(hint: object) -> Callable[[Any], Any]:
     """Return the check for an annotation."""
     specs = specs_of(hint)
     if not specs:
@@ -130,7 +130,7 @@ def check_of(hint: Any) -> Callable[[Any], Any]:
     checks = [spec.check() for spec in specs]
     expectation = " or ".join(_NAMES[spec.kind] + spec.range_text() for spec in specs)
 
-    def check(value: Any) -> Any:
+    def check(value: object) -> Any:
         for one in checks:
             try:
                 return one(value)
@@ -141,7 +141,7 @@ def check_of(hint: Any) -> Callable[[Any], Any]:
     return check
 
 
-def specs_of(hint: Any) -> list[Spec]:
+def specs_of(hint: object) -> list[Spec]:
     """Return the alternatives that an annotation accepts; empty if it accepts anything."""
     origin = typing.get_origin(hint)
     if origin is typing.Annotated:

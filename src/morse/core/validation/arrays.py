@@ -60,14 +60,14 @@ def _has_shape(array: NDArray[Any], shape: tuple[int | None, ...]) -> bool:
     )
 
 
-def _listed(value: Any, expectation: str) -> list[Any]:
+def _listed(value: object, expectation: str) -> list[Any]:
     # accepts mathutils vectors and tuples; strings are sequences as well, and are refused
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
         raise ValueError(expectation)
     return list(value)
 
 
-def _nested(value: Any, shape: tuple[int | None, ...], item: Callable[[Any], Any]) -> list[Any]:
+def _nested(value: object, shape: tuple[int | None, ...], item: Callable[[Any], object]) -> list[Any]:
     if not isinstance(value, (list, tuple)):
         value = _listed(value, "")
     if shape[0] is not None and len(value) != shape[0]:
@@ -97,12 +97,12 @@ def _as_array(value: list[Any], shape: tuple[int | None, ...], dtype: str, expec
 
 
 def list_check(
-    least: int, item: Callable[[Any], Any], allow: frozenset[str], range_text: str
+    least: int, item: Callable[[Any], object], allow: frozenset[str], range_text: str
 ) -> Callable[[Any], list[Any]]:
     """Return a check for lists without declared shape: at least ``least`` numbers, or any items if it is 0."""
     expectation = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"
 
-    def check(value: Any) -> list[Any]:
+    def check(value: object) -> list[Any]:
         if hasattr(value, "tolist"):
             value = value.tolist()
         if not isinstance(value, (list, tuple)) or (least > 1 and len(value) < least):

@@ -19,7 +19,7 @@ _WORDS = {
 }  # fmt: skip
 
 
-def spec_of_field(field: DataField | None, value: Any) -> Spec:
+def spec_of_field(field: DataField | None, value: object) -> Spec:
     """Return the spec of a data field: as declared, or derived from its value if it is not declared.
 
     Args:
@@ -64,7 +64,7 @@ def spec_of_option(option: OptionFields) -> Spec:
     )
 
 
-def _like(default: Any) -> Spec:
+def _like(default: object) -> Spec:
     if isinstance(default, bool):
         return Spec("boolean")
     if isinstance(default, (int, float)):
@@ -79,7 +79,7 @@ def _like(default: Any) -> Spec:
     return Spec("any")
 
 
-def _occurring(default: Any) -> frozenset[str]:
+def _occurring(default: object) -> frozenset[str]:
     """Return the special values in a default, which are always accepted."""
     if default is None:
         return frozenset({"none"})

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import Option
 
 
-def checked_options(owner: str, declarations: Mapping[str, Option], values: Mapping[str, Any]) -> dict[str, Any]:
+def checked_options(owner: str, declarations: Mapping[str, Option], values: Mapping[str, object]) -> dict[str, Any]:
     """Return the given options as they are to be stored.
 
     Args:
@@ -35,7 +35,7 @@ def checked_options(owner: str, declarations: Mapping[str, Option], values: Mapp
     return result
 
 
-def _checked(owner: str, name: str, option: Option, value: Any) -> Any:
+def _checked(owner: str, name: str, option: Option, value: object) -> Any:
     try:
         if isinstance(option.type, tuple) and not isinstance(value, option.type):
             raise ValueError(" or ".join(one.__name__ for one in option.type))
@@ -44,6 +44,6 @@ def _checked(owner: str, name: str, option: Option, value: Any) -> Any:
         raise OptionError(f"option '{name}' of {owner} is {shown(value)}, expected {error}") from None
 
 
-def with_defaults(declarations: Mapping[str, Option], values: Mapping[str, Any]) -> dict[str, Any]:
+def with_defaults(declarations: Mapping[str, Option], values: Mapping[str, object]) -> dict[str, Any]:
     """Return all options: the given values, and the defaults of the others."""
     return {name: values.get(name, option.default) for name, option in declarations.items()}

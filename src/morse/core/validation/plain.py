@@ -23,7 +23,7 @@ def check_text(text: str) -> None:
             raise ValueError("valid Unicode (no lone surrogates)") from None
 
 
-def check_plain(value: Any, allow: frozenset[str] = frozenset()) -> None:
+def check_plain(value: object, allow: frozenset[str] = frozenset()) -> None:
     """Raise an error for values that some middleware cannot carry, at any depth.
 
     Objects that are neither strings, numbers, lists nor dictionaries come from the process itself and are not checked.
@@ -54,7 +54,7 @@ def check_plain(value: Any, allow: frozenset[str] = frozenset()) -> None:
             queue.extend((inner, depth + 1) for inner in item)
 
 
-def size_of(value: Any) -> int:
+def size_of(value: object) -> int:
     """Estimate the size of a value in bytes; strings and list items are counted, objects of other types are not."""
     size = 0
     queue = [value]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morse.core.validation.component import Checked
 
 
-def checked_value(owner: str, prop: Property, value: Any, *, script: bool = False) -> Any:
+def checked_value(owner: str, prop: Property, value: object, *, script: bool = False) -> Any:
     """The value of a property as it is to be stored.
 
     Args:
@@ -31,7 +31,7 @@ def checked_value(owner: str, prop: Property, value: Any, *, script: bool = Fals
         raise PropertyError(f"property '{prop.name}' of {owner} is {shown(value)}, expected {error}") from None
 
 
-def checked_property(component: Checked, name: Any, value: Any) -> tuple[str, Any]:
+def checked_property(component: Checked, name: object, value: object) -> tuple[str, Any]:
     """The name of a property in Python, and the value as it is to be stored.
 
     Raises:

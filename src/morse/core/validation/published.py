@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -61,7 +61,7 @@ def misfits(component: Object, is_checked: Callable[[DataField], bool] = lambda 
                 yield Misfit(name, True, f"the data field '{name}' {text}")
 
 
-def _misfit(value: Any, field: DataField) -> str:
+def _misfit(value: object, field: DataField) -> str:
     """Return what is wrong with a value; empty if nothing is."""
     if hasattr(value, "__iter__") and not hasattr(value, "__len__"):
         return f"is {value!r:.80}, which can be read only once"

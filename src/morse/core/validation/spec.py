@@ -145,7 +145,7 @@ def real(value: Any) -> float | None:
 
 
 def _boolean(spec: Spec) -> Callable[[Any], Any]:
-    def check(value: Any) -> bool:
+    def check(value: object) -> bool:
         if isinstance(value, bool) or (type(value) is int and value in (0, 1)) or type(value).__name__ == "bool_":
             return bool(value)
         raise ValueError("a boolean")
@@ -156,7 +156,7 @@ def _boolean(spec: Spec) -> Callable[[Any], Any]:
 def _string(spec: Spec) -> Callable[[Any], Any]:
     choices = spec.choices
 
-    def check(value: Any) -> str:
+    def check(value: object) -> str:
         if not isinstance(value, str):
             raise ValueError("a string" if not choices else _one_of(choices, value))
         check_text(value)
@@ -167,13 +167,13 @@ def _string(spec: Spec) -> Callable[[Any], Any]:
     return check
 
 
-def _one_of(choices: tuple[Any, ...], value: Any) -> str:
+def _one_of(choices: tuple[object, ...], value: object) -> str:
     near = closest(value, choices)
     return f"one of {', '.join(map(repr, choices))}" + (f"; did you mean {near!r}?" if near else "")
 
 
 def _dictionary(spec: Spec) -> Callable[[Any], Any]:
-    def check(value: Any) -> Any:
+    def check(value: object) -> Any:
         if not isinstance(value, dict):
             raise ValueError("an object such as {...}")
         check_plain(value, spec.allow)
@@ -185,7 +185,7 @@ def _dictionary(spec: Spec) -> Callable[[Any], Any]:
 def _any(spec: Spec) -> Callable[[Any], Any]:
     choices = spec.choices
 
-    def check(value: Any) -> Any:
+    def check(value: object) -> Any:
         check_plain(value, spec.allow)
         if choices and value not in choices:
             raise ValueError(_one_of(choices, value))

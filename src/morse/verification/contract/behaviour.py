@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import fields_of_component
 from morse.core.state import StateError
@@ -79,7 +79,7 @@ def _is_json(stand: Stand, lines: list[bytes]) -> Iterator[Fault]:
         yield Fault(JSON, text, stand.places.of(cls, "add_data", name))
 
 
-def _numbers(value: Any) -> Iterator[float]:
+def _numbers(value: object) -> Iterator[float]:
     if isinstance(value, float):
         yield value
     elif isinstance(value, (list, dict)):

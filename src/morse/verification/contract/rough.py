@@ -59,7 +59,7 @@ class Rough:
         for message in _NO_COMMANDS:
             yield from self._tried(COMMANDS, f"the command {message!r}", places.of_class(cls), self._publish, message)
 
-    def _publish(self, message: Any) -> bool:
+    def _publish(self, message: object) -> bool:
         try:
             self._stand.publish(message)
         except CommandError:
@@ -90,7 +90,7 @@ class Rough:
                     what = f"{declaration.name}({', '.join([f'{value!r:.40}'] * count)})"
                     yield from self._tried(CALLS, what, place, self._call, declaration.name, *([value] * count))
 
-    def _call(self, service: str, *arguments: Any) -> bool:
+    def _call(self, service: str, *arguments: object) -> bool:
         try:
             self._stand.simulation.call(self._stand.name, service, *arguments)
         except TypeError:
@@ -103,7 +103,7 @@ class Rough:
         return True
 
     def _tried(
-        self, rule: str, what: str, place: str, function: Callable[..., bool], *arguments: Any
+        self, rule: str, what: str, place: str, function: Callable[..., bool], *arguments: object
     ) -> Iterator[Fault]:
         """Apply an input, let the component act if the input was accepted, and check that the simulation continues."""
         stand = self._stand

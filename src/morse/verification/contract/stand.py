@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.errors import ScriptError
 from morse.core.actuator import Actuator
@@ -138,7 +138,7 @@ class Stand:
             messages.append(to_json(component.local_data))
         return messages
 
-    def publish(self, message: Any) -> None:
+    def publish(self, message: object) -> None:
         """Send a command to an actuator.
 
         Raises:

@@ -68,7 +68,7 @@ class PicturesFeed:
         return shot_of(component, component.local_data)
 
 
-def shot_of(component: Any, data: Mapping[str, Any]) -> Shot | None:
+def shot_of(component: object, data: Mapping[str, object]) -> Shot | None:
     """The image in the data of a camera; None if there is none."""
     image = data.get("image")
     if not is_picture(image):
@@ -78,7 +78,7 @@ def shot_of(component: Any, data: Mapping[str, Any]) -> Shot | None:
     return Shot(top_first, image, time if isinstance(time, float) else 0.0, data.get("objects", ()))
 
 
-def picture_of(name: str, component: Any, shot: Shot) -> Picture:
+def picture_of(name: str, component: object, shot: Shot) -> Picture:
     """The message for an image of a camera."""
     image = shot.image
     height, width = image.shape[:2]
@@ -95,7 +95,7 @@ def picture_of(name: str, component: Any, shot: Shot) -> Picture:
     return Picture(as_jpeg(as_pixels(image)), name, width, height, "image/jpeg", shot.time)
 
 
-def sightings(objects: Any) -> Iterator[Sighting]:
+def sightings(objects: object) -> Iterator[Sighting]:
     """The objects of a camera that have a box; invalid entries are left out."""
     for thing in list(objects)[:_MOST_SIGHTINGS] if isinstance(objects, (list, tuple)) else ():
         if not isinstance(thing, dict):

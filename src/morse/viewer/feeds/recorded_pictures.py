@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.context import acting
 from morse.recording.errors import RecordingError
@@ -50,7 +50,7 @@ class RecordedPicturesFeed(PicturesFeed):
         #: log time and image of each camera
         self._known: dict[str, tuple[int, Shot | None]] = {}
 
-    def shot(self, name: str, component: Any) -> Shot | None:
+    def shot(self, name: str, component: object) -> Shot | None:
         """The last image of the camera at the present time of the recording."""
         if name not in self._fields:
             return self._present(name, component)
@@ -65,7 +65,7 @@ class RecordedPicturesFeed(PicturesFeed):
             known = self._known[name] = fields.time, shot_of(component, fields.values)
         return known[1]
 
-    def _present(self, name: str, component: Any) -> Shot | None:
+    def _present(self, name: str, component: object) -> Shot | None:
         """The image of the present world."""
         if self._looks and self._looked.get(name) != self._time():
             self._looked[name] = self._time()

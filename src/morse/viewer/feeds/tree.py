@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.declarations import fields_of_component, properties
@@ -91,7 +91,7 @@ def _component(component: Object, kind: str, robot: str) -> ComponentDescription
     )
 
 
-def _bounds(declaration: Any) -> tuple[float | None, float | None]:
+def _bounds(declaration: object) -> tuple[float | None, float | None]:
     """The declared minimum and maximum of a field or property, or None."""
     low, high = getattr(declaration, "low", None), getattr(declaration, "high", None)
     plain = (int, float)
@@ -116,5 +116,5 @@ def _services(obj: AbstractObject) -> list[ServiceDescription]:
     return descriptions
 
 
-def _first_line(obj: Any) -> str:
+def _first_line(obj: object) -> str:
     return (inspect.getdoc(type(obj)) or "").partition("\n")[0]

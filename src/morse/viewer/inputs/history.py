@@ -165,7 +165,7 @@ class Rewinder:
             self._server.send(History(times))
 
 
-def size_of(state: Any) -> int:
+def size_of(state: object) -> int:
     """Approximate size of plain data, bytes."""
     state = getattr(state, "parts", state)  # the parts of a `State`
     size = getattr(state, "nbytes", None)

@@ -81,7 +81,7 @@ class ServiceCalls(RequestManager):
             return False
         return True
 
-    def run(self, component: str, service: str, *arguments: Any) -> Any:
+    def run(self, component: str, service: str, *arguments: object) -> Any:
         """The result of a synchronous service.
 
         Raises:

@@ -35,7 +35,7 @@ class _Named:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._data, name)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         setattr(self._data, name, value)
 
 

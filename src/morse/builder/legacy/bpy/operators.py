@@ -26,7 +26,9 @@ _DEFAULTS: dict[str, Any] = {"BOOL": False, "INT": 0, "FLOAT": 0.0, "STRING": ""
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
-def _add(node: Node, location: Any, rotation: Any, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> set[str]:
+def _add(
+    node: Node, location: object, rotation: object, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+) -> set[str]:
     node.location[:] = checks.triple(location, "bpy.ops: location")
     node.rotation_euler[:] = checks.triple(rotation, "bpy.ops: rotation")
     node.scale[:] = scale
@@ -36,7 +38,7 @@ def _add(node: Node, location: Any, rotation: Any, scale: tuple[float, float, fl
     return _FINISHED
 
 
-def _solid(name: str, mesh: Mesh, scale: tuple[float, float, float], location: Any, rotation: Any) -> set[str]:
+def _solid(name: str, mesh: Mesh, scale: tuple[float, float, float], location: object, rotation: object) -> set[str]:
     node = Node(name, kind=NodeKind.MESH, mesh=mesh, materials=[Material(name)])
     settle(node)
     return _add(node, location, rotation, scale)
@@ -60,14 +62,14 @@ class MeshOperators(Facade):
     _path = "bpy.ops.mesh"
 
     def primitive_cube_add(
-        self, radius: Any = 1.0, location: Any = _ORIGIN, rotation: Any = _ORIGIN, **old: Any
+        self, radius: object = 1.0, location: object = _ORIGIN, rotation: object = _ORIGIN, **old: object
     ) -> set[str]:
         """Add a cube."""
         half = _half(radius, old)
         return _solid("Cube", shapes.cube(), (half, half, half), location, rotation)
 
     def primitive_plane_add(
-        self, radius: Any = 1.0, location: Any = _ORIGIN, rotation: Any = _ORIGIN, **old: Any
+        self, radius: object = 1.0, location: object = _ORIGIN, rotation: object = _ORIGIN, **old: object
     ) -> set[str]:
         """Add a square."""
         half = _half(radius, old)
@@ -77,12 +79,12 @@ class MeshOperators(Facade):
 
     def primitive_cylinder_add(
         self,
-        vertices: Any = 32,
-        radius: Any = 1.0,
-        depth: Any = 2.0,
-        location: Any = _ORIGIN,
-        rotation: Any = _ORIGIN,
-        **old: Any,
+        vertices: object = 32,
+        radius: object = 1.0,
+        depth: object = 2.0,
+        location: object = _ORIGIN,
+        rotation: object = _ORIGIN,
+        **old: object,
     ) -> set[str]:
         """Add a cylinder along Z."""
         r, height = _half(radius, old), checks.number(depth, "depth", above=0.0)
@@ -90,13 +92,13 @@ class MeshOperators(Facade):
 
     def primitive_cone_add(
         self,
-        vertices: Any = 32,
-        radius1: Any = 1.0,
-        radius2: Any = 0.0,
-        depth: Any = 2.0,
-        location: Any = _ORIGIN,
-        rotation: Any = _ORIGIN,
-        **old: Any,
+        vertices: object = 32,
+        radius1: object = 1.0,
+        radius2: object = 0.0,
+        depth: object = 2.0,
+        location: object = _ORIGIN,
+        rotation: object = _ORIGIN,
+        **old: object,
     ) -> set[str]:
         """Add a cone along Z."""
         r, height = _half(old.pop("radius", radius1), old), checks.number(depth, "depth", above=0.0)
@@ -104,19 +106,24 @@ class MeshOperators(Facade):
 
     def primitive_uv_sphere_add(
         self,
-        segments: Any = 32,
-        ring_count: Any = 16,
-        size: Any = 1.0,
-        location: Any = _ORIGIN,
-        rotation: Any = _ORIGIN,
-        **old: Any,
+        segments: object = 32,
+        ring_count: object = 16,
+        size: object = 1.0,
+        location: object = _ORIGIN,
+        rotation: object = _ORIGIN,
+        **old: object,
     ) -> set[str]:
         """Add a sphere."""
         r = _half(old.pop("radius", size), old)
         return _solid("Sphere", shapes.sphere(), (r, r, r), location, rotation)
 
     def primitive_ico_sphere_add(
-        self, subdivisions: Any = 2, size: Any = 1.0, location: Any = _ORIGIN, rotation: Any = _ORIGIN, **old: Any
+        self,
+        subdivisions: object = 2,
+        size: object = 1.0,
+        location: object = _ORIGIN,
+        rotation: object = _ORIGIN,
+        **old: object,
     ) -> set[str]:
         """Add a sphere of triangles."""
         r = _half(old.pop("radius", size), old)
@@ -124,18 +131,18 @@ class MeshOperators(Facade):
 
     def primitive_torus_add(
         self,
-        location: Any = _ORIGIN,
-        rotation: Any = _ORIGIN,
-        major_radius: Any = 1.0,
-        minor_radius: Any = 0.25,
-        **_old: Any,
+        location: object = _ORIGIN,
+        rotation: object = _ORIGIN,
+        major_radius: object = 1.0,
+        minor_radius: object = 0.25,
+        **_old: object,
     ) -> set[str]:
         """Add a ring around Z."""
         r, tube = checks.number(major_radius, "major_radius", above=0.0), checks.number(minor_radius, "minor_radius")
         return _solid("Torus", shapes.torus(), (r, r, tube / 0.25), location, rotation)
 
 
-def _half(radius: Any, old: dict[str, Any]) -> float:
+def _half(radius: object, old: dict[str, Any]) -> float:
     """Half the size: ``size`` of newer versions of Blender is the whole edge, ``radius`` of older ones is half."""
     if "size" in old:
         return checks.number(old["size"], "size", above=0.0) / 2.0
@@ -155,7 +162,7 @@ class ObjectOperators(Facade):
         scene.selection = [] if none else list(scene.nodes())
         return _FINISHED
 
-    def select_pattern(self, pattern: str = "*", extend: bool = True, **_: Any) -> set[str]:
+    def select_pattern(self, pattern: str = "*", extend: bool = True, **_: object) -> set[str]:
         """Select objects by their names, with ``*`` and ``?``."""
         from fnmatch import fnmatchcase
 
@@ -164,7 +171,7 @@ class ObjectOperators(Facade):
         scene.selection = list(dict.fromkeys([*(scene.selection if extend else []), *matches]))
         return _FINISHED
 
-    def select_by_type(self, type: str = "MESH", **_: Any) -> set[str]:
+    def select_by_type(self, type: str = "MESH", **_: object) -> set[str]:
         """Select objects of one type."""
         workspace.current().selection = [node for node in workspace.current().nodes() if kind_of(node) == type]
         return _FINISHED
@@ -174,14 +181,14 @@ class ObjectOperators(Facade):
         bpymorse.delete([SceneObject(node) for node in _selected()])
         return _FINISHED
 
-    def duplicate(self, **_: Any) -> set[str]:
+    def duplicate(self, **_: object) -> set[str]:
         """Copy the selected objects, without those below them; the copies are selected."""
         scene = workspace.current()
         copies = [scene.duplicate(node) for node in _selected()]
         scene.selection = copies
         return _FINISHED
 
-    def add(self, type: str = "EMPTY", location: Any = _ORIGIN, rotation: Any = _ORIGIN, **_: Any) -> set[str]:
+    def add(self, type: str = "EMPTY", location: object = _ORIGIN, rotation: object = _ORIGIN, **_: object) -> set[str]:
         """Add an object: EMPTY, LAMP or CAMERA."""
         if type == "LAMP":
             return self.lamp_add(location=location, rotation=rotation)
@@ -190,17 +197,19 @@ class ObjectOperators(Facade):
         return _add(Node("Empty"), location, rotation)
 
     def empty_add(
-        self, type: str = "PLAIN_AXES", location: Any = _ORIGIN, rotation: Any = _ORIGIN, **_: Any
+        self, type: str = "PLAIN_AXES", location: object = _ORIGIN, rotation: object = _ORIGIN, **_: object
     ) -> set[str]:
         """Add an empty object."""
         return _add(Node("Empty"), location, rotation)
 
-    def lamp_add(self, type: str = "POINT", location: Any = _ORIGIN, rotation: Any = _ORIGIN, **_: Any) -> set[str]:
+    def lamp_add(
+        self, type: str = "POINT", location: object = _ORIGIN, rotation: object = _ORIGIN, **_: object
+    ) -> set[str]:
         """Add a lamp: POINT, SUN, SPOT, AREA or HEMI."""
         kind = checks.choice(type, ("POINT", "SUN", "SPOT", "AREA", "HEMI"), "bpy.ops.object.lamp_add(type)")
         return _add(Node(kind.capitalize(), kind=NodeKind.LIGHT, light=Light(kind)), location, rotation)
 
-    def camera_add(self, location: Any = _ORIGIN, rotation: Any = _ORIGIN, **_: Any) -> set[str]:
+    def camera_add(self, location: object = _ORIGIN, rotation: object = _ORIGIN, **_: object) -> set[str]:
         """Add a camera."""
         return _add(Node("Camera", kind=NodeKind.CAMERA, camera=Camera()), location, rotation)
 
@@ -210,7 +219,7 @@ class ObjectOperators(Facade):
         _active().node.properties[checks.text(name, "name")] = checked_property(name, _DEFAULTS[kind])
         return _FINISHED
 
-    def parent_set(self, type: str = "OBJECT", **_: Any) -> set[str]:
+    def parent_set(self, type: str = "OBJECT", **_: object) -> set[str]:
         """Make the active object the parent of the selected ones, which keep their places in the world."""
         above = _active().node
         for node in _selected():
@@ -227,7 +236,7 @@ class ObjectOperators(Facade):
                 node.parent_inverse = world @ node.basis_matrix().inverted()
         return _FINISHED
 
-    def _nothing(self, *_args: Any, **_kwargs: Any) -> set[str]:
+    def _nothing(self, *_args: object, **_kwargs: object) -> set[str]:
         """Accepted for old scripts: it only matters in the window of Blender."""
         return _FINISHED
 
@@ -240,14 +249,14 @@ class TransformOperators(Facade):
 
     _path = "bpy.ops.transform"
 
-    def translate(self, value: Any = _ORIGIN, **_: Any) -> set[str]:
+    def translate(self, value: object = _ORIGIN, **_: object) -> set[str]:
         """Add to the location, m."""
         step = checks.triple(value, "bpy.ops.transform.translate(value)")
         for node in _selected():
             node.location[:] = [old + more for old, more in zip(node.location, step, strict=True)]
         return _FINISHED
 
-    def rotate(self, value: Any = 0.0, axis: Any = (0.0, 0.0, 1.0), **_: Any) -> set[str]:
+    def rotate(self, value: object = 0.0, axis: object = (0.0, 0.0, 1.0), **_: object) -> set[str]:
         """Turn by an angle, rad, about an axis of the world through the origin of the object."""
         # a tuple up to Blender 2.65
         one = value[0] if isinstance(value, (tuple, list)) else value
@@ -258,7 +267,7 @@ class TransformOperators(Facade):
             node.rotation_euler[:] = list((turn @ before).to_euler())
         return _FINISHED
 
-    def resize(self, value: Any = (1.0, 1.0, 1.0), **_: Any) -> set[str]:
+    def resize(self, value: object = (1.0, 1.0, 1.0), **_: object) -> set[str]:
         """Multiply the scale."""
         factors = checks.triple(value, "bpy.ops.transform.resize(value)")
         for node in _selected():
@@ -288,7 +297,7 @@ class WindowOperators(Facade):
         """Add objects of a file of Blender."""
         return self.append(**options)
 
-    def collada_import(self, filepath: str = "", **_: Any) -> set[str]:
+    def collada_import(self, filepath: str = "", **_: object) -> set[str]:
         """Add the objects of a COLLADA file."""
         return _read(filepath)
 
@@ -298,7 +307,7 @@ class ImportOperators(Facade):
 
     _path = "bpy.ops.import_scene"
 
-    def obj(self, filepath: str = "", **_: Any) -> set[str]:
+    def obj(self, filepath: str = "", **_: object) -> set[str]:
         """Add the objects of a mesh file."""
         return _read(filepath)
 

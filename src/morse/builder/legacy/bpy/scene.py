@@ -80,7 +80,7 @@ class Scene(Facade):
 
     frame_current = frame_start
 
-    def frame_set(self, frame: int, *_: Any) -> None:
+    def frame_set(self, frame: int, *_: object) -> None:
         """Accepted for old scripts: there are no animations."""
 
 
@@ -132,7 +132,7 @@ class MistSettings(Facade):
         return self._mist().enabled
 
     @use_mist.setter
-    def use_mist(self, value: Any) -> None:
+    def use_mist(self, value: object) -> None:
         self._change(enabled=checks.boolean(value, "mist_settings.use_mist"))
 
     @property
@@ -141,7 +141,7 @@ class MistSettings(Facade):
         return self._mist().intensity
 
     @intensity.setter
-    def intensity(self, value: Any) -> None:
+    def intensity(self, value: object) -> None:
         self._change(intensity=checks.number(value, "mist_settings.intensity", minimum=0.0))
 
     @property
@@ -150,7 +150,7 @@ class MistSettings(Facade):
         return self._mist().start
 
     @start.setter
-    def start(self, value: Any) -> None:
+    def start(self, value: object) -> None:
         self._change(start=checks.number(value, "mist_settings.start", minimum=0.0))
 
     @property
@@ -159,7 +159,7 @@ class MistSettings(Facade):
         return self._mist().depth
 
     @depth.setter
-    def depth(self, value: Any) -> None:
+    def depth(self, value: object) -> None:
         self._change(depth=checks.number(value, "mist_settings.depth", minimum=0.0))
 
     @property
@@ -168,7 +168,7 @@ class MistSettings(Facade):
         return self._mist().falloff
 
     @falloff.setter
-    def falloff(self, value: Any) -> None:
+    def falloff(self, value: object) -> None:
         kinds = ("QUADRATIC", "LINEAR", "INVERSE_QUADRATIC")
         self._change(falloff=checks.choice(value, kinds, "mist_settings.falloff"))
 
@@ -184,7 +184,7 @@ class GameSettings(Facade):
         return _settings().gravity
 
     @physics_gravity.setter
-    def physics_gravity(self, value: Any) -> None:
+    def physics_gravity(self, value: object) -> None:
         _settings().gravity = checks.number(value, "game_settings.physics_gravity", minimum=0.0)
 
     @property
@@ -193,7 +193,7 @@ class GameSettings(Facade):
         return _settings().frequency
 
     @fps.setter
-    def fps(self, value: Any) -> None:
+    def fps(self, value: object) -> None:
         bpymorse.set_frequency(checks.number(value, "game_settings.fps", above=0.0))
 
     @property
@@ -202,7 +202,7 @@ class GameSettings(Facade):
         return 20
 
     @logic_step_max.setter
-    def logic_step_max(self, value: Any) -> None:
+    def logic_step_max(self, value: object) -> None:
         checks.integer(value, "game_settings.logic_step_max", minimum=1)
 
     physics_step_max = logic_step_max
@@ -213,7 +213,7 @@ class GameSettings(Facade):
         return _settings().physics_steps
 
     @physics_step_sub.setter
-    def physics_step_sub(self, value: Any) -> None:
+    def physics_step_sub(self, value: object) -> None:
         _settings().physics_steps = checks.integer(value, "game_settings.physics_step_sub", minimum=1)
 
     @property
@@ -222,7 +222,7 @@ class GameSettings(Facade):
         return _settings().view.show_debug_properties
 
     @show_debug_properties.setter
-    def show_debug_properties(self, value: Any) -> None:
+    def show_debug_properties(self, value: object) -> None:
         _settings().view.show_debug_properties = checks.boolean(value, "game_settings.show_debug_properties")
 
     @property
@@ -231,7 +231,7 @@ class GameSettings(Facade):
         return _settings().view.show_framerate
 
     @show_framerate_profile.setter
-    def show_framerate_profile(self, value: Any) -> None:
+    def show_framerate_profile(self, value: object) -> None:
         _settings().view.show_framerate = checks.boolean(value, "game_settings.show_framerate_profile")
 
     @property
@@ -240,7 +240,7 @@ class GameSettings(Facade):
         return _settings().view.show_physics
 
     @show_physics_visualization.setter
-    def show_physics_visualization(self, value: Any) -> None:
+    def show_physics_visualization(self, value: object) -> None:
         _settings().view.show_physics = checks.boolean(value, "game_settings.show_physics_visualization")
 
     @property
@@ -249,7 +249,7 @@ class GameSettings(Facade):
         return _settings().auto_start
 
     @use_auto_start.setter
-    def use_auto_start(self, value: Any) -> None:
+    def use_auto_start(self, value: object) -> None:
         _settings().auto_start = checks.boolean(value, "game_settings.use_auto_start")
 
 
@@ -268,10 +268,10 @@ class Render(Facade):
         return _settings().frequency
 
     @fps.setter
-    def fps(self, value: Any) -> None:
+    def fps(self, value: object) -> None:
         GameSettings().fps = value
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if name == "fps":
             super().__setattr__(name, value)
         elif name == "engine":

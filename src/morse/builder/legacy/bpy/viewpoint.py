@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder import workspace
 from morse.builder.blender.pose import LiveEuler, LiveVector
@@ -24,7 +24,7 @@ def _view() -> ViewSettings:
 class _Place(LiveVector):
     """The position of the camera; assigning items moves it."""
 
-    def __setitem__(self, index: Any, value: Any) -> None:
+    def __setitem__(self, index: object, value: object) -> None:
         super().__setitem__(index, value)
         x, y, z = self
         _view().camera_location = (x, y, z)
@@ -33,7 +33,7 @@ class _Place(LiveVector):
 class _Turn(LiveEuler):
     """The angles of the camera; assigning items turns it."""
 
-    def __setitem__(self, index: Any, value: Any) -> None:
+    def __setitem__(self, index: object, value: object) -> None:
         super().__setitem__(index, value)
         x, y, z = self
         _view().camera_rotation = (x, y, z)
@@ -82,7 +82,7 @@ class Lens(Facade):
         return _view().camera_clip[0]
 
     @clip_start.setter
-    def clip_start(self, value: Any) -> None:
+    def clip_start(self, value: object) -> None:
         _view().camera_clip = (checks.number(value, "clip_start", above=0.0), self.clip_end)
 
     @property
@@ -91,7 +91,7 @@ class Lens(Facade):
         return _view().camera_clip[1]
 
     @clip_end.setter
-    def clip_end(self, value: Any) -> None:
+    def clip_end(self, value: object) -> None:
         _view().camera_clip = (self.clip_start, checks.number(value, "clip_end", above=0.0))
 
     @property
@@ -100,5 +100,5 @@ class Lens(Facade):
         return _view().camera_focal_length
 
     @lens.setter
-    def lens(self, value: Any) -> None:
+    def lens(self, value: object) -> None:
         _view().camera_focal_length = checks.number(value, "lens", above=0.0)

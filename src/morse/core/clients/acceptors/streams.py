@@ -86,7 +86,7 @@ class StreamAcceptor(Acceptor):
         self._factory: Callable[[], Any]
         self._joining: set[asyncio.Task[None]] = set()
 
-    def serve(self, listeners: Iterable[socket.socket], factory: Callable[[], Any]) -> AcceptorServer:
+    def serve(self, listeners: Iterable[socket.socket], factory: Callable[[], object]) -> AcceptorServer:
         """Start accepting in the running loop.
 
         Args:
@@ -99,7 +99,7 @@ class StreamAcceptor(Acceptor):
             self.open(listener, loop)
         return AcceptorServer(self, loop)
 
-    def _accepted(self, sock: socket.socket, _: Any) -> None:
+    def _accepted(self, sock: socket.socket, _: object) -> None:
         place = StreamConnection(self)
         self.join(place)
         task = asyncio.get_running_loop().create_task(self._join(sock, place))
