@@ -140,12 +140,12 @@ class Armature(DynamicJoints):
                 Start time (simulated time; default: now), velocities and accelerations are optional.
         """
         try:
-            given, points = points_of(trajectory, self.joints)
+            names, points = points_of(trajectory, self.joints)
         except ValueError as error:
             raise MorseRPCInvokationError(f"{self.name()}: {error}") from None
         self._demand_positions()
         now = self.clock.time
-        start = now if given is None else given
+        start = now if names is None else names
         late = max(now - start, 0.0)
         ahead = [point._replace(time=point.time - late) for point in points if point.time > late]
         self._take_over(list(self.joints))
@@ -226,8 +226,8 @@ class Armature(DynamicJoints):
         self._demand_positions()
         target = self._targets.get(name)
         if target is None:
-            known = nearest(name, self._targets) or ": create them in the scene script with create_ik_targets(['bone'])"
-            raise MorseRPCInvokationError(f"{self.name()}: there is no target {shown(name)}{known}")
+            hint = nearest(name, self._targets) or ": create them in the scene script with create_ik_targets(['bone'])"
+            raise MorseRPCInvokationError(f"{self.name()}: there is no target {shown(name)}{hint}")
         position, rotation = target.world_pose()
         turned = None if euler is None else nine(list(Euler(euler).to_matrix()))
         x, y, z = (float(value) for value in translation)

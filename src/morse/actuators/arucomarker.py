@@ -62,8 +62,8 @@ class Arucomarker(Actuator):
             rows = mathutils.Euler(angles, "YZX").to_matrix()
             self._rotation = tuple(float(number) for row in rows for number in row)
             self._turned = angles
-        here, turned = self.bge_object.world_pose()
-        if math.dist(here, place) > _ALIKE or math.dist(turned, self._rotation) > _ALIKE:
+        here, camera_rotation = self.bge_object.world_pose()
+        if math.dist(here, place) > _ALIKE or math.dist(camera_rotation, self._rotation) > _ALIKE:
             self.bge_object.set_pose(place, self._rotation)
 
     @service(changes=False)

@@ -109,36 +109,36 @@ class DynamicJoints(JointServices):
     @property
     def control(self) -> Control | None:
         """The control mode of all motors; None if the motors have different modes."""
-        told = {self._controls.get(name, Control.POSITION) for name in self.joints}
-        return told.pop() if len(told) == 1 else None
+        kinds = {self._controls.get(name, Control.POSITION) for name in self.joints}
+        return kinds.pop() if len(kinds) == 1 else None
 
     @property
     def own_fields(self) -> Mapping[str, DataField]:
         """Return one field for each joint."""
-        found = dict(super().own_fields)
+        fields = dict(super().own_fields)
         for number, name in enumerate(self.joints):
             control = self._controls.get(name)
             if control is not None:
                 slides = self.chain.joint(number).kind is JointKind.PRISMATIC
                 word = "Velocity" if control is Control.VELOCITY else "Force" if slides else "Torque"
-                found[name] = DataField(
+                fields[name] = DataField(
                     0.0, "float", f"{word} of the motor", unit=_UNITS[control][slides], frame="joint",
                     low=-_MOST, high=_MOST,
                 )  # fmt: skip
         for name in self._tendons:
-            found[name] = DataField(
+            fields[name] = DataField(
                 self._pulled[name], "float", "Command of the motor of a tendon, as the file defines it", frame="joint",
                 low=-_MOST, high=_MOST,
             )  # fmt: skip
-        return found
+        return fields
 
     def _pull(self) -> None:
         """Pass new commands to the motors of tendons."""
         data = self.local_data
-        told = {name: min(max(float(data[name]), low), high) for name, (low, high) in self._tendons.items()}
-        if told != self._pulled:
-            self._pulled = told
-            self._motors.pull(told)
+        forces = {name: min(max(float(data[name]), low), high) for name, (low, high) in self._tendons.items()}
+        if forces != self._pulled:
+            self._pulled = forces
+            self._motors.pull(forces)
 
     @property
     def joint_values(self) -> tuple[float, ...]:
@@ -162,8 +162,8 @@ class DynamicJoints(JointServices):
     @service(changes=False)
     def get_tendons(self) -> dict[str, dict[str, float]]:
         """Return the tendons that have a motor: name of the motor to ``length`` (m), ``speed`` (m/s), ``force`` (N)."""
-        found = {} if self._motors is None else self._motors.tendons()
-        return {name: {"length": a, "speed": b, "force": c} for name, (a, b, c) in found.items()}
+        lengths = {} if self._motors is None else self._motors.tendons()
+        return {name: {"length": a, "speed": b, "force": c} for name, (a, b, c) in lengths.items()}
 
     @service(changes=False)
     def get_controls(self) -> dict[str, str]:
@@ -183,10 +183,10 @@ class DynamicJoints(JointServices):
             control: ``position``, ``velocity`` or ``effort``.
             joints: names of joints; None for all.
         """
-        chosen = list(self.joints if joints is None else joints)
-        for name in chosen:
+        names = list(self.joints if joints is None else joints)
+        for name in names:
             self._joint(name)
-        self._set_controls(dict.fromkeys(chosen, Control(control)))
+        self._set_controls(dict.fromkeys(names, Control(control)))
 
     @service
     def set_property(self, name: str, value: Any) -> None:
@@ -194,10 +194,10 @@ class DynamicJoints(JointServices):
         before = self._control
         super().set_property(name, value)
         if self._control != before:
-            wanted, self._control = self._control, before
+            control, self._control = self._control, before
             in_model = controls_of(self.bge_object.node)
-            self._set_controls({joint: Control(wanted or in_model[joint]) for joint in self.joints})
-            self._control = wanted
+            self._set_controls({joint: Control(control or in_model[joint]) for joint in self.joints})
+            self._control = control
 
     def _set_controls(self, controls: dict[str, Control]) -> None:
         numbers = {name: number for number, name in enumerate(self.joints)}
@@ -241,15 +241,15 @@ class DynamicJoints(JointServices):
     def _wanted(self) -> list[float]:
         if not self._controls:
             return super()._wanted()
-        found = []
+        targets = []
         for number, name in enumerate(self.joints):
             control, value = self._controls.get(name), float(self.local_data[name])
             if control is None:
-                found.append(self.chain.clamped(number, value))
+                targets.append(self.chain.clamped(number, value))
             else:
                 most = self._most(self.chain.joint(number).dynamics, control)
-                found.append(min(max(value, -most), most))
-        return found
+                targets.append(min(max(value, -most), most))
+        return targets
 
     @staticmethod
     def _most(dynamics: JointDynamics | None, control: Control) -> float:
@@ -264,14 +264,14 @@ class DynamicJoints(JointServices):
         # velocities and efforts are applied immediately
         return [math.inf if name in self._controls else step for name, step in zip(self.joints, steps, strict=True)]
 
-    def _end_if_there(self, awaited: list[str], wanted: list[float]) -> None:
+    def _end_if_there(self, awaited: list[str], targets: list[float]) -> None:
         if self._motors is None:
-            super()._end_if_there(awaited, wanted)
+            super()._end_if_there(awaited, targets)
             return
         # a service ends when the joints, and not only their setpoints, have arrived
-        told, self._values = self._values, list(self.joint_values)
-        super()._end_if_there(awaited, wanted)
-        self._values = told
+        commanded, self._values = self._values, list(self.joint_values)
+        super()._end_if_there(awaited, targets)
+        self._values = commanded
 
     def _checked(self, values: dict[str, float], kind: JointKind) -> dict[str, float]:
         for name in values:

@@ -38,9 +38,9 @@ class Fingers:
     def __init__(self, world: Any, gripper: Any) -> None:
         self._gripper = gripper
         parts = {part.node.plain_name: part for part in gripper.childrenRecursive}
-        found = [parts[name] for name in _NAMES if name in parts]
+        finger_parts = [parts[name] for name in _NAMES if name in parts]
         bones, hanging = [], []
-        for number, part in enumerate(found):
+        for number, part in enumerate(finger_parts):
             position, rotation = part.local_pose()
             hinge = [a + b for a, b in zip(position, turn(rotation, _HINGE), strict=True)]
             bones.append(Bone(part.name, -1, tuple(hinge), tuple(rotation), 0.0, JointKind.REVOLUTE, 0))
@@ -48,28 +48,28 @@ class Fingers:
             hanging.append((part, number, back, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)))
         self._linkage = world.linkage(gripper, bones, hanging)
         #: number of fingers
-        self.count = len(found) if len(found) == len(_NAMES) else 0
+        self.count = len(finger_parts) if len(finger_parts) == len(_NAMES) else 0
 
     def turn(self, angles: Sequence[float]) -> None:
         """Turn the fingers inward from their open positions, rad, left and right."""
         self._linkage.move([-angle for angle in angles])
 
-    def closed(self, held: Any) -> list[float]:
+    def closed(self, obj: Any) -> list[float]:
         """The angles at which the fingers meet the held object, or each other, rad, left and right."""
-        return [_angle_at(distance) for distance in self._sides(held)]
+        return [_angle_at(distance) for distance in self._sides(obj)]
 
-    def _sides(self, held: Any) -> tuple[float, float]:
+    def _sides(self, obj: Any) -> tuple[float, float]:
         """How far an object extends to the left and to the right between the pads, m; 0 if it is not between them."""
-        corners = None if held is None else extent(held.node.walk(), held.node)
+        corners = None if obj is None else extent(obj.node.walk(), obj.node)
         if corners is None:
             return 0.0, 0.0
         (ox, oy, oz), r = self._gripper.world_pose()
-        (px, py, pz), q = held.world_pose()
-        seen = []
+        (px, py, pz), q = obj.world_pose()
+        extents = []
         for corner in product(*zip(*(side.tolist() for side in corners), strict=True)):
             x, y, z = turn(q, corner)
-            seen.append(turn_back(r, (px + x - ox, py + y - oy, pz + z - oz)))
-        (x0, x1), (y0, y1), (z0, z1) = ((min(values), max(values)) for values in zip(*seen, strict=True))
+            extents.append(turn_back(r, (px + x - ox, py + y - oy, pz + z - oz)))
+        (x0, x1), (y0, y1), (z0, z1) = ((min(values), max(values)) for values in zip(*extents, strict=True))
         between = x0 < _ACROSS and x1 > -_ACROSS and z0 < _TO and z1 > _FROM
         return (max(y1, 0.0), max(-y0, 0.0)) if between else (0.0, 0.0)
 

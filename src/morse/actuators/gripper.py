@@ -73,22 +73,22 @@ class Gripper(Actuator):
         Returns:
             The name of the held object; None if no object is in reach.
         """
-        held = self.held or self._nearest()
-        if held is not None and not self._held_name:
-            held.setParent(self.bge_object)
-            self._held_name = held.name
-            self._goal = self._fingers.closed(held)
-        self.local_data["grab"] = held is not None
-        return None if held is None else str(held.name)
+        obj = self.held or self._nearest()
+        if obj is not None and not self._held_name:
+            obj.setParent(self.bge_object)
+            self._held_name = obj.name
+            self._goal = self._fingers.closed(obj)
+        self.local_data["grab"] = obj is not None
+        return None if obj is None else str(obj.name)
 
     @service
     def release(self) -> bool:
         """Release the held object; return False if no object is held."""
-        held, self._held_name = self.held, ""
+        obj, self._held_name = self.held, ""
         self.local_data["grab"] = False
-        if held is None:
+        if obj is None:
             return False
-        held.removeParent()
+        obj.removeParent()
         return True
 
     def default_action(self) -> None:
@@ -108,23 +108,23 @@ class Gripper(Actuator):
         goal = (
             (self._goal if self._held_name else self._fingers.closed(None)) if self.local_data["grab"] else [0.0, 0.0]
         )
-        moved = [here + min(max(there - here, -step), step) for here, there in zip(self._closing, goal, strict=True)]
-        if moved != self._closing:
-            self._closing = moved
-            self._fingers.turn(moved)
+        angles = [here + min(max(there - here, -step), step) for here, there in zip(self._closing, goal, strict=True)]
+        if angles != self._closing:
+            self._closing = angles
+            self._fingers.turn(angles)
 
     def _nearest(self) -> Any:
         (x, y, z), r = self.bge_object.world_pose()
         cosine = math.cos(math.radians(0.5 * self._angle))
-        found, reach = None, self._distance
+        nearest, reach = None, self._distance
         for thing in self.context.world.objects():
             if _TAG in thing.properties and thing.properties[_TAG] and self._is_loose(thing):
                 px, py, pz = thing.world_pose()[0]
                 dx, dy, dz = px - x, py - y, pz - z
                 distance = math.sqrt(dx * dx + dy * dy + dz * dz)
                 if distance <= reach and r[2] * dx + r[5] * dy + r[8] * dz >= cosine * distance:
-                    found, reach = thing, distance
-        return found
+                    nearest, reach = thing, distance
+        return nearest
 
     def _is_loose(self, thing: Any) -> bool:
         """Whether an object can be grasped: it is not held, and is not a part of another object."""

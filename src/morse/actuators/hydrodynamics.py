@@ -104,14 +104,14 @@ class Hydrodynamics(Actuator):
 
     def hull(self) -> Hull:
         """The box, and its drag coefficients."""
-        given = (self._length, self._width, self._height, self._density)
-        if self._hull is not None and self._hull[0] == given:
+        sizes = (self._length, self._width, self._height, self._density)
+        if self._hull is not None and self._hull[0] == sizes:
             return self._hull[1]
-        x, y, z = (max(own or model, _THINNEST) for own, model in zip(given[:3], self._measured, strict=True))
+        x, y, z = (max(own or model, _THINNEST) for own, model in zip(sizes[:3], self._measured, strict=True))
         areas = (y * z, x * z, x * y)
         drag = tuple(0.5 * self._density * c * area for c, area in zip(_COEFFICIENTS, areas, strict=True))
         hull = Hull(self._centre, (x, y, z), drag)  # type: ignore[arg-type]
-        self._hull = given, hull
+        self._hull = sizes, hull
         for cell, middle in zip(self._values.cells, hull.cells, strict=True):
             cell[:] = middle
         self._values.centre[:], self._values.drag[:] = hull.centre, hull.drag
@@ -151,5 +151,5 @@ def _limited(parts: Iterable[float]) -> list[float]:
 def _bounds(body: Any) -> tuple[list[float], list[float]]:
     """Lower and upper corner of the colliding parts, or of all parts if none collides, in the frame of the body, m."""
     parts = list(body.node.walk())
-    found = extent([part for part in parts if part.body.collides], body.node) or extent(parts, body.node)
-    return ([0.0] * 3, [0.0] * 3) if found is None else (found[0].tolist(), found[1].tolist())
+    extents = extent([part for part in parts if part.body.collides], body.node) or extent(parts, body.node)
+    return ([0.0] * 3, [0.0] * 3) if extents is None else (extents[0].tolist(), extents[1].tolist())

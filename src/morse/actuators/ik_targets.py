@@ -83,13 +83,13 @@ def seen_from(chain: Chain, targets: Iterable[Any], lever: float) -> list[Target
     Args:
         lever: weight of an error of one radian, m.
     """
-    found = []
+    poses = []
     for target in targets:
         index = chain.index(str(target.properties[BONE]))
         if index is not None:
             (x, y, z), r = target.local_pose()
-            found.append(Target(index, ((x, y, z), tuple(r)), lever))
-    return found
+            poses.append(Target(index, ((x, y, z), tuple(r)), lever))
+    return poses
 
 
 def nearer(here: _Pose, goal: _Pose, way: float, turned: float) -> tuple[_Pose, bool]:
@@ -99,15 +99,15 @@ def nearer(here: _Pose, goal: _Pose, way: float, turned: float) -> tuple[_Pose, 
         way: largest distance to move, m.
         turned: largest angle to rotate, rad.
     """
-    missing = [b - a for a, b in zip(here[0], goal[0], strict=True)]
-    distance = math.hypot(*missing)
+    offset = [b - a for a, b in zip(here[0], goal[0], strict=True)]
+    distance = math.hypot(*offset)
     a, b, c, d, e, f, g, h, i = here[1]
     turn_left = product((a, d, g, b, e, h, c, f, i), tuple(goal[1]))  # type: ignore[arg-type]
     w, x, y, z = quaternion_from_rotation(turn_left)
     sine = math.sqrt(x * x + y * y + z * z)
     angle = 2.0 * math.atan2(sine, w)
     there, aligned = distance <= way, angle <= turned
-    position = tuple(goal[0]) if there else tuple(p + way / distance * m for p, m in zip(here[0], missing, strict=True))
+    position = tuple(goal[0]) if there else tuple(p + way / distance * m for p, m in zip(here[0], offset, strict=True))
     rotation = tuple(goal[1])
     if not aligned:
         half, unit = 0.5 * turned, math.sin(0.5 * turned) / sine

@@ -48,11 +48,11 @@ class JointMotion(Actuator):
     @property
     def own_fields(self) -> Mapping[str, DataField]:
         """Return one field for each joint."""
-        found = {}
+        fields = {}
         for index in self.chain.joints:
             bone = self.chain.bones[index]
             turns = bone.kind is JointKind.REVOLUTE
-            found[bone.name] = DataField(
+            fields[bone.name] = DataField(
                 bone.value,
                 "float",
                 f"{'Angle' if turns else 'Displacement'} to move to, from {bone.low:g} to {bone.high:g}",
@@ -61,7 +61,7 @@ class JointMotion(Actuator):
                 low=-1e6,
                 high=1e6,
             )
-        return found
+        return fields
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -83,21 +83,21 @@ class JointMotion(Actuator):
         for child in obj.children:
             index = self.chain.index(child.node.bone) if child.node.bone else None
             if index is not None:
-                (x, y, z), turned = child.local_pose()
+                (x, y, z), rotation = child.local_pose()
                 (px, py, pz), r = frames[index]
                 back = (r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8])
-                yield child, index, turn_back(r, (x - px, y - py, z - pz)), product(back, tuple(turned))
+                yield child, index, turn_back(r, (x - px, y - py, z - pz)), product(back, tuple(rotation))
 
     def _wanted(self) -> list[float]:
         """Return the setpoints, clamped to the limits; the list must not be modified."""
         data = self.local_data
-        told = [data[name] for name in self.chain.names]
-        if told != self._told:
+        targets = [data[name] for name in self.chain.names]
+        if targets != self._told:
             # most setpoints do not change for many ticks
-            self._told = told
+            self._told = targets
             self._clamped = [
                 low if value < low else high if value > high else value
-                for value, (_, low, high) in zip(map(float, told), self.chain.limits, strict=True)
+                for value, (_, low, high) in zip(map(float, targets), self.chain.limits, strict=True)
             ]
         return self._clamped
 

@@ -73,16 +73,16 @@ class JointServices(JointMotion):
 
     def default_action(self) -> None:
         """Move towards the setpoints."""
-        wanted = self._wanted()
-        if wanted != self._values:
+        targets = self._wanted()
+        if targets != self._values:
             self._move_to(
                 [
                     value if -step <= value - here <= step else here + (step if value > here else -step)
-                    for value, here, step in zip(wanted, self._values, self._steps(), strict=True)
+                    for value, here, step in zip(targets, self._values, self._steps(), strict=True)
                 ]
             )
         if self._awaited is not None:
-            self._end_if_there(self._awaited, wanted)
+            self._end_if_there(self._awaited, targets)
 
     def _steps(self) -> list[float]:
         """Return the largest step of each joint in this tick."""
@@ -97,8 +97,8 @@ class JointServices(JointMotion):
             self._usual = given, steps
         return self._usual[1]
 
-    def _end_if_there(self, awaited: list[str], wanted: list[float]) -> None:
-        for number, value in enumerate(wanted):
+    def _end_if_there(self, awaited: list[str], targets: list[float]) -> None:
+        for number, value in enumerate(targets):
             joint = self.chain.joint(number)
             near = self._angle_tolerance if joint.kind is _REVOLUTE else self._distance_tolerance
             if joint.name in awaited and abs(value - self._values[number]) > near:
@@ -245,7 +245,7 @@ class JointServices(JointMotion):
 
     def _checked(self, values: dict[str, float], kind: JointKind) -> dict[str, float]:
         """Validate values for joints of one kind."""
-        found = {}
+        numbers = {}
         for name, value in values.items():
             joint = self._joint(name)[1]
             if joint.kind is not kind:
@@ -254,26 +254,26 @@ class JointServices(JointMotion):
                     f"the service for a {_MOTIONS[joint.kind]}"
                 )
             try:
-                found[name] = float(_CHECKS[kind](value))
+                numbers[name] = float(_CHECKS[kind](value))
             except ValueError as error:
                 raise MorseRPCInvokationError(
                     f"{self.name()}: the {_MOTIONS[kind]} of '{name}' is {error}, not {shown(value)}"
                 ) from None
-        return found
+        return numbers
 
     def _put(self, values: dict[str, float], kind: JointKind) -> None:
-        checked = self._checked(values, kind)
-        self._take_over(list(checked))
-        self.local_data.update(checked)
-        wanted = list(self._values)
-        for name, value in checked.items():
+        numbers = self._checked(values, kind)
+        self._take_over(list(numbers))
+        self.local_data.update(numbers)
+        targets = list(self._values)
+        for name, value in numbers.items():
             number = self.joints.index(name)
-            wanted[number] = self.chain.clamped(number, value)
-        self._move_to(wanted)
+            targets[number] = self.chain.clamped(number, value)
+        self._move_to(targets)
 
     def _go(self, values: dict[str, float], kind: JointKind, speed: float | None) -> None:
-        checked = self._checked(values, kind)
-        self._take_over(list(checked))
-        self.local_data.update(checked)
-        self._awaited = list(checked)
-        self._speeds = {} if speed is None else dict.fromkeys(checked, speed)
+        numbers = self._checked(values, kind)
+        self._take_over(list(numbers))
+        self.local_data.update(numbers)
+        self._awaited = list(numbers)
+        self._speeds = {} if speed is None else dict.fromkeys(numbers, speed)

@@ -53,10 +53,10 @@ class Joystick(Actuator):
         turn = ahead = 0.0
         if len(axes) > first + 1:
             turn, ahead = _beyond(-axes[first]), _beyond(-axes[first + 1])
-        pushed = bool(turn or ahead)
-        if not pushed and not self._moving:
+        is_pushed = bool(turn or ahead)
+        if not is_pushed and not self._moving:
             return
-        self._moving = pushed
+        self._moving = is_pushed
         self.robot_parent.apply_speed(self._type, (self._speed * ahead, 0.0, 0.0), (0.0, 0.0, self._speed * turn))
 
 

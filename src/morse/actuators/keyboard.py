@@ -73,17 +73,17 @@ class Keyboard(Actuator):
 
     def default_action(self) -> None:
         """Drive as commanded by the keys; the zero after the last release is sent only once."""
-        held = self.context.controls.keys if self.listening else frozenset()
+        keys = self.context.controls.keys if self.listening else frozenset()
         motion = [0.0] * 6
-        pressed = False
-        for key in held:
+        is_pressed = False
+        for key in keys:
             if key in _KEYS:
                 axis, sign = _KEYS[key]
                 motion[axis] += sign
-                pressed = True
-        if not pressed and not self._moving:
+                is_pressed = True
+        if not is_pressed and not self._moving:
             return
-        self._moving = pressed
+        self._moving = is_pressed
         linear = [self._speed * value for value in motion[:3]]
         angular = [0.5 * self._speed * value for value in motion[3:]]
         if self._type == "Differential" and isinstance(self.robot_parent, PhysicsDifferentialRobot):

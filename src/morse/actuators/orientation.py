@@ -82,18 +82,18 @@ class Orientation(Actuator):
         ]
         self.robot_parent.apply_speed(self._type, (0.0, 0.0, 0.0), rates)
 
-    def _rate(self, missing: float) -> float:
-        missing = math.remainder(missing, 2.0 * math.pi)
-        if abs(missing) <= self._tolerance:
+    def _rate(self, error: float) -> float:
+        error = math.remainder(error, 2.0 * math.pi)
+        if abs(error) <= self._tolerance:
             return 0.0
-        return math.copysign(min(self._speed, abs(missing) * self.frequency), missing)
+        return math.copysign(min(self._speed, abs(error) * self.frequency), error)
 
     def _force(self, roll: float, pitch: float, yaw: float) -> None:
         obj = self.robot_parent.bge_object
-        wanted = rotation_from_euler((roll, pitch, yaw), "XYZ")
+        target = rotation_from_euler((roll, pitch, yaw), "XYZ")
         place, now = obj.world_pose()
-        if max(map(abs, map(sub, wanted, now))) > _ALIKE:
-            obj.set_pose(place, wanted)
+        if max(map(abs, map(sub, target, now))) > _ALIKE:
+            obj.set_pose(place, target)
         # a robot that does not turn is not driven, so that it can come to rest
         if obj.velocity()[1] != _STILL:
             obj.set_velocity(None, (0.0, 0.0, 0.0))

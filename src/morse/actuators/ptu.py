@@ -86,15 +86,15 @@ class PTU(Actuator):
         if not self._manual:
             step = self._speed / self.frequency
             if to_pan:
-                turned = min(max(to_pan, -step), step)
-                c, s = math.cos(pan + turned), math.sin(pan + turned)
+                pan_step = min(max(to_pan, -step), step)
+                c, s = math.cos(pan + pan_step), math.sin(pan + pan_step)
                 self._base.set_local_pose(self._base.local_pose()[0], (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0))
-                to_pan = _rest(to_pan, turned)
+                to_pan = _rest(to_pan, pan_step)
             if to_tilt:
-                turned = min(max(to_tilt, -step), step)
-                c, s = math.cos(tilt + turned), math.sin(tilt + turned)
+                pan_step = min(max(to_tilt, -step), step)
+                c, s = math.cos(tilt + pan_step), math.sin(tilt + pan_step)
                 self._head.set_local_pose(self._head.local_pose()[0], (c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c))
-                to_tilt = _rest(to_tilt, turned)
+                to_tilt = _rest(to_tilt, pan_step)
         if self.on_completion is not None and max(abs(to_pan), abs(to_tilt)) <= self._tolerance:
             self.completed(status.SUCCESS)
 
@@ -145,10 +145,10 @@ class PTU(Actuator):
         Args:
             obj_name: name of the object in the scene.
         """
-        found = self.context.world.objects_by_name
-        if obj_name not in found:
-            raise MorseRPCInvokationError(f"there is no object '{obj_name}'{nearest(obj_name, sorted(found))}")
-        self._aim(found[obj_name].world_pose()[0])
+        objects = self.context.world.objects_by_name
+        if obj_name not in objects:
+            raise MorseRPCInvokationError(f"there is no object '{obj_name}'{nearest(obj_name, sorted(objects))}")
+        self._aim(objects[obj_name].world_pose()[0])
 
     def _aim(self, place: Any) -> None:
         (x, y, z), r = self.bge_object.world_pose()
@@ -159,8 +159,8 @@ class PTU(Actuator):
             self.local_data["tilt"] = -math.atan2(up, math.hypot(ahead, left))
 
 
-def _rest(wanted: float, turned: float) -> float:
-    return 0.0 if turned == wanted else wanted - turned
+def _rest(target: float, angle: float) -> float:
+    return 0.0 if angle == target else target - angle
 
 
 def _part(obj: Any, name: str) -> Any:

@@ -96,8 +96,8 @@ class RotorcraftAttitude(Rotorcraft):
         roll, pitch, yaw = self._angles()
         heading = self._heading(yaw)
         if self._yaw_rate_control:
-            begun = heading if self._yaw_wanted is None else self._yaw_wanted
-            wanted = math.remainder(begun + data["yaw"] / self.frequency, 2.0 * math.pi)
+            yaw_before = heading if self._yaw_wanted is None else self._yaw_wanted
+            wanted = math.remainder(yaw_before + data["yaw"] / self.frequency, 2.0 * math.pi)
             self._yaw_wanted = wanted
         else:
             wanted = data["yaw"]

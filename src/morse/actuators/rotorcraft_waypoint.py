@@ -120,9 +120,9 @@ class RotorcraftWaypoint(BankingRotorcraft):
         data = self.local_data
         place = data["x"], data["y"], data["z"]
         if place != self._marked:
-            shown = marker(self, self._target)
-            if shown is not None:
-                shown.worldPosition = place
+            target_marker = marker(self, self._target)
+            if target_marker is not None:
+                target_marker.worldPosition = place
             self._marked = place
         body = self.robot_parent.bge_object
         position, velocity = body.world_pose()[0], self._velocity_of_mass()

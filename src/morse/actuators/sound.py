@@ -51,12 +51,12 @@ class Sound(Actuator):
 
     def default_action(self) -> None:
         """Advance the played time."""
-        wanted = self.local_data["mode"]
-        if wanted != self._mode:
-            if wanted in _MODES:
-                self._mode = wanted
+        mode = self.local_data["mode"]
+        if mode != self._mode:
+            if mode in _MODES:
+                self._mode = mode
             else:
-                text = f"{self.name()}: mode {shown(wanted)} is none of {', '.join(_MODES)}"
+                text = f"{self.name()}: mode {shown(mode)} is none of {', '.join(_MODES)}"
                 self.context.complaints.warn(f"{self.name()}: mode", text)
                 self.local_data["mode"] = self._mode
         if self._mode == "play":

@@ -73,8 +73,8 @@ class StabilizedQuadrotor(Holding):
         """Move by one tick."""
         data, angles, rates = self.local_data, self._angles, self._rates
         dt = 1.0 / self.frequency
-        for i, wanted in enumerate((data["phi_c"], data["theta_c"], angles[2] - data["psi_c"])):
-            rates[i] += dt * _FREQUENCY * (_FREQUENCY * (wanted - angles[i]) - 2.0 * _DAMPING * rates[i])
+        for i, error in enumerate((data["phi_c"], data["theta_c"], angles[2] - data["psi_c"])):
+            rates[i] += dt * _FREQUENCY * (_FREQUENCY * (error - angles[i]) - 2.0 * _DAMPING * rates[i])
             angles[i] += dt * rates[i]
         rotation = rotation_from_euler(angles, "XYZ")
         place = list(self.robot_parent.bge_object.world_pose()[0])

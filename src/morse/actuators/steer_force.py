@@ -63,6 +63,6 @@ class SteerForce(Actuator):
         # in the engine of 1.4, the brake was an impulse of each step
         braking = 1.0 if self.context.world.physics_of_1_4 else dt
         speed = self._steering.speed() - 4.0 * _ENGINE * data["force"] / mass * dt
-        lost = _BRAKE * data["brake"] / mass * braking
-        speed = math.copysign(max(abs(speed) - lost, 0.0), speed)
+        deceleration = _BRAKE * data["brake"] / mass * braking
+        speed = math.copysign(max(abs(speed) - deceleration, 0.0), speed)
         self._steering.drive(speed, min(max(data["steer"], -self._most), self._most))

@@ -66,20 +66,20 @@ class WalkingSkeleton(Armature):
         before, self._place = self._place or here, here
         way = math.dist(before, here)
         self._phase = math.remainder(self._phase + 2.0 * math.pi * way / _STRIDE, 2.0 * math.pi)
-        wanted = min(way * self.frequency / _BRISK, 1.0)
+        target = min(way * self.frequency / _BRISK, 1.0)
         step = 1.0 / (_SETTLE * self.frequency)
-        self._vigour += min(max(wanted - self._vigour, -step), step)
+        self._vigour += min(max(target - self._vigour, -step), step)
         if self._vigour < 1e-9:
             self._vigour = 0.0
             return {}
-        left = self._vigour * math.sin(self._phase)
+        left_swing = self._vigour * math.sin(self._phase)
         lift = self._vigour * math.cos(self._phase)
         return {
-            "upperleg01_L": _HIP * left,
-            "upperleg01_R": -_HIP * left,
+            "upperleg01_L": _HIP * left_swing,
+            "upperleg01_R": -_HIP * left_swing,
             "lowerleg01_L": -_KNEE * max(lift, 0.0),
             "lowerleg01_R": -_KNEE * max(-lift, 0.0),
             # the arms swing against the legs; the axes of the collar bones point outward
-            "clavicle_L": _ARM * left,
-            "clavicle_R": _ARM * left,
+            "clavicle_L": _ARM * left_swing,
+            "clavicle_R": _ARM * left_swing,
         }

@@ -93,8 +93,8 @@ class Waypoint(Going):
         self._turn_on = self._straight = 0.0
         self._marked: tuple[float, float, float] | None = None
         if self._target and marker(self, self._target) is None:
-            known = nearest(self._target, sorted(self.context.world.objects_by_name))
-            text = f"{self.name()}: there is no object {quoted(self._target)} (Target){known}"
+            hint = nearest(self._target, sorted(self.context.world.objects_by_name))
+            text = f"{self.name()}: there is no object {quoted(self._target)} (Target){hint}"
             self.context.complaints.warn(text, text)
 
     @cached_property
@@ -208,9 +208,9 @@ class Waypoint(Going):
             self._go_on(place, distance, data["speed"])
 
     def _mark(self, place: tuple[float, float, float]) -> None:
-        shown = marker(self, self._target)
-        if shown is not None:
-            shown.worldPosition = place
+        target_marker = marker(self, self._target)
+        if target_marker is not None:
+            target_marker.worldPosition = place
         self._marked = place
 
     def _go_on(self, place: tuple[float, float, float], distance: float, speed: float) -> None:

@@ -74,21 +74,21 @@ class Bodies:
         if slot.frame.motion is Motion.FIXED:
             state.relocated.add(index)
         state.stamp += 1
-        attached = state.attached.get(index, ())
-        if attached:
+        slots = state.attached.get(index, ())
+        if slots:
             mujoco.mj_kinematics(state.model, data)
-        for other in attached:
+        for other in slots:
             state.touched.add(other)
             state.positions[other] = data.xpos[state.slots[other].body].tolist()
             state.rotations[other] = data.xmat[state.slots[other].body].tolist()
 
     def put_back(
-        self, index: int, position: Sequence[float], rotation: Sequence[float], turned: Sequence[float]
+        self, index: int, position: Sequence[float], rotation: Sequence[float], offset_rotation: Sequence[float]
     ) -> None:
         """Set the pose of a slot again after the engine has moved it; slots below it follow with the next sync.
 
         Args:
-            turned: the rotation as a quaternion w, x, y, z.
+            offset_rotation: the rotation as a quaternion w, x, y, z.
         """
         state = self._state
         slot = state.slots[index]
@@ -97,15 +97,15 @@ class Bodies:
         if slot.qpos >= 0:
             state.is_stirred = True
             self._gliding.unsettle(index)
-            _POSE.pack_into(self._qpos, _BYTES * slot.qpos, *position, *turned)
+            _POSE.pack_into(self._qpos, _BYTES * slot.qpos, *position, *offset_rotation)
             glide_velocity.put(self._qvel, slot.dof, _STILL)
         elif slot.mocap >= 0:
             state.is_stirred = True
             state.data.mocap_pos[slot.mocap] = position
-            state.data.mocap_quat[slot.mocap] = turned
+            state.data.mocap_quat[slot.mocap] = offset_rotation
         else:
             return
-        state.positions[index], state.rotations[index], state.quaternions[index] = position, rotation, turned
+        state.positions[index], state.rotations[index], state.quaternions[index] = position, rotation, offset_rotation
 
     def _move_static(self, index: int, position: Sequence[float], rotation: Sequence[float]) -> None:
         """Move shapes that belong to the world."""
@@ -284,13 +284,13 @@ class Bodies:
     def pull(
         self,
         index: int,
-        held: Sequence[float],
+        anchor: Sequence[float],
         target: Sequence[float],
         stiffness: float,
         damping: float,
         strongest: float,
     ) -> None:
-        """Pull a point of a body, ``held`` in world coordinates, towards a target; only dynamic bodies are pulled.
+        """Pull a point of a body, ``anchor`` in world coordinates, towards a target; only dynamic bodies are pulled.
 
         See `GameObject.pull`.
         """
@@ -299,8 +299,8 @@ class Bodies:
         if slot.frame.motion not in (Motion.FREE, Motion.JOINT) or slot.body < 0:
             return
         linear, angular = self.velocity(index)
-        speed = np.add(linear, np.cross(angular, np.subtract(held, state.positions[index])))
-        wanted = stiffness * np.subtract(target, held) - damping * speed
+        speed = np.add(linear, np.cross(angular, np.subtract(anchor, state.positions[index])))
+        wanted = stiffness * np.subtract(target, anchor) - damping * speed
         size = float(norm(wanted))
         mass = float(state.model.body_subtreemass[slot.body])
         strongest = min(strongest, FORCE.limit / mass)
@@ -311,7 +311,7 @@ class Bodies:
         force = mass * wanted
         # the lever is reduced, so that a large body does not spin fast when it is pulled at its rim
         centre = rigid.turn(state.rotations[index], state.model.body_ipos[slot.body].tolist())
-        lever = np.subtract(held, np.add(state.positions[index], centre))
+        lever = np.subtract(anchor, np.add(state.positions[index], centre))
         torque = 0.3 * np.cross(lever, force)
         self.apply_wrench(index, force.tolist(), torque.tolist())
 

@@ -19,10 +19,10 @@ _NEAR = 0.02
 
 def boxes_of(state: EngineState, geoms: Sequence[int] | NDArray[np.intp]) -> NDArray[np.float64]:
     """Return (N, 2, 3) lower and upper corners of the axis-aligned bounding boxes of some geoms, m."""
-    chosen = np.asarray(geoms, dtype=np.intp)
-    local = state.model.geom_aabb[chosen].reshape(-1, 2, 3)
-    turns = state.data.geom_xmat[chosen].reshape(-1, 3, 3)
-    centres = state.data.geom_xpos[chosen] + np.einsum("nij,nj->ni", turns, local[:, 0])
+    numbers = np.asarray(geoms, dtype=np.intp)
+    local = state.model.geom_aabb[numbers].reshape(-1, 2, 3)
+    turns = state.data.geom_xmat[numbers].reshape(-1, 3, 3)
+    centres = state.data.geom_xpos[numbers] + np.einsum("nij,nj->ni", turns, local[:, 0])
     halves = np.einsum("nij,nj->ni", np.abs(turns), local[:, 1])
     return np.stack([centres - halves, centres + halves], axis=1)
 

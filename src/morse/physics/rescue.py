@@ -96,17 +96,17 @@ class Rescue:
         """
         if not self._wrong():
             return
-        state, said = self._state, dict[str, str]()
+        state, messages = self._state, dict[str, str]()
         for attempt in range(_ONE_BY_ONE + 2):
             engine_values.rewind(state, numbers, asleep)
             culprits = self._culprits()
             if not culprits:
                 break
             engine_values.rewind(state, numbers, asleep)
-            chosen = culprits if attempt >= _ONE_BY_ONE else culprits[:1]
-            for slot, what in chosen:
+            removals = culprits if attempt >= _ONE_BY_ONE else culprits[:1]
+            for slot, what in removals:
                 self._put_back(slot)
-                said[slot.frame.node.name] = what
+                messages[slot.frame.node.name] = what
             mujoco.mj_getState(state.model, state.data, numbers, engine_values.STATE)
             asleep[:] = state.data.tree_asleep
             engine_values.rewind(state, numbers, asleep)
@@ -114,8 +114,8 @@ class Rescue:
             if not self._wrong():
                 break
         else:
-            raise UnstableError(*next(iter(said.items())))
-        for name, what in said.items():
+            raise UnstableError(*next(iter(messages.items())))
+        for name, what in messages.items():
             self._note(name, what)
 
     def report(self, text: str) -> None:
@@ -145,7 +145,7 @@ class Rescue:
 
     def _wrong(self) -> list[tuple[Slot, str]]:
         """Return the bodies with diverged values, and a description of each."""
-        data, found = self._state.data, []
+        data, faults = self._state.data, []
         for slot in self._state.slots:
             if slot.dof < 0:
                 continue
@@ -154,14 +154,14 @@ class Rescue:
             speeds = data.qvel[slot.dof : slot.dof + dofs]
             places = data.qpos[slot.qpos : slot.qpos + count]
             if not np.isfinite(places).all():
-                found.append((slot, "its position is not finite"))
+                faults.append((slot, "its position is not finite"))
             elif not np.isfinite(speeds).all():
-                found.append((slot, "its velocity is not finite"))
+                faults.append((slot, "its velocity is not finite"))
             elif np.abs(speeds).max() > RUNAWAY_SPEED:
-                found.append((slot, f"it moves at {np.abs(speeds).max():.3g} m/s or rad/s"))
+                faults.append((slot, f"it moves at {np.abs(speeds).max():.3g} m/s or rad/s"))
             elif free and np.abs(places[:3]).max() > RUNAWAY_DISTANCE:
-                found.append((slot, f"it is {np.abs(places[:3]).max():.3g} m away"))
-        return found
+                faults.append((slot, f"it is {np.abs(places[:3]).max():.3g} m away"))
+        return faults
 
     def _culprits(self) -> list[tuple[Slot, str]]:
         """Return the bodies that diverge first when the tick is repeated step by step, sorted by previous speed."""
@@ -169,9 +169,11 @@ class Rescue:
         model, data = state.model, state.data
         for _ in range(state.steps + 1):
             wrong = self._wrong()
-            pushed = [(slot, "the force on it is far too large") for slot in state.slots if self._is_overpushed(slot)]
-            if wrong or pushed:
-                return pushed or wrong
+            overpushed = [
+                (slot, "the force on it is far too large") for slot in state.slots if self._is_overpushed(slot)
+            ]
+            if wrong or overpushed:
+                return overpushed or wrong
             before = data.qvel.copy()
             mujoco.mj_step(model, data)
             wrong = self._wrong()
@@ -188,8 +190,8 @@ class Rescue:
         model = self._state.model
         dofs = slot.numbers[1]
         mass = max(float(model.body_mass[slot.body]), 1e-9)
-        added = float(pushes[slot.body]) / mass * float(model.opt.timestep)
-        return float(np.abs(speeds[slot.dof : slot.dof + dofs]).max()) + added
+        speed_gain = float(pushes[slot.body]) / mass * float(model.opt.timestep)
+        return float(np.abs(speeds[slot.dof : slot.dof + dofs]).max()) + speed_gain
 
     # -- reset -----------------------------------------------------------------------------
 
@@ -207,8 +209,8 @@ class Rescue:
             return
         self._gliding.unsettle(index)
         pose = data.qpos[slot.qpos : slot.qpos + 7]
-        turned = float(matmul(pose[3:], pose[3:])) if np.isfinite(pose).all() else 0.0
-        if not (0.25 < turned < 4.0 and np.abs(pose[:3]).max() <= RUNAWAY_DISTANCE):
+        norm = float(matmul(pose[3:], pose[3:])) if np.isfinite(pose).all() else 0.0
+        if not (0.25 < norm < 4.0 and np.abs(pose[:3]).max() <= RUNAWAY_DISTANCE):
             pose[:3], pose[3:] = slot.pose.position, slot.pose.quaternion
         parts = [slot, *(state.slots[wheel] for wheel in state.wheels.get(index, ()))]
         for part in parts:

@@ -36,10 +36,10 @@ def cast_ray(
         return None, None, None
     direction = [(b - a) / reach for a, b in zip(start, target, strict=True)]
     ignored = _without(world, rays, prop) if prop and xray else None
-    found = rays.first(start, direction, distance or reach, ignored, owner(world, exclude.slot))
-    if found is None:
+    ray_hit = rays.first(start, direction, distance or reach, ignored, owner(world, exclude.slot))
+    if ray_hit is None:
         return None, None, None
-    part, point, normal = found
+    part, point, normal = ray_hit
     body = body_of(world, part)
     if prop and prop not in part and prop not in body:
         return None, None, None

@@ -35,15 +35,15 @@ class Studio:
     def __init__(self, world: World, host: str, port: int = 0) -> None:
         launch, server, protocol, app = _modules()
         self._world = world
-        bound: list[Any] = []
+        sockets: list[Any] = []
         ready = threading.Event()
         bind = server.bind_public_socket
 
         def bind_here(_host: str, asked: int = 0) -> Any:
             # the viewer listens on all interfaces and has no option for the address
-            bound.append(bind(host, asked))
+            sockets.append(bind(host, asked))
             ready.set()
-            return bound[0]
+            return sockets[0]
 
         server.bind_public_socket = bind_here
         try:
@@ -52,7 +52,7 @@ class Studio:
                 raise OSError(f"MuJoCo's viewer did not open a port within {_PATIENCE:.0f} s")
         finally:
             server.bind_public_socket = bind
-        self.url = f"http://{host}:{bound[0].getsockname()[1]}/"
+        self.url = f"http://{host}:{sockets[0].getsockname()[1]}/"
         self._handle.set_model(world.model, data=world.data)
 
     def update(self) -> None:

@@ -58,19 +58,19 @@ class Touching:
         """
         world = self._world
         own = self._body_of_slot[obj.slot]
-        found: dict[GameObject, None] = {}
+        objects: dict[GameObject, None] = {}
         for geom in self._feelers_of(obj):
             for other in self._near(geom, own, margin):
                 if mujoco.mj_geomDistance(world.model, world.data, geom, other, 2.0 * margin + 1e-6, None) <= margin:
-                    found[body_of(world, world.object_of(world.geom_node[other]))] = None
-        return list(found)
+                    objects[body_of(world, world.object_of(world.geom_node[other]))] = None
+        return list(objects)
 
     def _feelers_of(self, obj: GameObject) -> list[int]:
-        found = self._feelers.get(obj.node)
-        if found is None:
+        feelers = self._feelers.get(obj.node)
+        if feelers is None:
             geoms = self._world.slots[obj.slot].geoms
-            found = self._feelers[obj.node] = [geom for node in obj.node.walk() for geom in geoms.get(node, ())]
-        return found
+            feelers = self._feelers[obj.node] = [geom for node in obj.node.walk() for geom in geoms.get(node, ())]
+        return feelers
 
     @cached_property
     def _body_of_slot(self) -> list[int]:
@@ -99,8 +99,8 @@ class Touching:
         fixed, moving = self._solids
         if len(fixed):
             boxes = self._boxes(fixed)
-            known, where, room = self._clear.get(geom, (None, [], 0.0))
-            if known is not boxes or math.dist(where, centre.tolist()) + margin >= room:
+            clear, where, room = self._clear.get(geom, (None, [], 0.0))
+            if clear is not boxes or math.dist(where, centre.tolist()) + margin >= room:
                 yield from self._near_fixed(geom, fixed, boxes, margin)
         if len(moving):
             others, radii = self._others_than(own, geom)
@@ -118,8 +118,8 @@ class Touching:
         half = self._half_of_box(geom) + margin
         meets = ((lower <= centre + half) & (upper >= centre - half)).all(axis=1)
         if meets.any():
-            found: list[int] = fixed[meets].tolist()
-            return found
+            geoms: list[int] = fixed[meets].tolist()
+            return geoms
         gaps = np.maximum(np.maximum(lower - centre, centre - upper), 0.0)
         room = math.sqrt(float((gaps * gaps).sum(axis=1).min())) - float(self._radii[geom])
         self._clear[geom] = boxes, centre.tolist(), room - _ROUNDING
@@ -127,17 +127,17 @@ class Touching:
 
     def _others_than(self, own: int, geom: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
         """Return the moving shapes of other bodies, and the distances of their centres at which they meet, m."""
-        found = self._others.get((own, geom))
-        if found is None:
+        cached = self._others.get((own, geom))
+        if cached is None:
             moving, (radii, bodies) = self._solids[1], self._movers
-            chosen = np.array(bodies) != own
-            found = self._others[own, geom] = moving[chosen], radii[chosen] + self._radii[geom]
-        return found
+            is_other = np.array(bodies) != own
+            cached = self._others[own, geom] = moving[is_other], radii[is_other] + self._radii[geom]
+        return cached
 
     def _half_of_box(self, geom: int) -> NDArray[np.float64]:
         """Return (3,) half sizes of an axis-aligned box around a shape, centred at the origin of the shape, m."""
-        turned: NDArray[np.float64] = matmul(np.abs(self._turns[geom]).reshape(3, 3), self._halves[geom])
-        return turned
+        half_extents: NDArray[np.float64] = matmul(np.abs(self._turns[geom]).reshape(3, 3), self._halves[geom])
+        return half_extents
 
     def _boxes(self, fixed: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return (N, 3) lower and upper corners around static bodies; computed again after a static body was moved."""

@@ -17,6 +17,6 @@ def count_weightless(state: EngineState) -> None:
     masks of their shapes. A robot that is gliding at that time would later fall through the floor.
     """
     model, data = state.model, state.data
-    kept = data.qpos.copy(), model.body_contype.copy(), model.body_conaffinity.copy()
+    originals = data.qpos.copy(), model.body_contype.copy(), model.body_conaffinity.copy()
     mujoco.mj_setConst(model, data)
-    data.qpos[:], model.body_contype[:], model.body_conaffinity[:] = kept
+    data.qpos[:], model.body_contype[:], model.body_conaffinity[:] = originals

@@ -411,12 +411,12 @@ class World(ObjectWorld):
 
     def mass_centres(self) -> list[tuple[str, float, tuple[float, float, float]]]:
         """Return the name, mass (kg) and centre of mass (m, in its own frame) of every dynamic body."""
-        found = []
+        centres = []
         for slot in self.slots[: self.moving]:
             if slot.frame.motion in (Motion.FREE, Motion.HINGE, Motion.JOINT):
                 x, y, z = self.model.body_ipos[slot.body].tolist()
-                found.append((slot.frame.node.name, float(self.model.body_mass[slot.body]), (x, y, z)))
-        return found
+                centres.append((slot.frame.node.name, float(self.model.body_mass[slot.body]), (x, y, z)))
+        return centres
 
     # -- the view --------------------------------------------------------------------------
 
@@ -463,7 +463,7 @@ class World(ObjectWorld):
         Raises:
             ValueError: the state is damaged, or belongs to another scene; the world is then unchanged.
         """
-        checked = self._saving.checked(state)
-        self._saving.set_state(checked)
+        world_state = self._saving.checked(state)
+        self._saving.set_state(world_state)
         if self.touches is not None:
             self.touches.forget()

@@ -37,25 +37,27 @@ class GraspingRobot(Robot):
             Whether an object was grasped or released.
         """
         hand = self._hand()
-        held = [thing for thing in self.context.world.objects() if thing.parent is hand and thing.properties.get(_TAG)]
+        objects = [
+            thing for thing in self.context.world.objects() if thing.parent is hand and thing.properties.get(_TAG)
+        ]
         if not grab:
-            for thing in held:
+            for thing in objects:
                 thing.removeParent()
-            return bool(held)
-        if held:
-            return obj_name is None or any(thing.name == obj_name for thing in held)
-        found = self._within_reach(hand, obj_name)
-        if found is not None:
-            found.setParent(hand)
-        return found is not None
+            return bool(objects)
+        if objects:
+            return obj_name is None or any(thing.name == obj_name for thing in objects)
+        obj = self._within_reach(hand, obj_name)
+        if obj is not None:
+            obj.setParent(hand)
+        return obj is not None
 
     def _hand(self) -> Any:
         parts = [self.bge_object, *self.bge_object.childrenRecursive]
-        marked = [part for part in parts if part.properties.get(_HAND)]
+        hands = [part for part in parts if part.properties.get(_HAND)]
         right = [part for part in parts if part.node.bone == self.hand_bone]
-        if not marked and not right:
+        if not hands and not right:
             raise MorseRPCInvokationError(f"{self.name()} has no hand: make_grasper in the scene script chooses one")
-        return (marked or right)[0]
+        return (hands or right)[0]
 
     def _within_reach(self, hand: Any, name: str | None) -> Any:
         """The object of that name, or the nearest one; None if none is within reach."""

@@ -83,10 +83,10 @@ class ArmaturePose(Sensor):
     @property
     def own_fields(self) -> Mapping[str, DataField]:
         """Return one field for each joint."""
-        found = {}
+        fields = {}
         for bone in self._bones:
             turns = bone.kind is JointKind.REVOLUTE
-            found[bone.name] = DataField(
+            fields[bone.name] = DataField(
                 bone.value,
                 "float",
                 "Angle of the joint" if turns else "Displacement of the joint",
@@ -97,10 +97,10 @@ class ArmaturePose(Sensor):
             )
         for bone in self._loose:
             start = _AT_START[bone.kind]
-            found[bone.name] = DataField(
+            fields[bone.name] = DataField(
                 list(start), "list", f"Position of the joint, {bone.kind}", shape=(len(start),), frame="joint"
             )
-        return found
+        return fields
 
     def measure(self) -> None:
         """Measure the joint values."""

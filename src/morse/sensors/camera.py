@@ -353,9 +353,9 @@ class Camera(Sensor):
     def drop_under_way(self) -> None:
         """Discard the images that were taken with another lens; `capture` takes other images instead."""
         if isinstance(self.realism, DelayedPictures):
-            dropped = self.realism.drop()
+            count = self.realism.drop()
             if self._left >= 0:
-                self._left += dropped
+                self._left += count
 
     def ordered(self, rows: NDArray[Any]) -> NDArray[Any]:
         """Return the rows of an image, whose top row is first, in the order given by ``Vertical_Flip``."""

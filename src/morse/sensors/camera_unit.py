@@ -20,8 +20,8 @@ class CameraUnit(Sensor):
     def cameras(self) -> list[Camera]:
         """The cameras mounted on it."""
         inside = f"{self.name()}."
-        found = (c for name, c in self.context.components.items() if name.startswith(inside))
-        return [camera for camera in found if isinstance(camera, Camera)]
+        components = (c for name, c in self.context.components.items() if name.startswith(inside))
+        return [camera for camera in components if isinstance(camera, Camera)]
 
     @interruptible
     @async_service

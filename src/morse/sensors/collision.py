@@ -36,9 +36,9 @@ class ContactSensor(Sensor):
 
     def touched(self) -> list[str]:
         """The names of the objects that touch it now."""
-        wanted = self._only_objects_with_property
+        prop = self._only_objects_with_property
         objects = self.context.world.touched_by(self.bge_object, self.margin)
-        return [obj.name for obj in objects if not wanted or wanted in obj.properties]
+        return [obj.name for obj in objects if not prop or prop in obj.properties]
 
     def take(self, names: list[str]) -> None:
         """Fill the data with the touched objects."""
@@ -69,9 +69,9 @@ class Collision(ContactSensor):
         if self._names:
             super().action()
             return
-        ended = self.local_data["collision"]
+        was_touching = self.local_data["collision"]
         self.take([])
-        if ended:
+        if was_touching:
             self._tell_the_end()
 
     def _tell_the_end(self) -> None:

@@ -50,15 +50,15 @@ class CompoundSensor(Sensor):
         """Change a property while the simulation runs."""
         before = self._sensors
         super().set_property(name, value)
-        known = self.context.components
+        components = self.context.components
         for member in _names(self._sensors):
-            if member == self.name() or member not in known:
+            if member == self.name() or member not in components:
                 self._sensors = before
                 raise MorseRPCTypeError(
-                    f"{self.name()}: there is no other sensor {shown(member)}{nearest(member, known)}"
+                    f"{self.name()}: there is no other sensor {shown(member)}{nearest(member, components)}"
                 )
-        for gone in set(_names(before)) - set(_names(self._sensors)):
-            self.local_data.pop(gone, None)
+        for name_before in set(_names(before)) - set(_names(self._sensors)):
+            self.local_data.pop(name_before, None)
 
     def measure(self) -> None:
         """Copy the data of all sensors."""

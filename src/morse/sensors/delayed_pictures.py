@@ -86,13 +86,13 @@ class Exposure:
             raise StateError("the saved state is damaged: an image lacks fields")
         fields: dict[str, Any] = {"rgba": None, "normals": None, "nodes": [], "names": []}
         for name, (kind, axes) in _ARRAYS.items():
-            found = state["picture"].get(name)
-            if found is None:
+            values = state["picture"].get(name)
+            if values is None:
                 fields.setdefault(name, np.zeros((0,) * axes, kind))
                 continue
-            if not isinstance(found, np.ndarray) or found.dtype != kind or found.ndim != axes:
+            if not isinstance(values, np.ndarray) or values.dtype != kind or values.ndim != axes:
                 raise StateError(f"the saved state is damaged: '{name}' of an image has another type or shape")
-            fields[name] = found.copy()
+            fields[name] = values.copy()
         fields["names"] = [str(name) for name in state["picture"].get("names", [])]
         pose = None if state["pose"] is None else (tuple(state["pose"][0]), tuple(state["pose"][1]))
         if pose is not None and ([len(part) for part in pose] != [3, 9] or not np.isfinite(np.hstack(pose)).all()):
@@ -124,12 +124,12 @@ class DelayedPictures(Realism):
 
     def check_memory(self, lens: Lens) -> None:
         """Raise `ValueError` if the images of a lens that wait for their delay need too much memory."""
-        waiting = self.delay * min(self._camera.frequency, self._camera.clock.frequency)
+        count = self.delay * min(self._camera.frequency, self._camera.clock.frequency)
         pixel = 8 + 4 * self._camera.color + 12 * self._camera.normals
-        size = waiting * lens.width * lens.height * pixel
+        size = count * lens.width * lens.height * pixel
         if size > _MOST_BYTES:
             raise ValueError(
-                f"with a delay of {self.delay:g} s, {waiting:.0f} images of {lens.width} x {lens.height} pixels wait "
+                f"with a delay of {self.delay:g} s, {count:.0f} images of {lens.width} x {lens.height} pixels wait "
                 f"at the same time: they need {size / 2**30:.1f} GiB of memory, and the limit is "
                 f"{_MOST_BYTES >> 30} GiB; shorten the delay, or reduce the size or the frequency"
             )
@@ -157,20 +157,20 @@ class DelayedPictures(Realism):
                 camera.drop_under_way()
                 return
             exposure, data = self.exposures.popleft(), camera.local_data
-            shown = {name: data[name] for name in self._noises}
+            measurement = {name: data[name] for name in self._noises}
             data.update(self._truth)
             data["timestamp"] = exposure.time
             camera.develop(exposure)
             self._truth = {name: copied(data[name]) for name in self._noises}
-            if not self._change(shown, exposure.time):
+            if not self._change(measurement, exposure.time):
                 return
             self._publish()
 
     def drop(self) -> int:
         """Discard all images that were not published; return their number."""
-        dropped = len(self.exposures)
+        count = len(self.exposures)
         self.exposures.clear()
-        return dropped
+        return count
 
     def get_state(self) -> dict[str, Any]:
         """Return the state, with all unfinished images, which are completed first."""

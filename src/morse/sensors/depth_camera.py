@@ -136,23 +136,23 @@ class DepthCamera(AbstractDepthCamera):
         """Store the points of the pixels that show a surface."""
         depth, lens = self.depth_of(picture), self.lens
         rows = self._rows_kept()
-        seen = depth > 0.0
+        is_surface = depth > 0.0
         if rows is not None:
             mask = np.zeros(len(depth), bool)
             mask[[row for row in rows if row < len(mask)]] = True
-            seen &= mask[:, None]
+            is_surface &= mask[:, None]
         flip, whole = self.vertical_flip, self.keep_resolution
 
         def points() -> NDArray[np.float32]:
-            found = lens.rays() * np.where(seen, depth, np.float32(0.0))[..., None] + np.float32(0.0)
+            found = lens.rays() * np.where(is_surface, depth, np.float32(0.0))[..., None] + np.float32(0.0)
             if not flip:
                 found = found[::-1]
             if whole:
                 return np.ascontiguousarray(found.reshape(-1, 3))
-            return np.asarray(found[seen if flip else seen[::-1]])
+            return np.asarray(found[is_surface if flip else is_surface[::-1]])
 
         self.local_data["points"] = Later(points)
-        self.local_data["nb_points"] = depth.size if whole else int(np.count_nonzero(seen))
+        self.local_data["nb_points"] = depth.size if whole else int(np.count_nonzero(is_surface))
 
 
 class DepthCameraRotationZ(DepthCamera):
@@ -248,8 +248,8 @@ class RawImage(AbstractDepthCamera):
     def take(self, picture: Picture) -> None:
         """Convert the depths into Z buffer values."""
         near, far = self.lens.near, self.lens.far
-        seen = self.depth_of(picture)
-        depth = np.where(seen > 0.0, seen.astype(np.float64), far)
+        is_surface = self.depth_of(picture)
+        depth = np.where(is_surface > 0.0, is_surface.astype(np.float64), far)
         buffer = np.clip(far * (depth - near) / (depth * (far - near)), 0.0, 1.0)
         self.local_data["image"] = self.ordered(buffer.astype(np.float32))
 

@@ -83,22 +83,22 @@ class DepthCameraAggregator(CameraUnit):
             raise MorseRPCTypeError(problem)
 
     def _named(self, cameras: list[DepthCamera]) -> list[DepthCamera]:
-        wanted = self.master_camera
-        return [c for c in cameras if c.name() == wanted or c.name().endswith(f".{wanted}")]
+        name = self.master_camera
+        return [c for c in cameras if c.name() == name or c.name().endswith(f".{name}")]
 
     def _no_master(self) -> str:
-        known = [camera.name().rpartition(".")[2] for camera in self.clouds()]
+        camera_names = [camera.name().rpartition(".")[2] for camera in self.clouds()]
         return (
             f"{self.name()}: it has no depth camera {shown(self.master_camera)}, which 'master_camera' names"
-            f"{nearest(self.master_camera, known)}"
+            f"{nearest(self.master_camera, camera_names)}"
         )
 
     def _master(self, cameras: list[DepthCamera]) -> DepthCamera:
-        named = self._named(cameras) if self.master_camera else cameras
-        if not named:
+        candidates = self._named(cameras) if self.master_camera else cameras
+        if not candidates:
             problem = f"{self._no_master()}; the cloud is in the frame of {cameras[0].name()}"
             self.context.complaints.warn(problem, problem)
-        return (named or cameras)[0]
+        return (candidates or cameras)[0]
 
     def measured_from(self) -> Pose:
         """Return the pose of the master when the clouds were merged."""
@@ -112,14 +112,14 @@ class DepthCameraAggregator(CameraUnit):
             return
         position, rotation = self._measured_from = self._master(cameras).bge_object.world_pose()
         to_master = np.reshape(rotation, (3, 3))
-        joined = [np.zeros((0, 3), np.float32)]
+        clouds = [np.zeros((0, 3), np.float32)]
         for camera in cameras:
             here, own = camera.bge_object.world_pose()
             if camera.request.shot is not None:
                 # rendered in this tick, although the action of the camera comes later
                 camera.measure()
             points = camera.local_data["points"].astype(np.float64)
-            turned = matmul(points, np.reshape(own, (3, 3)).T) + (np.array(here) - position)
-            joined.append(matmul(turned, to_master).astype(np.float32))
-        self.local_data["points"] = np.concatenate(joined)
+            world_points = matmul(points, np.reshape(own, (3, 3)).T) + (np.array(here) - position)
+            clouds.append(matmul(world_points, to_master).astype(np.float32))
+        self.local_data["points"] = np.concatenate(clouds)
         self.local_data["nb_points"] = len(self.local_data["points"])

@@ -113,10 +113,10 @@ class RawGPS(GPS):
         """Measure the position, and the velocity from the previous position."""
         here, now, data = self.position_3d.get_pose()[0], self.clock.time, self.local_data
         data["longitude"], data["latitude"], data["altitude"] = self._plane.geodetic_of(here)
-        passed = now - self._time
-        if passed > 0.0:
+        dt = now - self._time
+        if dt > 0.0:
             (x, y, z), (x0, y0, z0) = here, self._before
-            data["velocity"] = list(self._plane.enu_of(((x - x0) / passed, (y - y0) / passed, (z - z0) / passed)))
+            data["velocity"] = list(self._plane.enu_of(((x - x0) / dt, (y - y0) / dt, (z - z0) / dt)))
         self._before, self._time = here, now
 
 

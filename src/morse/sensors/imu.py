@@ -185,10 +185,10 @@ class IMU(MotionSensor):
 
     def _add_errors(self) -> None:
         now, data = self.clock.time, self.local_data
-        passed, self._measured = now - self._measured, now
+        dt, self._measured = now - self._measured, now
         if self._gyro_density or self._gyro_instability or self._gyro_walk:
             self._gyro_errors.terms = self._gyro_terms()
-            data["angular_velocity"] = self._gyro_errors.added(data["angular_velocity"], passed)
+            data["angular_velocity"] = self._gyro_errors.added(data["angular_velocity"], dt)
         if self._accel_density or self._accel_instability or self._accel_walk:
             self._accel_errors.terms = self._accel_terms()
-            data["linear_acceleration"] = self._accel_errors.added(data["linear_acceleration"], passed)
+            data["linear_acceleration"] = self._accel_errors.added(data["linear_acceleration"], dt)

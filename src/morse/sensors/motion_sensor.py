@@ -76,9 +76,9 @@ class MotionSensor(Sensor):
         tangential and a centripetal part, ``α x r + ω x (ω x r)`` with the lever arm ``r``.
         """
         now = self.clock.time
-        passed = now - self._time
-        if passed <= 0.0:
-            passed = self.clock.period
+        dt = now - self._time
+        if dt <= 0.0:
+            dt = self.clock.period
         mode = self._computation_mode
         by_velocity = mode == "Velocity" or (mode == "Automatic" and self.robot_parent.bge_object.is_dynamic)
         pose = self.position_3d.get_pose()
@@ -86,19 +86,19 @@ class MotionSensor(Sensor):
             linear, angular = self._velocity_of_robot()
         else:
             (x, y, z), (x0, y0, z0) = pose[0], self._pose[0]
-            linear = ((x - x0) / passed, (y - y0) / passed, (z - z0) / passed)
+            linear = ((x - x0) / dt, (y - y0) / dt, (z - z0) / dt)
             rx, ry, rz = turn(pose[1], rotation_vector(self._pose[1], pose[1]))
-            angular = (rx / passed, ry / passed, rz / passed)
+            angular = (rx / dt, ry / dt, rz / dt)
         before = (self._linear, self._angular)
         self._time, self._pose, self._linear, self._angular = now, pose, linear, angular
         origin = self.robot_parent.bge_object.world_pose()[0] if by_velocity else None
-        return changed(before, (linear, angular), passed, pose[0], origin)
+        return changed(before, (linear, angular), dt, pose[0], origin)
 
 
 def changed(
     before: tuple[Triple, Triple],
     after: tuple[Triple, Triple],
-    passed: float,
+    dt: float,
     position: Sequence[float],
     origin: Sequence[float] | None,
 ) -> Motion:
@@ -106,12 +106,12 @@ def changed(
 
     Args:
         before, after: m/s and rad/s, in the axes of the world.
-        passed: seconds between them.
+        dt: seconds between them.
         position: position of the sensor, m.
         origin: origin of the body that has these velocities; None if they are those of the sensor itself.
     """
     linear, angular = after
-    acceleration, angular_acceleration = _rate(before[0], linear, passed), _rate(before[1], angular, passed)
+    acceleration, angular_acceleration = _rate(before[0], linear, dt), _rate(before[1], angular, dt)
     if origin is not None:
         acceleration = _at_lever_arm(acceleration, angular, angular_acceleration, position, origin)
     return Motion(linear, angular, acceleration, angular_acceleration)
@@ -134,5 +134,5 @@ def _at_lever_arm(
     return ax + tx + cx, ay + ty + cy, az + tz + cz
 
 
-def _rate(before: Triple, after: Triple, passed: float) -> Triple:
-    return (after[0] - before[0]) / passed, (after[1] - before[1]) / passed, (after[2] - before[2]) / passed
+def _rate(before: Triple, after: Triple, dt: float) -> Triple:
+    return (after[0] - before[0]) / dt, (after[1] - before[1]) / dt, (after[2] - before[2]) / dt

@@ -81,7 +81,7 @@ class SearchAndRescue(Sensor):
     def _is_in(self, cone: Cone, victim: Any) -> bool:
         """Whether a part of the collision shape of a victim, or else its origin, is in the cone."""
         position, rotation = self.position_3d.get_pose()
-        here, turned = np.array(position), np.reshape(rotation, (3, 3))
+        here, rotation_rows = np.array(position), np.reshape(rotation, (3, 3))
         has_shape = False
         for node in victim.node.walk():
             part = self.context.world.find_object(node) if node.shapes else None
@@ -90,35 +90,35 @@ class SearchAndRescue(Sensor):
             place, own = (np.reshape(values, shape) for values, shape in zip(part.world_pose(), _POSE, strict=True))
             for shape in node.shapes:
                 has_shape = True
-                if cone.touches(matmul(corners(shape, place, own) - here, turned)):
+                if cone.touches(matmul(corners(shape, place, own) - here, rotation_rows)):
                     return True
-        return not has_shape and cone.contains(matmul(np.array(victim.world_pose()[0]) - here, turned))
+        return not has_shape and cone.contains(matmul(np.array(victim.world_pose()[0]) - here, rotation_rows))
 
     def _victims(self) -> list[tuple[float, Any]]:
         """Return object and distance between the origins of each victim in the cone, the nearest first."""
         own, cone = self.robot_parent.bge_object, Cone(0.5 * math.radians(self._angle), self._distance)
         here = self.position_3d.get_pose()[0]
-        found = [
+        victims = [
             (math.dist(here, obj.world_pose()[0]), obj)
             for obj in self.context.world.objects()
             if obj.properties.get(_INJURED) and obj is not own and self._is_in(cone, obj)
         ]
-        return sorted(found, key=lambda item: item[0])
+        return sorted(victims, key=lambda item: item[0])
 
     def measure(self) -> None:
         """Find the victims, and continue healing."""
         victims = self._victims()
         if self._patient is not None:
             self._go_on(victims)
-        seen = {}
+        visible = {}
         for _, obj in victims:
             x, y, z = obj.world_pose()[0]
-            seen[obj.name] = {
+            visible[obj.name] = {
                 "coordinate": {"x": x, "y": y, "z": z},
                 "requirements": _numbers(obj.get(_REQUIREMENTS)),
                 "severity": _severity(obj),
             }
-        self.local_data["victim_dict"] = seen
+        self.local_data["victim_dict"] = visible
 
     def _nearest(self) -> tuple[float, Any]:
         self.update_pose()
@@ -181,9 +181,9 @@ class SearchAndRescue(Sensor):
         victim = patient[1]
         self._left -= 1
         if self._left == 0:
-            left = [need for need in _numbers(victim.get(_REQUIREMENTS)) if need not in _numbers(self._abilities)]
-            victim[_REQUIREMENTS] = ",".join(map(str, left))
-            if not left:
+            needs = [need for need in _numbers(victim.get(_REQUIREMENTS)) if need not in _numbers(self._abilities)]
+            victim[_REQUIREMENTS] = ",".join(map(str, needs))
+            if not needs:
                 victim[_SEVERITY] = 0
             self._patient = None
             self.completed(status.SUCCESS, victim.name)

@@ -39,10 +39,10 @@ def _ids(camera: SegmentationCamera) -> NDArray[np.uint16]:
 
 def _records(camera: SegmentationCamera) -> list[dict[str, Any]]:
     """Return the visible objects in the form of messages."""
-    kept = ("position", "orientation", "size", "box")
+    fields = ("position", "orientation", "size", "box")
     return [
-        {"id": seen["name"], "label": seen["class"], **{key: seen[key] for key in kept if key in seen}}
-        for seen in camera.local_data["objects"]
+        {"id": record["name"], "label": record["class"], **{key: record[key] for key in fields if key in record}}
+        for record in camera.local_data["objects"]
     ]
 
 
@@ -216,11 +216,11 @@ class SegmentationCamera(Camera):
             "class": kind,
         }
 
-    def _number(self, known: dict[str, int], name: str) -> int:
-        if name not in known and len(known) >= _MOST:
+    def _number(self, numbers: dict[str, int], name: str) -> int:
+        if name not in numbers and len(numbers) >= _MOST:
             logger.warning("%s: there is no id left for '%s': its id is 0", self.name(), name)
             return 0
-        return known.setdefault(name, len(known) + 1)
+        return numbers.setdefault(name, len(numbers) + 1)
 
     def _in_space(self, number: int) -> dict[str, Any]:
         """Return the bounding box of an object in the frame given by ``relative``."""
@@ -230,8 +230,8 @@ class SegmentationCamera(Camera):
             return {}
         position, rotation = box.position, box.rotation
         if self.relative:
-            here, turned = self.bge_object.world_pose()
-            frame = np.reshape(turned, (3, 3))
+            here, camera_rotation = self.bge_object.world_pose()
+            frame = np.reshape(camera_rotation, (3, 3))
             position, rotation = matmul(frame.T, position - here), matmul(frame.T, rotation)
         return {
             "position": position.tolist(),

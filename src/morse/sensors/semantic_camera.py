@@ -26,8 +26,13 @@ _TYPE = "Type"
 def _records(camera: SemanticCamera) -> list[dict[str, Any]]:
     """Return the objects in the form of messages."""
     return [
-        {"id": seen["name"], "label": seen["type"], "position": seen["position"], "orientation": seen["orientation"]}
-        for seen in camera.local_data["visible_objects"]
+        {
+            "id": record["name"],
+            "label": record["type"],
+            "position": record["position"],
+            "orientation": record["orientation"],
+        }
+        for record in camera.local_data["visible_objects"]
     ]
 
 
@@ -76,20 +81,20 @@ class SemanticCamera(Camera):
     def take(self, picture: Picture) -> None:
         """Find the objects in an image."""
         numbers, counts = np.unique(picture.ids, return_counts=True)
-        shown = {
+        names_in_picture = {
             picture.names[n]
             for n, count in zip(numbers.tolist(), counts.tolist(), strict=True)
             if n >= 0 and count >= _FEWEST
         }
 
         def is_seen(names: list[str] | None) -> bool:
-            return names is None or not shown.isdisjoint(names)
+            return names is None or not names_in_picture.isdisjoint(names)
 
         if self.noted is None:
-            found = [self._described(thing) for thing, names in self._candidates() if is_seen(names)]
+            descriptions = [self._described(thing) for thing, names in self._candidates() if is_seen(names)]
         else:
-            found = [described for described, names in self.noted if is_seen(names)]
-        self.local_data["visible_objects"] = found
+            descriptions = [described for described, names in self.noted if is_seen(names)]
+        self.local_data["visible_objects"] = descriptions
 
     def _candidates(self) -> Iterator[tuple[Any, list[str] | None]]:
         """The objects that may be visible, and the names of their meshes; None if no mesh has to be in the image."""
@@ -125,14 +130,14 @@ class SemanticCamera(Camera):
 
     def _is_first_on_ray(self, obj: Any) -> bool:
         """Whether the ray to the origin of an object hits it, a part of it, or the body that it is a part of, first."""
-        hit = self.bge_object.rayCastTo(obj)
-        return hit is not None and (hit.node in obj.node.walk() or hit.node in obj.node.ancestors())
+        obstacle = self.bge_object.rayCastTo(obj)
+        return obstacle is not None and (obstacle.node in obj.node.walk() or obstacle.node in obj.node.ancestors())
 
     def _described(self, obj: Any) -> dict[str, Any]:
         position, rotation = obj.world_pose()
         if self.relative:
-            here, turned = self.bge_object.world_pose()
-            frame = np.reshape(turned, (3, 3))
+            here, camera_rotation = self.bge_object.world_pose()
+            frame = np.reshape(camera_rotation, (3, 3))
             position = (matmul(frame.T, np.array(position) - here)).tolist()
             rotation = (matmul(frame.T, np.reshape(rotation, (3, 3)))).ravel().tolist()
         matrix = Matrix([rotation[0:3], rotation[3:6], rotation[6:9]])

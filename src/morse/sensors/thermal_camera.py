@@ -89,26 +89,26 @@ class ThermalCamera(Camera):
         super().__init__(obj, parent)
         around = self.context.scene.properties.get(_TEMPERATURE)
         if around is not None and "DefaultTemperature" not in obj:
-            found = _number(around)
-            if found is None:
+            ambient = _number(around)
+            if ambient is None:
                 raise MorseBuilderError(f"env.properties({_TEMPERATURE}={around!r}): expected degrees Celsius")
-            self._ambient = found
+            self._ambient = ambient
 
     def note(self) -> NDArray[np.float32]:
         """Return the temperatures of all meshes, and last that of the sky."""
-        known: dict[Node, float] = {}
-        found = [self._of(node, known) for node in self.request.server.contents.nodes]
+        temperatures: dict[Node, float] = {}
+        values = [self._of(node, temperatures) for node in self.request.server.contents.nodes]
         sky = self._ambient if self._sky is None else self._sky
-        return np.clip(np.array([*found, sky], np.float64), _COLDEST, _HOTTEST).astype(np.float32)
+        return np.clip(np.array([*values, sky], np.float64), _COLDEST, _HOTTEST).astype(np.float32)
 
-    def _of(self, node: Node, known: dict[Node, float]) -> float:
+    def _of(self, node: Node, temperatures: dict[Node, float]) -> float:
         """The temperature of an object, which parts without a temperature of their own have as well."""
-        if node not in known:
+        if node not in temperatures:
             own = self._own(node)
             if own is None:
-                own = self._ambient if node.parent is None else self._of(node.parent, known)
-            known[node] = own
-        return known[node]
+                own = self._ambient if node.parent is None else self._of(node.parent, temperatures)
+            temperatures[node] = own
+        return temperatures[node]
 
     def _own(self, node: Node) -> float | None:
         obj = self.context.world.find_object(node)

@@ -197,8 +197,8 @@ class VideoCamera(Camera):
 
     def _adjust(self, mean: float) -> None:
         """Adjust the exposure towards images that are neither dark nor bright."""
-        wanted = _GAMMA * math.log2(_MIDDLE / max(mean, 1.0))
-        step = min(max(_SPEED * wanted, -_MOST_STOPS), _MOST_STOPS)
+        target = _GAMMA * math.log2(_MIDDLE / max(mean, 1.0))
+        step = min(max(_SPEED * target, -_MOST_STOPS), _MOST_STOPS)
         self._adjusted = min(max(self._adjusted + step, -_FARTHEST), _FARTHEST)
 
     def noisy_fields(self) -> tuple[str, ...]:

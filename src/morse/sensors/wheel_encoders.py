@@ -83,9 +83,9 @@ class WheelEncoders(Sensor):
         angles = [wheel.angle for wheel in self._wheels]
         ticks = [math.floor(angle / step) if step else 0 for angle in angles]
         positions = [tick * step for tick in ticks] if step else angles
-        passed = self.clock.time - self._time
+        dt = self.clock.time - self._time
         data = self.local_data
         data["ticks"], data["position"] = ticks, positions
-        if passed > 0.0:
-            data["velocity"] = [(b - a) / passed for a, b in zip(self._before, positions, strict=True)]
+        if dt > 0.0:
+            data["velocity"] = [(b - a) / dt for a, b in zip(self._before, positions, strict=True)]
         self._before, self._time = positions, self.clock.time

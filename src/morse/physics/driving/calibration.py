@@ -83,22 +83,22 @@ class Slowdown(NamedTuple):
         """
         speed = math.hypot(*command.linear[:2])
         mean, end = self._losses(speed, self.linear, self.friction if touches else 0.0)
-        turned, turning = self._losses(1.0, self.angular, 0.0)
+        yaw_rate, turning = self._losses(1.0, self.angular, 0.0)
         if touches and speed:
             damped, stays = self._losses(1.0, self.linear, 0.0)
-            turned -= _YAW_LOSS * (damped - mean)
+            yaw_rate -= _YAW_LOSS * (damped - mean)
             turning -= _YAW_LOSS * (stays - end)
         (x, y, z), (roll, pitch, yaw) = command.linear, command.angular
         if not command.ground:
-            z, roll, pitch = z * mean, roll * turned, pitch * turned
-        slowed = Command((x * mean, y * mean, z), (roll, pitch, yaw * turned), command.shift, command.ground)
-        return Slowing(slowed, end / mean if mean else 0.0, turning / turned)
+            z, roll, pitch = z * mean, roll * yaw_rate, pitch * yaw_rate
+        slowed = Command((x * mean, y * mean, z), (roll, pitch, yaw * yaw_rate), command.shift, command.ground)
+        return Slowing(slowed, end / mean if mean else 0.0, turning / yaw_rate)
 
     @staticmethod
-    def _losses(speed: float, left: float, friction: float) -> tuple[float, float]:
+    def _losses(speed: float, share: float, friction: float) -> tuple[float, float]:
         """Return the mean speed of a tick, and that at its end, relative to the commanded one."""
         if not speed:
-            return left, left
-        first = max(0.0, speed * left - friction)
-        second = max(0.0, first * left - friction)
+            return share, share
+        first = max(0.0, speed * share - friction)
+        second = max(0.0, first * share - friction)
         return 0.5 * (first + second) / speed, second / speed

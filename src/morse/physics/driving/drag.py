@@ -48,8 +48,8 @@ class Drag:
                 geoms = [*(geom for geoms in slot.geoms.values() for geom in geoms), *slot.feet]
                 self._rough[index] = (body.friction or 0.0, self._lever(slot), geoms)
             if state.physics_of_1_4:
-                named = slot.frame.node.properties.get("RollingFriction")
-                rolling = named if isinstance(named, float) and 0.0 <= named < math.inf else None
+                coefficient = slot.frame.node.properties.get("RollingFriction")
+                rolling = coefficient if isinstance(coefficient, float) and 0.0 <= coefficient < math.inf else None
                 self._slowdowns[index] = Slowdown.of(body, rolling, gravity, state.period)
 
     def _lever(self, slot: Slot) -> float:
@@ -86,8 +86,8 @@ class Drag:
         loss = friction * FLOOR * -float(self._state.model.opt.gravity[2]) * self._state.period / 2.0
         if not slip or loss <= 0.0:
             return command
-        left = (max(0.0, 1.0 - loss / slip) + max(0.0, 1.0 - 2.0 * loss / slip)) / 2.0
-        return Command((vx * left, vy * left, vz), (wx, wy, wz * left), command.shift, command.ground)
+        share = (max(0.0, 1.0 - loss / slip) + max(0.0, 1.0 - 2.0 * loss / slip)) / 2.0
+        return Command((vx * share, vy * share, vz), (wx, wy, wz * share), command.shift, command.ground)
 
     def _touches(self, geoms: list[int]) -> bool:
         return bool(np.isin(contact_pairs(self._state), geoms).any())

@@ -84,11 +84,11 @@ class Drives:
     def set_state(self, state: SavedDrives) -> None:
         """Restore a validated state; the arrays of the model are set elsewhere."""
         self.reset()
-        named = self._state.named
-        self._sliding.update(named[name] for name in state.sliding)
+        slots_by_name = self._state.named
+        self._sliding.update(slots_by_name[name] for name in state.sliding)
         self._slides[list(self._sliding)] = 1
         for entry in state.commands:
-            self._commands[named[entry.slot]] = Command(entry.linear, entry.angular, entry.shift, entry.ground)
+            self._commands[slots_by_name[entry.slot]] = Command(entry.linear, entry.angular, entry.shift, entry.ground)
 
     def command(self, index: int, command: Command) -> None:
         """Set the command of a slot for the next tick; the last command wins."""
@@ -220,10 +220,10 @@ class Drives:
         period = state.period
         step = rigid.turn(rotation, midway(command.linear, command.angular, period))
         wx, wy, wz = command.angular
-        turned = rigid.product(rotation, rigid.rotation_of_vector((wx * period, wy * period, wz * period)))
-        moved = (position[0] + step[0] * period, position[1] + step[1] * period, position[2] + step[2] * period)
-        self._bodies.place(index, moved, turned)
-        state.kinematic[index] = (rigid.turn(turned, command.linear), rigid.turn(turned, command.angular))
+        new_rotation = rigid.product(rotation, rigid.rotation_of_vector((wx * period, wy * period, wz * period)))
+        new_position = (position[0] + step[0] * period, position[1] + step[1] * period, position[2] + step[2] * period)
+        self._bodies.place(index, new_position, new_rotation)
+        state.kinematic[index] = (rigid.turn(new_rotation, command.linear), rigid.turn(new_rotation, command.angular))
 
     def after_step(self) -> None:
         """Called at the end of a tick: remove the momentum of shifts, and turn velocities to the new heading."""

@@ -98,14 +98,14 @@ class Fleet:
         """
         if self._work is None or self._state is not state:
             self._work, self._state = gliders(self._arrays(state, gliding, plain, sliding)), state
-        kept = plain[self._slots[list(self._withdrawn)]] if self._withdrawn else None
-        if kept is not None:
+        velocities = plain[self._slots[list(self._withdrawn)]] if self._withdrawn else None
+        if velocities is not None:
             plain[self._slots[list(self._withdrawn)]] = 0
         count, self._settled_count = self._work.begin(state.rotations.array), 0
         if count:
             count = self._push(self._work, state, gliding, count)
-        if kept is not None:
-            plain[self._slots[list(self._withdrawn)]] = kept
+        if velocities is not None:
+            plain[self._slots[list(self._withdrawn)]] = velocities
         if not count:
             return {}
         rows = [row for row in self._others[:count].tolist() if row not in self._withdrawn]
@@ -113,10 +113,10 @@ class Fleet:
 
     def _push(self, work: GliderWork, state: EngineState, gliding: Gliding, count: int) -> int:
         """Write the velocities of the robots that do not glide; return how many remain to be driven one by one."""
-        left, self._settled_count = work.push(state.positions.array, state.rotations.array, count, gliding.tick)
-        if left < count:
+        remaining, self._settled_count = work.push(state.positions.array, state.rotations.array, count, gliding.tick)
+        if remaining < count:
             state.is_stirred = True
-        return left
+        return remaining
 
     def settle(self, gliding: Gliding) -> None:
         """Let the robots glide that have settled, after `begin`."""

@@ -101,16 +101,16 @@ def trimmed(
         share = (top - bottom) / max(top - points[:, 2].min(), 1e-9)
         points[:, 2] = top - (top - points[:, 2]) * share
         return CollisionShape(shape.kind, (), vertices=matmul(points - position, rotation))
-    turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
-    if shape.kind not in (ShapeKind.BOX, ShapeKind.CYLINDER) or abs(abs(turned[2, 2]) - 1.0) > 1e-6:
+    shape_rotation = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
+    if shape.kind not in (ShapeKind.BOX, ShapeKind.CYLINDER) or abs(abs(shape_rotation[2, 2]) - 1.0) > 1e-6:
         return None
     half = shape.size[-1]
     centre = position + matmul(rotation, np.asarray(shape.position))
-    cut = bottom - (centre[2] - half)
-    if cut <= 0.0:
+    height = bottom - (centre[2] - half)
+    if height <= 0.0:
         return shape
-    if cut >= half:
+    if height >= half:
         return None
-    moved = matmul(rotation.T, centre + np.array([0.0, 0.0, cut / 2]) - position)
-    x, y, z = moved.tolist()
-    return CollisionShape(shape.kind, (*shape.size[:-1], half - cut / 2), (x, y, z), shape.rotation)
+    new_centre = matmul(rotation.T, centre + np.array([0.0, 0.0, height / 2]) - position)
+    x, y, z = new_centre.tolist()
+    return CollisionShape(shape.kind, (*shape.size[:-1], half - height / 2), (x, y, z), shape.rotation)

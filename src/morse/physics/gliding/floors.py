@@ -56,7 +56,7 @@ def find_floors(state: EngineState) -> list[Floor]:
     kinds, bits, sizes = model.geom_type.tolist(), model.geom_contype.tolist(), model.geom_size.tolist()
     rotations = data.geom_xmat.reshape(-1, 3, 3)
     box = int(mujoco.mjtGeom.mjGEOM_BOX)
-    found: list[tuple[float, int, int, NDArray[np.float64], int]] = []
+    candidates: list[tuple[float, int, int, NDArray[np.float64], int]] = []
     for slot_index, slot in enumerate(state.slots):
         if slot.frame.motion is not Motion.FIXED or slot.body < 0:
             continue
@@ -64,21 +64,22 @@ def find_floors(state: EngineState) -> list[Floor]:
             for geom in geoms:
                 if kinds[geom] != box or not bits[geom]:
                     continue
-                turned = rotations[geom]
-                up = level_axis(turned)
+                rotation = rotations[geom]
+                up = level_axis(rotation)
                 if up is not None:
                     first, second = (sizes[geom][i] for i in range(3) if i != up)
                     area = first * second
-                    found.append((-area, geom, slot_index, turned, up))
-    chosen = sorted(found, key=lambda entry: entry[:2])[:MOST_FLOORS]
+                    candidates.append((-area, geom, slot_index, rotation, up))
+    nearest = sorted(candidates, key=lambda entry: entry[:2])[:MOST_FLOORS]
     return [
-        _floor(state, geom, slot, turned, up, number) for number, (_, geom, slot, turned, up) in enumerate(chosen, 1)
+        _floor(state, geom, slot, rotation, up, number)
+        for number, (_, geom, slot, rotation, up) in enumerate(nearest, 1)
     ]
 
 
-def _floor(state: EngineState, geom: int, slot: int, turned: NDArray[np.float64], up: int, number: int) -> Floor:
+def _floor(state: EngineState, geom: int, slot: int, rotation: NDArray[np.float64], up: int, number: int) -> Floor:
     x, y, z = state.data.geom_xpos[geom].tolist()
     size: Sequence[float] = state.model.geom_size[geom].tolist()
     first, second = (i for i in range(3) if i != up)
-    axes = tuple((float(turned[0, i]), float(turned[1, i])) for i in (first, second))
+    axes = tuple((float(rotation[0, i]), float(rotation[1, i])) for i in (first, second))
     return Floor(geom, slot, 1 << number, z + size[up], (x, y), (axes[0], axes[1]), (size[first], size[second]))

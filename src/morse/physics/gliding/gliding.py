@@ -243,8 +243,8 @@ class Gliding:
         if self._busy_tick != self.tick:
             pairs = contact_pairs(self._state)
             pairs = np.concatenate([pairs, pairs[:, ::-1]])
-            expected = self._is_foot[pairs[:, 0]] & self._is_floor[pairs[:, 1]]
-            self._busy_tick, self._busy = self.tick, set(self.owner[pairs[~expected, 0]].tolist())
+            on_floor = self._is_foot[pairs[:, 0]] & self._is_floor[pairs[:, 1]]
+            self._busy_tick, self._busy = self.tick, set(self.owner[pairs[~on_floor, 0]].tolist())
         return self._busy
 
     def _touches_else(self, index: int, floor: Floor) -> bool:
@@ -403,11 +403,11 @@ class Gliding:
 
     def floor_bits(self) -> dict[Node, dict[int, int]]:
         """Return for each node the bits of its shapes that are floors, by index of the shape."""
-        found: dict[Node, dict[int, int]] = {}
+        bits: dict[Node, dict[int, int]] = {}
         for floor in self.floors:
             node = self._state.geom_node[floor.geom]
-            found.setdefault(node, {})[self._state.slots[floor.slot].geoms[node].index(floor.geom)] = floor.bit
-        return found
+            bits.setdefault(node, {})[self._state.slots[floor.slot].geoms[node].index(floor.geom)] = floor.bit
+        return bits
 
     def lift_all(self) -> None:
         """Restore the gliding of all gliding robots in a recompiled model."""
@@ -450,20 +450,20 @@ class Gliding:
 
     def set_state(self, state: SavedGliding) -> None:
         """Restore a validated state; the arrays of the model and the poses of parts are set before."""
-        moved = dict(self._moved)
+        new_moved = dict(self._moved)
         self.reset()
-        self._moved.update(moved)
-        named, slots = self._state.named, self._state.slots
+        self._moved.update(new_moved)
+        slots_by_name, slots = self._state.named, self._state.slots
         floors = {floor.bit: floor for floor in self.floors}
         for entry in state.glides:
-            index = named[entry.slot]
+            index = slots_by_name[entry.slot]
             slot = slots[index]
             self.glides[index] = glide = Glide(
                 slot, floors[entry.floor], entry.up, entry.look, entry.speed, entry.since, entry.margin
             )
             self.speeds[index], self.margins[index] = entry.speed, entry.margin
             self._set_gap(slot, glide.gap)
-        self.stances.set_state(state.stands, named)
+        self.stances.set_state(state.stands, slots_by_name)
         self.tick, self.next_look = state.tick, state.look
 
 

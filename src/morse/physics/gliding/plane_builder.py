@@ -45,14 +45,14 @@ class PlaneBuilder:
             return
         own = np.empty(9)
         mujoco.mju_quat2Mat(own, geom.quat)
-        turned = matmul(rotation, own.reshape(3, 3))
-        up = level_axis(turned)
+        world_rotation = matmul(rotation, own.reshape(3, 3))
+        up = level_axis(world_rotation)
         if up is None:
             return
         sides = [i for i in range(3) if i != up]
         if size[sides].min() < _SMALLEST:
             return
-        axis = own.reshape(3, 3)[:, up] * np.sign(turned[2, up])
+        axis = own.reshape(3, 3)[:, up] * np.sign(world_rotation[2, up])
         top = np.asarray(geom.pos) + axis * size[up]
         self._tops.append(
             (-float(np.prod(size[sides])), len(self._tops), body, geom, np.array([top, axis]), set_surface)

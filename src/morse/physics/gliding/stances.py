@@ -74,12 +74,12 @@ class Stances:
             for index in np.flatnonzero(arrays.able).tolist()
         ]
 
-    def set_state(self, state: Iterable[SavedStand], named: dict[str, int]) -> None:
+    def set_state(self, state: Iterable[SavedStand], slots_by_name: dict[str, int]) -> None:
         """Restore a validated state."""
         self.reset()
         arrays = self.arrays
         for stand in state:
-            index = named[stand.slot]
+            index = slots_by_name[stand.slot]
             arrays.ticks[index], arrays.heights[index] = stand.tick, stand.height
             arrays.ups[index], arrays.until[index] = stand.up, stand.until
             self._waits[index] = stand.wait

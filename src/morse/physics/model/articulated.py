@@ -161,17 +161,17 @@ class Articulated:
         bones, frames = armature.bones, self._starts.get(armature)
         if frames is None:
             frames = self._starts[armature] = start_frames(bones, scale)
-        base, turned = np.array(outer.position), as_array(outer.rotation)
+        base, base_rotation = np.array(outer.position), as_array(outer.rotation)
         origin, rotation = np.array(pose.position), as_array(pose.rotation)
-        found = []
+        joints = []
         for index in frame.joints:
             bone = bones[index]
             place, axes = frames[index]
-            anchor = base + matmul(turned, np.array(place))
-            axis = matmul(turned, np.reshape(axes, (3, 3))[:, bone.axis])
+            anchor = base + matmul(base_rotation, np.array(place))
+            axis = matmul(base_rotation, np.reshape(axes, (3, 3))[:, bone.axis])
             if bone.kind.is_loose:
-                turned_bone = matmul(matmul(rotation.T, turned), np.reshape(axes, (3, 3)))
-                found += self._add_loose(frame, bone, body, anchor, matmul(rotation.T, anchor - origin), turned_bone)
+                turned_bone = matmul(matmul(rotation.T, base_rotation), np.reshape(axes, (3, 3)))
+                joints += self._add_loose(frame, bone, body, anchor, matmul(rotation.T, anchor - origin), turned_bone)
                 continue
             slides = bone.kind is JointKind.PRISMATIC
             value = start_value(bones, index) * (scale if slides else 1.0)
@@ -194,11 +194,11 @@ class Articulated:
             joint.range = [low, high] if low < high else [low - 1e-6, low + 1e-6]
             slot = JointSlot(armature, bone.name)
             slot.start = value
-            made = _Made(frame, bone, slot, joint, anchor, limit)
-            self._made.append(made)
-            self._groups[frame].joints.append(made)
-            found.append(slot)
-        return found
+            entry = _Made(frame, bone, slot, joint, anchor, limit)
+            self._made.append(entry)
+            self._groups[frame].joints.append(entry)
+            joints.append(slot)
+        return joints
 
     def _add_loose(
         self,
@@ -217,7 +217,7 @@ class Articulated:
         """
         armature = frame.armature
         assert armature is not None
-        limit, found = bone.dynamics or _NOTHING, []
+        limit, joints = bone.dynamics or _NOTHING, []
         for suffix, kind, axis in _LOOSE[bone.kind]:
             joint = body.add_joint(
                 type=kind,
@@ -233,11 +233,11 @@ class Articulated:
             if kind == _BALL and limit.limited and bone.high > 0.0:
                 joint.limited, joint.range = True, [0.0, bone.high]
             slot = JointSlot(armature, f"{bone.name}{suffix}", width=4 if kind == _BALL else 1)
-            made = _Made(frame, bone, slot, joint, anchor, limit)
-            self._made.append(made)
-            self._groups[frame].joints.append(made)
-            found.append(slot)
-        return found
+            entry = _Made(frame, bone, slot, joint, anchor, limit)
+            self._made.append(entry)
+            self._groups[frame].joints.append(entry)
+            joints.append(slot)
+        return joints
 
     # -- after all bodies --------------------------------------------------------------------
 
@@ -249,39 +249,39 @@ class Articulated:
         """
         if not self._made:
             return
-        by_name = {(made.slot.armature, made.bone.name): made for made in self._made}
+        by_name = {(entry.slot.armature, entry.bone.name): entry for entry in self._made}
         leaders: dict[JointSlot, _Made] = {}
-        for made in self._made:
-            armature = made.slot.armature
-            if made.bone.leader >= 0 and (leader := by_name.get((armature, armature.bones[made.bone.leader].name))):
-                leaders[made.slot] = leader
+        for entry in self._made:
+            armature = entry.slot.armature
+            if entry.bone.leader >= 0 and (leader := by_name.get((armature, armature.bones[entry.bone.leader].name))):
+                leaders[entry.slot] = leader
         loads = self._loads(leaders)
-        for made in self._made:
-            armature = made.slot.armature
-            if made.bone.kind.is_loose:
+        for entry in self._made:
+            armature = entry.slot.armature
+            if entry.bone.kind.is_loose:
                 continue
-            if made.slot in leaders:
-                self._follow(made, leaders[made.slot])
+            if entry.slot in leaders:
+                self._follow(entry, leaders[entry.slot])
                 continue
             motor = self._spec.add_actuator(
-                name=made.joint.name, target=made.joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT
+                name=entry.joint.name, target=entry.joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT
             )
-            made.slot.motor = Motor(made.limit, loads[made.slot], step)
-            made.slot.motor.add_to(motor, made.joint, controls_of(armature)[made.bone.name])
+            entry.slot.motor = Motor(entry.limit, loads[entry.slot], step)
+            entry.slot.motor.add_to(motor, entry.joint, controls_of(armature)[entry.bone.name])
         for root in {_root(frame): None for frame in self._groups if frame.motion is Motion.JOINT}:
             self._keep_apart(root)
 
-    def _follow(self, made: _Made, leader: _Made) -> None:
+    def _follow(self, entry: _Made, leader: _Made) -> None:
         equality = self._spec.add_equality(
-            name=made.joint.name,
+            name=entry.joint.name,
             type=mujoco.mjtEq.mjEQ_JOINT,
             objtype=mujoco.mjtObj.mjOBJ_JOINT,
-            name1=made.joint.name,
+            name1=entry.joint.name,
             name2=leader.joint.name,
         )
         data = np.zeros(equality.data.shape)
         # both are at their initial values when the constraint is fulfilled
-        data[1] = made.bone.factor
+        data[1] = entry.bone.factor
         equality.data = data
         equality.solref = [2.0 * float(self._spec.option.timestep), 1.0]
 
@@ -291,29 +291,29 @@ class Articulated:
         for frame in self._groups:
             if frame.motion is Motion.JOINT and frame.parent is not None:
                 below.setdefault(frame.parent, []).append(frame)
-        found: dict[JointSlot, Load] = {}
+        loads: dict[JointSlot, Load] = {}
         for frame, group in self._groups.items():
-            for made in group.joints:
-                if made.bone.kind.is_loose or made.slot in followers:
+            for entry in group.joints:
+                if entry.bone.kind.is_loose or entry.slot in followers:
                     continue
-                slides = made.bone.kind is JointKind.PRISMATIC
-                mass, inertia, moment = self._reached(frame, made.anchor, below)
+                slides = entry.bone.kind is JointKind.PRISMATIC
+                mass, inertia, moment = self._reached(frame, entry.anchor, below)
                 root = _root(frame)
-                rest, turned, lever = 0.0, 0.0, 0.0
+                rest, rotating, lever = 0.0, 0.0, 0.0
                 if root.motion is Motion.FREE:
                     mine = set(self._tree(frame, below))
                     for other in self._tree(root, below):
                         if other not in mine:
                             part = self._groups[other]
-                            reach = float(norm(part.centre - made.anchor))
+                            reach = float(norm(part.centre - entry.anchor))
                             rest += part.mass
-                            turned += part.mass * reach * reach
+                            rotating += part.mass * reach * reach
                             lever += weight(part.mass, reach)
                 if slides:
-                    found[made.slot] = Load(mass, weight(mass, 1.0), rest, weight(rest, 1.0), slides)
+                    loads[entry.slot] = Load(mass, weight(mass, 1.0), rest, weight(rest, 1.0), slides)
                 else:
-                    found[made.slot] = Load(inertia, moment, turned, lever, slides)
-        return found
+                    loads[entry.slot] = Load(inertia, moment, rotating, lever, slides)
+        return loads
 
     def _reached(
         self, frame: Frame, anchor: NDArray[np.float64], below: dict[Frame, list[Frame]]
@@ -323,9 +323,9 @@ class Articulated:
         They are the largest if all joints of the load are stretched.
         """
         mass = inertia = moment = 0.0
-        waiting = [(frame, anchor, 0.0)]
-        while waiting:
-            one, place, length = waiting.pop()
+        queue = [(frame, anchor, 0.0)]
+        while queue:
+            one, place, length = queue.pop()
             group = self._groups[one]
             reach = length + float(norm(group.centre - place))
             mass += group.mass
@@ -333,15 +333,15 @@ class Articulated:
             moment += weight(group.mass, reach)
             for other in below.get(one, ()):
                 there = self._groups[other].joints[0].anchor
-                waiting.append((other, there, length + float(norm(there - place))))
+                queue.append((other, there, length + float(norm(there - place))))
         return mass, inertia, moment
 
     def _tree(self, frame: Frame, below: dict[Frame, list[Frame]]) -> Iterator[Frame]:
-        waiting = [frame]
-        while waiting:
-            one = waiting.pop()
+        queue = [frame]
+        while queue:
+            one = queue.pop()
             yield one
-            waiting += below.get(one, ())
+            queue += below.get(one, ())
 
     def _keep_apart(self, root: Frame) -> None:
         """Disable collisions between links of one robot, unless the file enables them."""
@@ -353,23 +353,23 @@ class Articulated:
                     continue
                 settings = [f.armature.articulation for f in (one, other) if f.armature is not None]
                 collides = all(setting is not None and setting.self_collision for setting in settings)
-                listed = any(
+                is_excluded = any(
                     (a in names[one] and b in names[other]) or (b in names[one] and a in names[other])
                     for setting in settings
                     if setting is not None
                     for a, b in setting.apart
                 )
-                if not collides or listed or one.parent is other or other.parent is one:
+                if not collides or is_excluded or one.parent is other or other.parent is one:
                     self._spec.add_exclude(
                         bodyname1=self._groups[one].body.name, bodyname2=self._groups[other].body.name
                     )
 
     def resolve(self, model: mujoco.MjModel) -> None:
         """Store the ids that the compiler has assigned."""
-        for made in self._made:
-            joint = model.joint(made.joint.name).id
-            made.slot.qpos, made.slot.dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-            made.slot.actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, made.joint.name)
+        for entry in self._made:
+            joint = model.joint(entry.joint.name).id
+            entry.slot.qpos, entry.slot.dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+            entry.slot.actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, entry.joint.name)
 
 
 def _root(frame: Frame) -> Frame:

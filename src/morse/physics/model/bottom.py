@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 def bottom_of(state: EngineState, node: Node) -> float | None:
     """Return the height of the lowest point of a body with wheels and links, m; None if it has no collision shapes."""
     own = state.slots[state.slot_of[node]]
-    attached = [state.slots[index] for index in state.attached.get(state.slot_of[node], ())]
-    geoms = [geom for slot in (own, *attached) for numbers in slot.geoms.values() for geom in numbers]
+    slots = [state.slots[index] for index in state.attached.get(state.slot_of[node], ())]
+    geoms = [geom for slot in (own, *slots) for numbers in slot.geoms.values() for geom in numbers]
     return min((_lowest(state, geom) for geom in geoms if state.model.geom_contype[geom]), default=None)
 
 

@@ -326,13 +326,13 @@ class _Builder:
         if shape.kind is ShapeKind.CONVEX:
             mesh = self._hull(shape)
             return body.add_geom(type=_TYPES[shape.kind], meshname=mesh, pos=position, quat=_quaternion(rotation))
-        turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
+        shape_rotation = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
         if shape.kind is ShapeKind.HEIGHT_FIELD:
             return body.add_geom(
                 type=mujoco.mjtGeom.mjGEOM_HFIELD,
                 hfieldname=self._height_field(shape),
                 pos=position + matmul(rotation, np.asarray(shape.position)),
-                quat=_quaternion(turned),
+                quat=_quaternion(shape_rotation),
             )
         size = np.zeros(3)
         size[: len(shape.size)] = shape.size
@@ -340,7 +340,7 @@ class _Builder:
             type=_TYPES[shape.kind],
             size=size,
             pos=position + matmul(rotation, np.asarray(shape.position)),
-            quat=_quaternion(turned),
+            quat=_quaternion(shape_rotation),
         )
 
     def _height_field(self, shape: CollisionShape) -> str:
@@ -403,8 +403,8 @@ class _Builder:
         body.ipos, body.iquat = [0.0, 0.0, 0.0], _quaternion(rotation)
         across = 0.25 * node.body.mass * radius**2
         body.inertia = [across, across, 1e-3 * across]
-        named = frame.parent.node.properties.get("Friction") if node.body.friction is None else node.body.friction
-        mu = float(named) if isinstance(named, (int, float)) and 0.0 <= named < math.inf else 1.0
+        friction = frame.parent.node.properties.get("Friction") if node.body.friction is None else node.body.friction
+        mu = float(friction) if isinstance(friction, (int, float)) and 0.0 <= friction < math.inf else 1.0
         geom.friction = [mu, _TORSIONAL, _ROLLING]
         geom.priority = 1
         self._geoms.append((geom, node, slot))

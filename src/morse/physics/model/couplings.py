@@ -71,8 +71,8 @@ class _Place:
 
     def point(self, local: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
         """A point of the link in the frame of the body."""
-        found: NDArray[np.float64] = self.position + matmul(self.rotation, np.array(local))
-        return found
+        point: NDArray[np.float64] = self.position + matmul(self.rotation, np.array(local))
+        return point
 
 
 class CouplingBuilder:
@@ -118,7 +118,7 @@ class CouplingBuilder:
 
     def _add_tendon(self, armature: Node, links: Mapping[str, Node], tendon: Tendon) -> None:
         name = _tendon_name(armature, tendon.name)
-        made = self._spec.add_tendon(
+        element = self._spec.add_tendon(
             name=name,
             limited=tendon.limits is not None,
             frictionloss=tendon.friction,
@@ -127,19 +127,19 @@ class CouplingBuilder:
             solref_limit=tendon.solver[:2],
             solimp_limit=tendon.solver[2:],
         )
-        made.stiffness[0], made.damping[0] = tendon.stiffness, tendon.damping
+        element.stiffness[0], element.damping[0] = tendon.stiffness, tendon.damping
         if tendon.limits is not None:
-            made.range = tendon.limits
+            element.range = tendon.limits
         for number, wrap in enumerate(tendon.path):
             if wrap.kind is WrapKind.JOINT:
-                made.wrap_joint(f"{armature.name}/{wrap.name}", wrap.value)
+                element.wrap_joint(f"{armature.name}/{wrap.name}", wrap.value)
             elif wrap.kind is WrapKind.PULLEY:
-                made.wrap_pulley(wrap.value)
+                element.wrap_pulley(wrap.value)
             elif wrap.kind is WrapKind.SITE:
-                made.wrap_site(self._site(armature, links, wrap.name, wrap.position, f"{name}/{number}"))
+                element.wrap_site(self._site(armature, links, wrap.name, wrap.position, f"{name}/{number}"))
             else:
                 side = "" if wrap.side is None else self._site(armature, links, *wrap.side, f"{name}/{number} side")
-                made.wrap_geom(self._guide(armature, links, wrap, f"{name}/{number}"), side)
+                element.wrap_geom(self._guide(armature, links, wrap, f"{name}/{number}"), side)
 
     def _site(self, armature: Node, links: Mapping[str, Node], link: str, position: Sequence[float], name: str) -> str:
         place = self._place(armature, links, link)
@@ -164,18 +164,18 @@ class CouplingBuilder:
         return name
 
     def _add_motor(self, armature: Node, motor: TendonMotor) -> None:
-        made = self._spec.add_actuator(
+        element = self._spec.add_actuator(
             name=_tendon_name(armature, f"{motor.tendon}/{motor.name}"),
             target=_tendon_name(armature, motor.tendon),
             trntype=mujoco.mjtTrn.mjTRN_TENDON,
         )
-        made.gear[0] = motor.gear
-        made.dyntype, made.gaintype = mujoco.mjtDyn.mjDYN_NONE, mujoco.mjtGain.mjGAIN_FIXED
-        made.biastype = mujoco.mjtBias.mjBIAS_AFFINE
-        made.gainprm[0] = motor.gain
-        made.biasprm[:3] = motor.bias
+        element.gear[0] = motor.gear
+        element.dyntype, element.gaintype = mujoco.mjtDyn.mjDYN_NONE, mujoco.mjtGain.mjGAIN_FIXED
+        element.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+        element.gainprm[0] = motor.gain
+        element.biasprm[:3] = motor.bias
         if math.isfinite(motor.force):
-            made.forcelimited, made.forcerange = True, [-motor.force, motor.force]
+            element.forcelimited, element.forcerange = True, [-motor.force, motor.force]
         self.motors.append(TendonSlot(armature.name, motor))
 
     # -- constraints -----------------------------------------------------------------------
@@ -199,7 +199,7 @@ class CouplingBuilder:
             names = [f"{armature.name}/{name}" if name else "" for name in names]
         else:
             names = [_tendon_name(armature, name) if name else "" for name in names]
-        made = self._spec.add_equality(
+        element = self._spec.add_equality(
             name=f"{armature.name}/constraint {number}",
             type=_EQUALITIES[kind],
             objtype=_OBJECTS[kind],
@@ -209,7 +209,7 @@ class CouplingBuilder:
             solref=constraint.solver[:2],
             solimp=constraint.solver[2:],
         )
-        made.data = data
+        element.data = data
 
     def resolve(self, model: mujoco.MjModel) -> None:
         """Store the ids that the compiler has assigned, and the initial commands."""

@@ -42,11 +42,11 @@ def volume(shape: CollisionShape) -> float:
         case ShapeKind.HEIGHT_FIELD:
             return 4 * s[0] * s[1] * (s[2] / 2 + s[3])
         case ShapeKind.CONVEX:
-            found = _volumes.get(shape)
-            if found is None:
+            value = _volumes.get(shape)
+            if value is None:
                 assert shape.vertices is not None
-                found = _volumes[shape] = float(np.prod(np.maximum(np.ptp(shape.vertices, axis=0), 1e-3)))
-            return found
+                value = _volumes[shape] = float(np.prod(np.maximum(np.ptp(shape.vertices, axis=0), 1e-3)))
+            return value
 
 
 def bounding_box(
@@ -57,10 +57,10 @@ def bounding_box(
         assert shape.vertices is not None
         points = matmul(shape.vertices, rotation.T) + position
         return points.min(axis=0), points.max(axis=0)
-    turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
+    shape_rotation = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
     centre = position + matmul(rotation, np.asarray(shape.position))
     half = half_sizes(shape)
-    extent = matmul(np.abs(turned), half) if shape.kind is not ShapeKind.SPHERE else half
+    extent = matmul(np.abs(shape_rotation), half) if shape.kind is not ShapeKind.SPHERE else half
     return centre - extent, centre + extent
 
 
@@ -113,16 +113,16 @@ def mass_of(
     if shape.kind is ShapeKind.CONVEX:
         assert shape.vertices is not None
         low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
-        centre, half, turned = (low + high) / 2.0, (high - low) / 2.0, rotation
+        centre, half, shape_rotation = (low + high) / 2.0, (high - low) / 2.0, rotation
     else:
         centre, half = np.asarray(shape.position), half_sizes(shape)
-        turned = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
+        shape_rotation = matmul(rotation, np.reshape(shape.rotation, (3, 3)))
     squares = (2.0 * half) ** 2
     moments = mass / 12.0 * (squares.sum() - squares)
     return (
         mass,
         position + matmul(rotation, centre),
-        matmul(matmul(turned, np.diag(moments)), turned.T),
+        matmul(matmul(shape_rotation, np.diag(moments)), shape_rotation.T),
     )
 
 

@@ -36,9 +36,9 @@ def overlaps(state: EngineState) -> str:
     if not depths:
         return ""
     pairs = sorted(depths.items(), key=lambda item: -item[1])
-    said = ", ".join(f"'{a}' and '{b}' by {depth:.2g} m" for (a, b), depth in pairs[:_NAMED])
+    listing = ", ".join(f"'{a}' and '{b}' by {depth:.2g} m" for (a, b), depth in pairs[:_NAMED])
     more = f" and {len(pairs) - _NAMED} more pairs" if len(pairs) > _NAMED else ""
-    return f"objects overlap at the start, and will be pushed apart: {said}{more}; move one object of each pair"
+    return f"objects overlap at the start, and will be pushed apart: {listing}{more}; move one object of each pair"
 
 
 def _frame(state: EngineState, geom: int) -> Frame:

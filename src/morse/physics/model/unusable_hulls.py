@@ -30,11 +30,11 @@ def replace_unusable_hulls(scene: Scene) -> bool:
     unusable: dict[int, bool] = {}
     concerned: list[Node] = []
     for node in scene.nodes():
-        refused = [shape for shape in node.shapes or () if _is_unusable(shape, unusable)]
-        if refused:
+        bad_shapes = [shape for shape in node.shapes or () if _is_unusable(shape, unusable)]
+        if bad_shapes:
             concerned.append(node)
-            kept = [shape for shape in node.shapes or () if shape not in refused]
-            node.shapes = kept + [_box_around(shape) for shape in refused if node.body.moves]
+            good_shapes = [shape for shape in node.shapes or () if shape not in bad_shapes]
+            node.shapes = good_shapes + [_box_around(shape) for shape in bad_shapes if node.body.moves]
     if concerned:
         names = ", ".join(f"'{node.name}'" for node in concerned[:_NAMED])
         more = f" and {len(concerned) - _NAMED} more" if len(concerned) > _NAMED else ""
@@ -47,12 +47,12 @@ def replace_unusable_hulls(scene: Scene) -> bool:
     return bool(concerned)
 
 
-def _is_unusable(shape: CollisionShape, known: dict[int, bool]) -> bool:
+def _is_unusable(shape: CollisionShape, cache: dict[int, bool]) -> bool:
     if shape.kind is not ShapeKind.CONVEX:
         return False
-    if id(shape) not in known:
-        known[id(shape)] = _is_refused(shape)
-    return known[id(shape)]
+    if id(shape) not in cache:
+        cache[id(shape)] = _is_refused(shape)
+    return cache[id(shape)]
 
 
 def _is_refused(shape: CollisionShape) -> bool:

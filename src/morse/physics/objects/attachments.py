@@ -67,11 +67,11 @@ class Attachments:
             objects: all objects by name.
         """
         self.reset()
-        named = self._state.named
+        slots_by_name = self._state.named
         for entry in state.held:
-            self._held[named[entry.slot]] = (objects[entry.holder], (entry.position, entry.rotation))
+            self._held[slots_by_name[entry.slot]] = (objects[entry.holder], (entry.position, entry.rotation))
         for kept in state.suspended:
-            self._suspended[named[kept.slot]] = _kept(kept.position, kept.rotation)
+            self._suspended[slots_by_name[kept.slot]] = _kept(kept.position, kept.rotation)
         self._tick.rearrange()
 
     def hold(self, index: int, holder: Posed) -> None:
@@ -134,8 +134,8 @@ class Attachments:
         """Called at the end of a tick, when the holders have moved; the poses of all slots are computed afterwards."""
         bodies = self._bodies
         if not self._held:
-            for index, (position, rotation, turned) in self._suspended.items():
-                bodies.put_back(index, position, rotation, turned)
+            for index, (position, rotation, offset_rotation) in self._suspended.items():
+                bodies.put_back(index, position, rotation, offset_rotation)
             return
         sync(self._state)
         for index, (position, rotation, _) in self._suspended.items():
@@ -145,8 +145,8 @@ class Attachments:
 
     def _place_held(self) -> None:
         bodies = self._bodies
-        for index, (holder, (offset, turned)) in self._held.items():
-            bodies.place(index, *rigid.compose(*holder.world_pose(), offset, turned))
+        for index, (holder, (offset, rotation)) in self._held.items():
+            bodies.place(index, *rigid.compose(*holder.world_pose(), offset, rotation))
             bodies.set_velocity(index, *_AT_REST)
 
 

@@ -39,8 +39,8 @@ class _OnDemand:
     def __get__(self, obj: GameObject | None, owner: type) -> Any:
         if obj is None:
             return self
-        made = obj.mounting = Mounting.of(obj._carried_offset())
-        return made
+        mounting = obj.mounting = Mounting.of(obj._carried_offset())
+        return mounting
 
 
 class GameObject(LegacyNames):
@@ -275,8 +275,8 @@ class GameObject(LegacyNames):
             self._set_local((position, rotation))
             return
         parent = self.parent
-        placed = (position, rotation)
-        self.set_pose(*(placed if parent is None else rigid.compose(*parent.world_pose(), *placed)))
+        pose = (position, rotation)
+        self.set_pose(*(pose if parent is None else rigid.compose(*parent.world_pose(), *pose)))
 
     def _set_local(self, pose: _Pose) -> None:
         self._local = pose
@@ -297,12 +297,12 @@ class GameObject(LegacyNames):
 
     def _find_moved_along(self) -> tuple[list[GameObject], list[GameObject]]:
         """Return this object and those below it in the rigid group, outer ones first; and those of them with shapes."""
-        world, found = self._world, [self]
-        for obj in found:
+        world, objects = self._world, [self]
+        for obj in objects:
             below = (world.object_of(child) for child in obj.node.children)
-            found += [child for child in below if child.slot == self.slot]
+            objects += [child for child in below if child.slot == self.slot]
         geoms = world.slots[self.slot].geoms
-        return found, [obj for obj in found if obj.node in geoms]
+        return objects, [obj for obj in objects if obj.node in geoms]
 
     def _forget_offset(self) -> None:
         """Invalidate the pose in the rigid group; it is computed on demand, because most are never read."""
@@ -370,8 +370,8 @@ class GameObject(LegacyNames):
         self, anchor: Sequence[float], target: Sequence[float], stiffness: float, damping: float, strongest: float
     ) -> None:
         """See `morse.core.world.Body.pull`."""
-        held, _ = rigid.compose(*self.world_pose(), floats3(anchor, POSITION), rigid.IDENTITY)
-        self._world.bodies.pull(self.slot, held, floats3(target, POSITION), stiffness, damping, strongest)
+        point, _ = rigid.compose(*self.world_pose(), floats3(anchor, POSITION), rigid.IDENTITY)
+        self._world.bodies.pull(self.slot, point, floats3(target, POSITION), stiffness, damping, strongest)
 
     def suspendDynamics(self, ghost: bool = False) -> None:  # noqa: N802
         """Keep the object at its pose, independent of the forces on it."""

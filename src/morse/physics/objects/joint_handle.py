@@ -48,11 +48,11 @@ class JointHandle:
         self._model, self._order = state.model, tuple(names)
         slots = [self._slots.get(name) for name in names]
         self._present = [slot is not None for slot in slots]
-        found = [slot for slot in slots if slot is not None]
+        present = [slot for slot in slots if slot is not None]
         self._all = all(self._present)
-        self._qpos = np.array([slot.qpos for slot in found], dtype=np.intp)
-        self._dofs = np.array([slot.dof for slot in found], dtype=np.intp)
-        self._motors = np.array([slot.actuator for slot in found], dtype=np.intp)
+        self._qpos = np.array([slot.qpos for slot in present], dtype=np.intp)
+        self._dofs = np.array([slot.dof for slot in present], dtype=np.intp)
+        self._motors = np.array([slot.actuator for slot in present], dtype=np.intp)
 
     def tell(self, names: Sequence[str], values: Sequence[float]) -> None:
         """Set the commands of motors: positions, velocities or efforts, see `morse.scene.Control`."""
@@ -102,11 +102,11 @@ class JointHandle:
             velocities, m/s and rad/s. Both are empty if no object is attached to the bone.
         """
         slots = [self._slots.get(f"{name}{suffix}") for suffix in ("", "/x", "/y", "/z", "/turn")]
-        found = [slot for slot in slots if slot is not None]
+        present = [slot for slot in slots if slot is not None]
         data = self._state.data
         return (
-            [value for slot in found for value in data.qpos[slot.qpos : slot.qpos + slot.width].tolist()],
-            [value for slot in found for value in data.qvel[slot.dof : slot.dof + slot.dofs].tolist()],
+            [value for slot in present for value in data.qpos[slot.qpos : slot.qpos + slot.width].tolist()],
+            [value for slot in present for value in data.qvel[slot.dof : slot.dof + slot.dofs].tolist()],
         )
 
     def positions(self, names: Sequence[str]) -> list[float]:
@@ -123,8 +123,8 @@ class JointHandle:
 
     def _read(self, names: Sequence[str], values: NDArray[np.float64], *, dofs: bool = True) -> list[float]:
         self._take(names)
-        found: list[float] = values[self._dofs if dofs else self._qpos].tolist()
+        numbers: list[float] = values[self._dofs if dofs else self._qpos].tolist()
         if self._all:
-            return found
-        rest = iter(found)
+            return numbers
+        rest = iter(numbers)
         return [next(rest) if there else 0.0 for there in self._present]

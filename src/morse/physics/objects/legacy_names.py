@@ -185,5 +185,5 @@ class LegacyNames:
     def applyRotation(self, rotation: Any, local: bool = False) -> None:
         """Rotate the object immediately, rad about each axis."""
         p, r = self.world_pose()
-        turned = rotation_of(list(floats3(rotation, ROTATION)))
-        self.set_pose(p, rigid.product(r, turned) if local else rigid.product(turned, r))
+        matrix = rotation_of(list(floats3(rotation, ROTATION)))
+        self.set_pose(p, rigid.product(r, matrix) if local else rigid.product(matrix, r))

@@ -116,9 +116,9 @@ class Linkage:
         self._turn(values)
         self._work.move()
         frames = self._arrays.frames.tolist()
-        for obj, bone, offset, turned in self._hanging:
+        for obj, bone, offset, rotation in self._hanging:
             p, r = frames[bone][:3], frames[bone][3:]
-            obj.set_local_pose(*rigid.compose(p, r, offset, turned))
+            obj.set_local_pose(*rigid.compose(p, r, offset, rotation))
 
     # -- building --------------------------------------------------------------------------
 
@@ -144,7 +144,7 @@ class Linkage:
             for owner, obj in enumerate(objects)
             for geom, shape in zip(geoms.get(obj.node, ()), obj.node.shapes or (), strict=obj.node in geoms)
         ]
-        all_geoms = [*(geom for found in geoms.values() for geom in found), *world.slots[slot].feet]
+        all_geoms = [*(geom for geoms_of_part in geoms.values() for geom in geoms_of_part), *world.slots[slot].feet]
         model = world.model
         self._arrays = LinkageArrays(
             parents=np.array([bone.parent for bone in bones], dtype=np.int64),
@@ -183,13 +183,13 @@ class Linkage:
         for obj, *_ in self._hanging:
             if id(obj) in index:
                 continue
-            waiting = [obj]
-            while waiting:
-                inner = waiting.pop(0)
+            queue = [obj]
+            while queue:
+                inner = queue.pop(0)
                 parent = inner.parent
                 yield inner, index.get(id(parent), -1), hangs.get(id(inner))
                 index[id(inner)] = len(index)
-                waiting += inner.children
+                queue += inner.children
 
     def _refresh(self) -> None:
         """Read the poses of objects that were moved in another way."""

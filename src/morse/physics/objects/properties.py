@@ -64,11 +64,11 @@ def plain_properties(owner: str, properties: dict[str, Any]) -> dict[str, Any]:
     return result
 
 
-def keep_unsaved(present: dict[str, Any], restored: dict[str, Any]) -> None:
+def keep_unsaved(present: dict[str, Any], target: dict[str, Any]) -> None:
     """Add the present properties that cannot be saved to restored properties."""
     for name, value in present.items():
-        if name not in restored and not _is_plain(value):
-            restored[name] = value
+        if name not in target and not _is_plain(value):
+            target[name] = value
 
 
 def _is_plain(value: Any) -> bool:

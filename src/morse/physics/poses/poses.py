@@ -32,12 +32,12 @@ _known: WeakKeyDictionary[Node, tuple[RigidFrame, RigidFrame, NDArray[np.float64
 def relative_pose(node: Node, frame: RigidFrame) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the position (3,) and rotation (3, 3) of a node in a frame; the arrays are read-only."""
     own = rigid_frame(node)
-    known = _known.get(node)
-    if known is not None and known[0] is own and known[1] is frame:
-        return known[2], known[3]
-    turned = as_array(frame.rotation).T
-    position = matmul(turned, np.array(own.position) - np.array(frame.position))
-    rotation = matmul(turned, as_array(own.rotation))
+    entry = _known.get(node)
+    if entry is not None and entry[0] is own and entry[1] is frame:
+        return entry[2], entry[3]
+    inverse = as_array(frame.rotation).T
+    position = matmul(inverse, np.array(own.position) - np.array(frame.position))
+    rotation = matmul(inverse, as_array(own.rotation))
     position.flags.writeable = rotation.flags.writeable = False
     _known[node] = own, frame, position, rotation
     return position, rotation

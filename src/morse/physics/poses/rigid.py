@@ -42,11 +42,11 @@ def transpose(r: Rotation) -> tuple[float, ...]:
 
 
 def compose(
-    p: Position, r: Rotation, offset: Position, turned: Rotation
+    p: Position, r: Rotation, offset: Position, rotation: Rotation
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return the world pose of ``(offset, turned)``, which is given in the frame ``(p, r)``."""
     x, y, z = turn(r, offset)
-    return (p[0] + x, p[1] + y, p[2] + z), product(r, turned)
+    return (p[0] + x, p[1] + y, p[2] + z), product(r, rotation)
 
 
 def relative(

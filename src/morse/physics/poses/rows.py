@@ -36,14 +36,14 @@ class Rows:
 
     __slots__ = ("_first", "_is_shared", "_made", "_none", "_row", "_rows", "_size", "array", "place")
 
-    def __init__(self, array: NDArray[np.float64], taken: int = 0) -> None:
+    def __init__(self, array: NDArray[np.float64], count: int = 0) -> None:
         self.array = array
-        self._first = array[:taken]
+        self._first = array[:count]
         self._is_shared = False
         self._row = Struct(f"={array.shape[1]}d")
         self._size = self._row.size
         self._rows: list[Sequence[float] | None] = [None] * len(array)
-        self._none: list[Sequence[float] | None] = [None] * taken
+        self._none: list[Sequence[float] | None] = [None] * count
         #: copies of the array, the first rows of each, and its address
         self._made: list[tuple[NDArray[np.float64], NDArray[np.float64], int]] = []
         self.place = 0
@@ -52,11 +52,11 @@ class Rows:
         """Set new values for the first rows."""
         if self._is_shared:
             self._is_shared = False
-            made = self._made
-            if not made:
-                made += self._copies()
-            if made:
-                self.array, self._first, self.place = made.pop()
+            view = self._made
+            if not view:
+                view += self._copies()
+            if view:
+                self.array, self._first, self.place = view.pop()
                 self._first[...] = values
             else:
                 self.place = 0

@@ -52,17 +52,17 @@ class Snapshot:
 
     def positions(self) -> NDArray[np.float64]:
         """Return the positions (N, 3) in the world, m."""
-        turned = self.group_rotations[self.slots]
+        rotations = self.group_rotations[self.slots]
         offsets = np.array([mounting.offset for mounting in self.mountings])
-        columns = [turned[:, k] * offsets[:, 0] + turned[:, k + 1] * offsets[:, 1] + turned[:, k + 2] * offsets[:, 2]
-                   for k in (0, 3, 6)]  # fmt: skip
-        moved: NDArray[np.float64] = self.group_positions[self.slots] + np.stack(columns, axis=1)
-        return moved
+        x, y, z = offsets.T
+        columns = [rotations[:, k] * x + rotations[:, k + 1] * y + rotations[:, k + 2] * z for k in (0, 3, 6)]
+        result: NDArray[np.float64] = self.group_positions[self.slots] + np.stack(columns, axis=1)
+        return result
 
     def rotations(self) -> NDArray[np.float64]:
         """Return the rotations (N, 3, 3) from the axes of each object to those of the world."""
-        turned = np.array([mounting.turned for mounting in self.mountings]).reshape(-1, 3, 3)
-        return np.asarray(matmul(self.group_rotations[self.slots].reshape(-1, 3, 3), turned))
+        offsets = np.array([mounting.turned for mounting in self.mountings]).reshape(-1, 3, 3)
+        return np.asarray(matmul(self.group_rotations[self.slots].reshape(-1, 3, 3), offsets))
 
 
 class Snapshots:

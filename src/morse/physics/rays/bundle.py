@@ -42,8 +42,8 @@ class Scan:
 
     __slots__ = ("_origins", "_points", "_ranges", "directions", "distances", "faces", "known", "reach", "solids")
 
-    def __init__(self, bundle: RayBundle, hits: Hits, known: Solids | None = None) -> None:
-        self.known = known
+    def __init__(self, bundle: RayBundle, hits: Hits, solids: Solids | None = None) -> None:
+        self.known = solids
         self.directions, self._origins, self.reach = bundle.directions, bundle.origins, bundle.reach
         self.distances, self.solids, self.faces = hits
         self._points: NDArray[np.float64] | None = None
@@ -112,14 +112,14 @@ class Sight:
     @property
     def nodes(self) -> Sequence[Node]:
         """[S] nodes of the solids, by the numbers in ``hit``."""
-        known = self.scan.known
-        return known.nodes if known is not None else ()
+        solids = self.scan.known
+        return solids.nodes if solids is not None else ()
 
     @property
     def remissions(self) -> NDArray[np.float64]:
         """(N,) ``specular`` of the material at each hit; 0 for no hit."""
-        known = self.scan.known
-        return known.remissions_of(self.hit, self.faces) if known is not None else np.zeros(len(self.hit))
+        solids = self.scan.known
+        return solids.remissions_of(self.hit, self.faces) if solids is not None else np.zeros(len(self.hit))
 
 
 class Casting(Protocol):

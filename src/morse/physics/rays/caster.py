@@ -95,10 +95,10 @@ class Caster:
     def _poses_now(self) -> Poses:
         """Return the present poses; the same object as long as the world writes them into the same arrays."""
         positions, rotations = self._world.slot_poses()
-        known = self._poses
-        if known is None or positions is not known.positions or rotations.base is not known.rotations.base:
-            self._poses = known = Poses(positions, rotations, self.anchor)
-        return known
+        poses = self._poses
+        if poses is None or positions is not poses.positions or rotations.base is not poses.rotations.base:
+            self._poses = poses = Poses(positions, rotations, self.anchor)
+        return poses
 
     # -- hits ------------------------------------------------------------------------------
 

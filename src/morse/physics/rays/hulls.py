@@ -34,7 +34,7 @@ def hulls_of(shapes: Sequence[CollisionShape]) -> dict[CollisionShape, tuple[NDA
             inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
         )
     model = spec.compile()
-    found = {}
+    hulls = {}
     for number, shape in enumerate(shapes):
         mesh = model.mesh(str(number)).id
         first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
@@ -42,5 +42,5 @@ def hulls_of(shapes: Sequence[CollisionShape]) -> dict[CollisionShape, tuple[NDA
         rotation = np.reshape(rigid.rotation_of_quaternion(model.mesh_quat[mesh]), (3, 3))
         vertices = matmul(model.mesh_vert[first : first + count].astype(np.float64), rotation.T) + model.mesh_pos[mesh]
         first, count = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
-        found[shape] = (vertices, model.mesh_face[first : first + count].astype(np.int32))
-    return found
+        hulls[shape] = (vertices, model.mesh_face[first : first + count].astype(np.int32))
+    return hulls

@@ -74,11 +74,11 @@ class Rays:
         """See `morse.core.world.Rays.bundle`."""
         if not reach > 0.0:
             raise ValueError(f"the reach of a ray has to be greater than 0 m, given {reach!r}")
-        checked = self.checked_directions(directions)
+        unit_rows = self.checked_directions(directions)
         starts = None if origins is None else self._kept(_rows_of_three(origins, "origins"))
-        if starts is not None and len(starts) != len(checked):
-            raise ValueError(f"there are {len(checked)} directions, but {len(starts)} origins")
-        return RayBundle(self, cast("GameObject", obj), checked, float(reach), starts, upright)
+        if starts is not None and len(starts) != len(unit_rows):
+            raise ValueError(f"there are {len(unit_rows)} directions, but {len(starts)} origins")
+        return RayBundle(self, cast("GameObject", obj), unit_rows, float(reach), starts, upright)
 
     def checked_directions(self, directions: ArrayLike) -> NDArray[np.float64]:
         """Return directions (N, 3) as unit vectors; equal inputs share one array, so that they are rotated together."""
@@ -89,9 +89,9 @@ class Rays:
         return self._kept(rows / lengths[:, None])
 
     def _kept(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        known = self._known.setdefault(rows.tobytes(), rows)
-        known.flags.writeable = False
-        return known
+        shared_rows = self._known.setdefault(rows.tobytes(), rows)
+        shared_rows.flags.writeable = False
+        return shared_rows
 
     # -- casting ---------------------------------------------------------------------------
 

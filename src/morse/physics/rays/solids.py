@@ -110,24 +110,24 @@ class Solids:
 
 def _rows(world: ObjectWorld) -> Iterator[tuple[Node, CollisionShape | None, Triangles | None]]:
     """Iterate over the solids: a node with a primitive shape or with triangles."""
-    known: dict[tuple[object, ...], Triangles] = {}
+    cache: dict[tuple[object, ...], Triangles] = {}
     nodes = [node for slot in world.slots for node in slot.frame.solid if node.body.type is not PhysicsType.SENSOR]
     whole = [node for node in nodes if not _is_cut_up(node)]
     hulls = hulls_of([s for node in whole for s in node.shapes or () if s.kind is ShapeKind.CONVEX])
     for node in nodes:
         if _is_cut_up(node):
             assert node.mesh is not None
-            yield node, None, _of_mesh(node, node.mesh, known)
+            yield node, None, _of_mesh(node, node.mesh, cache)
             continue
         for shape in node.shapes or ():
             if shape.kind is not ShapeKind.CONVEX:
                 yield node, shape, None
                 continue
             remission = _remissions(node)[0]
-            if (id(shape), remission) not in known:
+            if (id(shape), remission) not in cache:
                 vertices, faces = hulls[shape]
-                known[id(shape), remission] = Triangles(vertices, faces, np.full(len(faces), remission))
-            yield node, None, known[id(shape), remission]
+                cache[id(shape), remission] = Triangles(vertices, faces, np.full(len(faces), remission))
+            yield node, None, cache[id(shape), remission]
 
 
 def _is_cut_up(node: Node) -> bool:
@@ -141,16 +141,16 @@ def _is_cut_up(node: Node) -> bool:
     )
 
 
-def _of_mesh(node: Node, mesh: Mesh, known: dict[tuple[object, ...], Triangles]) -> Triangles:
+def _of_mesh(node: Node, mesh: Mesh, cache: dict[tuple[object, ...], Triangles]) -> Triangles:
     """Return the triangles of the mesh of a node in the rigid frame of the node."""
     stretch = as_array(rigid_frame(node).stretch).round(9)
     remissions = _remissions(node)
     key = (id(mesh), stretch.tobytes(), tuple(remissions))
-    if key not in known:
+    if key not in cache:
         index = np.clip(mesh.material_index, 0, len(remissions) - 1)
         vertices = matmul(np.asarray(mesh.vertices, dtype=np.float64), stretch.T)
-        known[key] = Triangles(vertices, np.asarray(mesh.triangles, dtype=np.int32), np.array(remissions)[index])
-    return known[key]
+        cache[key] = Triangles(vertices, np.asarray(mesh.triangles, dtype=np.int32), np.array(remissions)[index])
+    return cache[key]
 
 
 def _remissions(node: Node) -> list[float]:

@@ -36,8 +36,8 @@ class Triangles(TriangleMesh):
     @property
     def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the centre (3,) and half sizes (3,) of the bounding box, m."""
-        used = self.vertices[self.faces].reshape(-1, 3)
-        if not len(used):
+        corners = self.vertices[self.faces].reshape(-1, 3)
+        if not len(corners):
             return np.zeros(3), np.zeros(3)
-        low, high = used.min(axis=0), used.max(axis=0)
+        low, high = corners.min(axis=0), corners.max(axis=0)
         return (low + high) / 2, (high - low) / 2

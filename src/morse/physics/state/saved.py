@@ -174,14 +174,14 @@ def checked(state: object) -> SavedWorld:
     if isinstance(state, dict) and state.get("version", VERSION) != VERSION:
         raise ValueError(f"this state has version {state['version']!r}, this MORSE reads version {VERSION}")
     try:
-        found = msgspec.convert(state, SavedWorld, dec_hook=_array)
+        world = msgspec.convert(state, SavedWorld, dec_hook=_array)
     except (msgspec.ValidationError, TypeError, RecursionError) as error:
         raise ValueError(f"this is not a state of a world: {error}") from None
     assert isinstance(state, dict)
     for name in SavedWorld.__struct_fields__:
         if name != "objects":
             _demand_finite(state[name], f"$.{name}")
-    return found
+    return world
 
 
 def _array(_kind: type, value: Any) -> Any:

@@ -73,57 +73,57 @@ class Saving:
             ValueError: the state is damaged, or belongs to another scene; the message describes the problem.
         """
         world = self._world
-        found = saved.checked(state)
-        if found.slots != world.names:
-            differing = sorted(set(found.slots) ^ set(world.names)) or ["the order"]
+        world_state = saved.checked(state)
+        if world_state.slots != world.names:
+            differing = sorted(set(world_state.slots) ^ set(world.names)) or ["the order"]
             raise ValueError(f"this state belongs to another scene: {', '.join(differing[:3])} differ")
-        for name in _slots_of(found):
+        for name in _slots_of(world_state):
             if name not in world.named:
                 raise ValueError(f"the state contains '{name}', which is not a body of this scene")
-        for name in (*found.objects, *(grip.holder for grip in found.attachments.held)):
+        for name in (*world_state.objects, *(grip.holder for grip in world_state.attachments.held)):
             if name not in self._objects:
                 raise ValueError(f"the state contains '{name}', which does not exist in this scene")
-        engine_values.check_state(world, found.engine)
-        self._gliding.check_state(found.gliding)
-        return found
+        engine_values.check_state(world, world_state.engine)
+        self._gliding.check_state(world_state.gliding)
+        return world_state
 
     def set_state(self, state: saved.SavedWorld) -> None:
         """Restore a validated state."""
-        world, named = self._world, self._world.named
+        world, slots_by_name = self._world, self._world.named
         world.bodies.moved_shapes.reset()
         self._gliding.forget_moved_shapes()
         before = [(obj.visible, obj.properties) for obj in self._objects.values()]
         # all objects are restored first, because an object that is moved also moves the objects below it
         for obj in self._objects.values():
             obj.restore()
-        for (name, obj), (shown, present) in zip(self._objects.items(), before, strict=True):
-            changed = state.objects.get(name)
-            if changed is not None:
-                obj.set_state(changed)
+        for (name, obj), (visible, present) in zip(self._objects.items(), before, strict=True):
+            entry = state.objects.get(name)
+            if entry is not None:
+                obj.set_state(entry)
             keep_unsaved(present, obj.properties)
-            if obj.visible != shown:
+            if obj.visible != visible:
                 world.appearance_changed(obj)
         engine_values.set_state(world, state.engine)
         kinematics.place_as_compiled(world)
         kinematics.refresh(world)
         world.loose.clear()
-        world.loose.update(named[name] for name in state.loose)
+        world.loose.update(slots_by_name[name] for name in state.loose)
         if any(world.slots[index].body == 0 for index in world.loose):
             world.bodies.moved_shapes.note(0)
         for pose in state.placed:
-            index = named[pose.slot]
+            index = slots_by_name[pose.slot]
             world.positions[index], world.rotations[index] = pose.position, pose.rotation
             world.quaternions[index] = pose.quaternion
             if world.slots[index].frame.motion is Motion.FIXED:
                 world.relocated.add(index)
         for stale in state.stale:
-            index = named[stale.slot]
+            index = slots_by_name[stale.slot]
             world.touched.add(index)
             # the engine detects from the difference that a sleeping body was moved
             world.data.xpos[world.slots[index].body] = stale.position
             world.data.xquat[world.slots[index].body] = stale.quaternion
         world.drives.set_state(state.drives)
-        world.kinematic.update({named[e.slot]: (e.linear, e.angular) for e in state.kinematic})
+        world.kinematic.update({slots_by_name[e.slot]: (e.linear, e.angular) for e in state.kinematic})
         world.attachments.set_state(state.attachments, self._objects)
         self._gliding.set_state(state.gliding)
         self._steps.reset()

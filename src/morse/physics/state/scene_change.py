@@ -23,11 +23,11 @@ class SceneChange:
         self._parents: list[tuple[Node, Node | None]] = []
         self._declared: list[tuple[ComponentDeclaration, Node, Node]] = []
         lists: tuple[list[Any], ...] = (scene.roots, scene.components, scene.zones)
-        for kept in lists:
-            self._remember(kept)
+        for items in lists:
+            self._remember(items)
 
-    def _remember(self, kept: list[Any]) -> None:
-        self._lists.append((kept, list(kept)))
+    def _remember(self, items: list[Any]) -> None:
+        self._lists.append((items, list(items)))
 
     def add(self, roots: Sequence[Node], components: Iterable[ComponentDeclaration]) -> None:
         """Add nodes without parents, with all nodes below them, and declarations of components.
@@ -45,11 +45,11 @@ class SceneChange:
         self.scene.components.extend(components)
 
     @staticmethod
-    def _demand_new_names(nodes: Iterable[Node], taken: set[str]) -> None:
+    def _demand_new_names(nodes: Iterable[Node], names: set[str]) -> None:
         for node in nodes:
-            if node.name in taken:
+            if node.name in names:
                 raise ValueError(f"there is already an object '{node.name}'; names are unique in a scene")
-            taken.add(node.name)
+            names.add(node.name)
 
     def arrange(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration], zones: Sequence[Zone]) -> None:
         """Set the nodes and components of the scene to exactly these, in this order."""
@@ -80,16 +80,18 @@ class SceneChange:
             ValueError: a name already exists, or nodes that carry components are missing below the new node.
         """
         scene = self.scene
-        gone, come = set(old.walk()), {node.name: node for node in new.walk()}
-        self._demand_new_names(new.walk(), {node.name for node in scene.nodes() if node not in gone})
-        carried = [(c, c.node, c.robot) for c in scene.components if c.node in gone or c.robot in gone]
-        missing = sorted({node.name for _, *both in carried for node in both if node in gone and node.name not in come})
-        if missing:
-            raise ValueError(f"'{new.name}' lacks {', '.join(missing)}, which carry components")
+        old_nodes, come = set(old.walk()), {node.name: node for node in new.walk()}
+        self._demand_new_names(new.walk(), {node.name for node in scene.nodes() if node not in old_nodes})
+        carried = [(c, c.node, c.robot) for c in scene.components if c.node in old_nodes or c.robot in old_nodes]
+        absent = sorted(
+            {node.name for _, *both in carried for node in both if node in old_nodes and node.name not in come}
+        )
+        if absent:
+            raise ValueError(f"'{new.name}' lacks {', '.join(absent)}, which carry components")
         self._declared += carried
-        for declared, node, robot in carried:
-            declared.node = come[node.name] if node in gone else node
-            declared.robot = come[robot.name] if robot in gone else robot
+        for component, node, robot in carried:
+            component.node = come[node.name] if node in old_nodes else node
+            component.robot = come[robot.name] if robot in old_nodes else robot
         siblings = scene.roots if old.parent is None else old.parent.children
         if old.parent is not None:
             self._remember(siblings)
@@ -97,7 +99,7 @@ class SceneChange:
         siblings[siblings.index(old)] = new
         new.parent, old.parent = old.parent, None
         for zone in scene.zones:
-            if zone.node in gone and zone.node.name in come:
+            if zone.node in old_nodes and zone.node.name in come:
                 zone.node = come[zone.node.name]
 
     def move(self, node: Node, parent: Node) -> None:
@@ -112,9 +114,9 @@ class SceneChange:
 
     def undo(self) -> None:
         """Restore the scene before the change."""
-        for kept, before in reversed(self._lists):
-            kept[:] = before
+        for items, before in reversed(self._lists):
+            items[:] = before
         for node, parent in reversed(self._parents):
             node.parent = parent
-        for declared, node, robot in reversed(self._declared):
-            declared.node, declared.robot = node, robot
+        for component, node, robot in reversed(self._declared):
+            component.node, component.robot = node, robot

@@ -52,24 +52,24 @@ class Transfer:
             before: state of the old world, in which objects attached to removed objects are already detached.
             objects: names of the unchanged objects.
         """
-        kept, same, staying = self._kept_names, self._same_names, set(objects)
+        names, same, staying = self._kept_names, self._same_names, set(objects)
         gliding = self._gliding(before.gliding)
         return saved.SavedWorld(
             version=saved.VERSION,
             slots=self._new.names,
             engine=self._engine(before),
-            placed=[entry for entry in before.placed if entry.slot in kept],
-            stale=[entry for entry in before.stale if entry.slot in kept],
-            loose=[name for name in before.loose if name in kept],
-            kinematic=[entry for entry in before.kinematic if entry.slot in kept],
+            placed=[entry for entry in before.placed if entry.slot in names],
+            stale=[entry for entry in before.stale if entry.slot in names],
+            loose=[name for name in before.loose if name in names],
+            kinematic=[entry for entry in before.kinematic if entry.slot in names],
             objects={name: _as_far_as(entry, name in staying) for name, entry in before.objects.items()},
             drives=saved.SavedDrives(
-                [entry for entry in before.drives.commands if entry.slot in kept],
+                [entry for entry in before.drives.commands if entry.slot in names],
                 [name for name in before.drives.sliding if name in same],
             ),
             attachments=saved.SavedAttachments(
-                [entry for entry in before.attachments.held if entry.slot in kept],
-                [entry for entry in before.attachments.suspended if entry.slot in kept],
+                [entry for entry in before.attachments.held if entry.slot in names],
+                [entry for entry in before.attachments.suspended if entry.slot in names],
             ),
             gliding=gliding,
         )
@@ -92,7 +92,7 @@ class Transfer:
         old, new = self._old, self._new
         gliding = {glide.slot for glide in before.gliding.glides}
         model = {name: getattr(new.model, name).copy() for name in engine_values.CHANGED_WHILE_RUNNING}
-        held = {entry.slot for entry in before.attachments.held}
+        held_slots = {entry.slot for entry in before.attachments.held}
         loose = set(before.loose)
         for a, b in self._kept:
             name = b.frame.node.name
@@ -105,7 +105,7 @@ class Transfer:
                     model[array][b.body] = getattr(old.model, array)[a.body]
             if name not in gliding and b.frame.motion is Motion.FREE:
                 model["body_gravcomp"][b.body] = old.model.body_gravcomp[a.body]
-            if name in held:
+            if name in held_slots:
                 for geom in _geoms(b):
                     model["geom_contype"][geom] = model["geom_conaffinity"][geom] = 0
         commands = {slot.key: old.data.ctrl[slot.actuator] for slot in old.tendon_motors}
