@@ -50,14 +50,14 @@ def _objects() -> Any:
 
 #: each value, and what the message says about it
 VALUES: dict[str, tuple[Any, str]] = {
-    "range": (lambda: range(10**12), "a range of 1,000,000,000,000 items; at most 1,000,000"),
+    "range": (lambda: range(10**12), "a range of 1,000,000,000,000 items; at most 500,000"),
     "ranges": (lambda: [range(10**20)], "a range of 100,000,000,000,000,000,000 items"),
     "broadcast": (lambda: np.broadcast_to(0.0, (10**9,)), "an array of 8,000,000,000 bytes"),
     "text": (lambda: "x" * 50_000_000, "a text of 50,000,000 characters; at most 16,777,216"),
     "texts": (lambda: {"a": ["x" * 50_000_000]}, "a text of 50,000,000 characters"),
     "bytes": (lambda: memoryview(np.broadcast_to(np.uint8(0), (2**29,))), "536,870,912 bytes"),
-    "keys": (lambda: dict.fromkeys(range(MOST_ITEMS + 1)), "a dict of 1,000,001 items"),
-    "table": (lambda: [[0.0] * 2000] * 2000, "items; at most 1,000,000"),
+    "keys": (lambda: dict.fromkeys(range(1_000_000)), "a dict of 1,000,000 items; at most 500,000"),
+    "table": (lambda: [[0.0] * 2000] * 2000, "items; at most 500,000"),
     "doubled": (lambda: _doubled(40), "nested lists of too many items"),
     "hidden": (lambda: [0.0, {"a": (_doubled(40),)}, 0.0], "nested lists of too many items"),
     "deep": (lambda: _deep(100_000), "nested too deeply"),

@@ -277,13 +277,13 @@ def test_the_command(tmp_path, pids):
     again = morse("study.py", "-o", "r")
     assert "24 of 24 runs are done, 4 failed" in again.stderr
     failed = Table.read(tmp_path / "r").failures[0]["run"]
-    rerun = morse("rerun", "r", failed[:6])
+    rerun = morse("rerun", "r", failed[:6], "study.py")
     assert "the same, bit for bit" in rerun.stdout, rerun.stderr
     assert "24 of 24" in morse("watch", "r").stderr
     for words, message in [
         (("nothing.py",), "no file nothing.py"),
-        (("rerun", "r"), "morse sweep rerun FOLDER RUN"),
-        (("rerun", "r", "xyz"), "there is no run 'xyz'"),
+        (("rerun", "r", "xyz"), "morse sweep rerun FOLDER RUN STUDY.py"),
+        (("rerun", "r", "xyz", "study.py"), "there is no run 'xyz'"),
         (("watch", "nowhere"), "contains no results"),
     ]:
         outcome = morse(*words)

@@ -329,6 +329,7 @@ def test_a_damaged_attachment_is_named_and_the_rest_is_shown(
         ("morse.sensors.depth_camera.DepthCamera", "cam_height", 10**9),
         ("morse.sensors.laserscanner.LaserScanner", "resolution", 1e-12),
         ("morse.sensors.laserscanner.LaserScanner", "layers", "many"),
+        ("morse.sensors.laserscanner.LaserScanner", "layers", 2000),
     ],
 )
 def test_images_and_scans_of_a_file_have_the_limits_of_a_script(

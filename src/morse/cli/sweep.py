@@ -22,7 +22,7 @@ def command(
     words: Annotated[
         list[str],
         typer.Argument(
-            metavar="STUDY.py | rerun FOLDER RUN | watch FOLDER",
+            metavar="STUDY.py | rerun FOLDER RUN STUDY.py | watch FOLDER",
             help="A file with a study; or do a run again with a recording; or show how far a study is.",
             show_default=False,
         ),
@@ -50,7 +50,7 @@ def command(
     interruption, the same command continues. Failed runs are done again with a recording.
     """
     if words[0] == "rerun":
-        return _rerun(*_exactly(words, "rerun FOLDER RUN"))
+        return _rerun(*_exactly(words, "rerun FOLDER RUN STUDY.py"), name=name)
     if words[0] == "watch":
         return _watch(*_exactly(words, "watch FOLDER"))
     if len(words) != 1:
@@ -63,7 +63,7 @@ def command(
     table = _run(study, output, workers, ray)
     say(f"{len(table):,} runs in {output}, {len(table.failures):,} failed, {time.monotonic() - before:.1f} s.")
     for row in table.failures[:5]:
-        again = f"; morse sweep rerun {output} {row['run']}" if row["recording"] else ""
+        again = f"; morse sweep rerun {output} {row['run']} {words[0]}" if row["recording"] else ""
         say(f"  {row['run']}: {row['error']}{again}")
     say(f"Summary: {output / 'summary.html'}")
     return 0
@@ -128,23 +128,11 @@ def _end_line() -> None:
         print(file=sys.stderr)
 
 
-def _rerun(folder: str, run: str) -> int:
-    import json
-
-    from morse.many import Study
-    from morse.many.ledger import STUDY
-
+def _rerun(folder: str, run: str, file: str, *, name: str | None) -> int:
+    # results are data: which program is executed says the user, not the folder
     try:
-        facts = json.loads((Path(folder) / STUDY).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        raise CommandError(f"{folder} contains no results of a study.", 2) from None
-    if facts["description"] is None:
-        raise CommandError("The functions of this study are in no file: call study.rerun() in its program.")
-    try:
-        study = Study.of(facts["description"])
-        study.forget_code()
-        row = study.rerun(folder, run)
-    except (LookupError, ImportError, AttributeError, OSError) as error:
+        row = _study_of(file, name).rerun(folder, run)
+    except (LookupError, ImportError, AttributeError, OSError, ValueError) as error:
         raise CommandError(str(error)) from None
     say(f"{row['run']}: {row['error'] or 'no error'}; {row['ticks']} ticks, {row['wall']:.2f} s")
     if not row["same_code"]:
@@ -156,10 +144,8 @@ def _rerun(folder: str, run: str) -> int:
 
 def _watch(folder: str) -> int:
     """Show the progress until all runs are done, or Ctrl+C."""
-    import json
-
     from morse.many import Table
-    from morse.many.ledger import STUDY
+    from morse.many.ledger import read_facts
     from morse.many.progress import Progress
 
     progress: Progress | None = None
@@ -167,8 +153,8 @@ def _watch(folder: str) -> int:
         while True:
             try:
                 table = Table.read(folder)
-                total = json.loads((Path(folder) / STUDY).read_text(encoding="utf-8"))["runs"]
-            except FileNotFoundError as error:
+                total = read_facts(folder)["runs"]
+            except (OSError, ValueError) as error:
                 raise CommandError(str(error), 2) from None
             if progress is None:
                 progress = Progress(total, len(table), len(table.failures))

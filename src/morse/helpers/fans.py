@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 #: maximum number of rays of a scanner
 MOST_RAYS = 1_000_000
+#: maximum number of layers: the layers of a scan of one ray each would take as long as so many rays in one layer
+MOST_LAYERS = 1024
 
 
 def fan(
@@ -28,7 +30,7 @@ def fan(
     Args:
         window: horizontal field of view, degrees, 0 to 360.
         resolution: angle between two rays, degrees.
-        layers: number of layers.
+        layers: number of layers, 1 to `MOST_LAYERS`.
         separation: angle between two layers, degrees.
         offset: horizontal rotation of every other layer, degrees.
 
@@ -39,8 +41,8 @@ def fan(
         raise ValueError(f"scan_window takes degrees from 0 to 360, got {window!r}")
     if not 0.0 < resolution < math.inf:
         raise ValueError(f"resolution takes degrees greater than 0, got {resolution!r}")
-    if not (1 <= layers < math.inf and layers == int(layers)):
-        raise ValueError(f"layers takes an integer of at least 1, got {layers!r}")
+    if not (1 <= layers <= MOST_LAYERS and layers == int(layers)):
+        raise ValueError(f"layers takes an integer from 1 to {MOST_LAYERS}, got {layers!r}")
     if not (math.isfinite(separation) and abs(separation) * (layers - 1) <= 180.0):
         raise ValueError(f"{layers:g} layers {separation!r} degrees apart (layer_separation) do not fit in 180 degrees")
     if not math.isfinite(offset):

@@ -16,7 +16,7 @@ import sys
 
 from morse.launch.load import load
 from morse.many.study import Study
-from morse.many.worker import fork_worker
+from morse.many.worker import end_child, fork_worker, has_ended
 
 _MOST = 1 << 24
 
@@ -24,7 +24,7 @@ _MOST = 1 << 24
 def main(control: int, lifeline: int) -> None:
     """Load a study, and fork until the driver closes the socket."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # no zombies: the driver sees the end of a connection
+    children: set[int] = set()
     with socket.socket(fileno=control) as connection:
         description, paths = json.loads(_line(connection))
         sys.path[:] = paths
@@ -35,11 +35,14 @@ def main(control: int, lifeline: int) -> None:
             load(study.scene_of(run), seed=run.seed, arguments=study.arguments_of(run)).close()
         while True:
             word, descriptors, _, _ = socket.recv_fds(connection, 1, 1)
+            children = {child for child in children if not has_ended(child)}
             if not word:
+                for child in children:
+                    end_child(child)
                 return
             for descriptor in descriptors:
                 theirs = socket.socket(fileno=descriptor)
-                fork_worker(study, theirs, lifeline, [connection])
+                children.add(fork_worker(study, theirs, lifeline, [connection]))
                 theirs.close()
 
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from morse.many.run import is_row
+from morse.system.regular_files import RefusedFileError, is_regular, open_regular, read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,6 +23,8 @@ ROWS = "rows.jsonl"
 STUDY = "study.json"
 #: longest time for which rows are not forced to the disk, s
 _FLUSH = 1.0
+#: longest line that is read, and largest file of facts, bytes
+_LONGEST = 64 << 20
 
 
 def read_rows(folder: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
@@ -29,13 +35,42 @@ def read_rows(folder: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
     return rows
 
 
+def read_facts(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """Return what `Ledger.describe` has written; ``axes`` is a dictionary, ``runs`` a number.
+
+    Raises:
+        FileNotFoundError: it is no folder of results.
+        ValueError: the file is damaged.
+    """
+    path = Path(folder) / STUDY
+    try:
+        facts = json.loads(read_regular(path, _LONGEST))
+    except (FileNotFoundError, NotADirectoryError):
+        raise FileNotFoundError(f"{folder} contains no results of a study: there is no {STUDY}") from None
+    except (ValueError, RecursionError):
+        facts = None
+    match facts:
+        case {"axes": dict(), "runs": int()}:
+            return dict(facts)
+    raise ValueError(f"{path} is damaged: start the study again with the same folder, which writes it anew")
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a file that appears whole or not at all; nothing that has its name is followed or opened."""
+    new = path.with_suffix(".new")
+    new.unlink(missing_ok=True)
+    with open(new, "x", encoding="utf-8", errors="backslashreplace") as file:
+        file.write(text)
+    os.replace(new, path)
+
+
 def _lines(path: Path) -> Iterator[dict[str, Any]]:
-    with contextlib.suppress(FileNotFoundError), open(path, "rb") as file:
-        for line in file:
+    with contextlib.suppress(FileNotFoundError), open_regular(path) as file:
+        while line := file.readline(_LONGEST):
             if line.endswith(b"\n"):  # else the process died while it wrote
-                with contextlib.suppress(ValueError):
+                with contextlib.suppress(ValueError, RecursionError):
                     row = json.loads(line)
-                    if isinstance(row, dict) and isinstance(row.get("run"), str):
+                    if is_row(row):
                         yield row
 
 
@@ -44,11 +79,14 @@ class Ledger:
 
     Raises:
         RuntimeError: another process has it.
+        OSError: a file in it is a link or no regular file.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         folder.mkdir(parents=True, exist_ok=True)
+        for name in (".lock", ROWS):
+            _check_own(folder / name)
         self._lock = open(folder / ".lock", "a+b")  # noqa: SIM115 # held until the end
         if not _locked(self._lock):
             self._lock.close()
@@ -72,9 +110,7 @@ class Ledger:
 
     def describe(self, facts: dict[str, Any]) -> None:
         """Write the facts about the study; the file appears whole or not at all."""
-        new = self.folder / f"{STUDY}.new"
-        new.write_text(json.dumps(facts, indent=1), encoding="utf-8")
-        os.replace(new, self.folder / STUDY)
+        write_whole(self.folder / STUDY, json.dumps(facts, indent=1))
 
     def close(self) -> None:
         """Force everything to the disk, and release the folder."""
@@ -89,6 +125,13 @@ class Ledger:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _check_own(path: Path) -> None:
+    """Refuse what is not a regular file of the folder itself: a link would have other files changed."""
+    with contextlib.suppress(FileNotFoundError):
+        if not is_regular(path.lstat()):
+            raise RefusedFileError(errno.EINVAL, "it is a link or a special file, expected a regular file", str(path))
 
 
 def _repair(path: Path) -> None:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _WIDTH, _HEIGHT, _LEFT, _BOTTOM = 340, 200, 48, 34
 _MOST_POINTS = 2000
+#: greatest value on an axis, and smallest length of an axis: absolute, and as a share of its values
+_GREATEST, _LEAST, _SHARE = 1e300, 1e-300, 1e-9
 
 
 class Frame:
@@ -65,7 +67,9 @@ class Frame:
 
 def histogram(name: str, values: NDArray[np.float64]) -> str:
     """Return the distribution of a result."""
-    counts, edges = np.histogram(values, bins=min(30, max(5, math.isqrt(len(values)))))
+    limits = _widened((values.min(), values.max()))
+    values = np.clip(values, *limits)
+    counts, edges = np.histogram(values, bins=min(30, max(5, math.isqrt(len(values)))), range=limits)
     frame = Frame(f"distribution of {name}", (edges[0], edges[-1]), (0.0, float(counts.max())), name, "runs")
     for count, left, right in zip(counts.tolist(), edges[:-1].tolist(), edges[1:].tolist(), strict=True):
         x, top = frame.across(left), frame.up(count)
@@ -76,6 +80,7 @@ def histogram(name: str, values: NDArray[np.float64]) -> str:
 
 def scatter(x_name: str, y_name: str, x: NDArray[np.float64], y: NDArray[np.float64]) -> str:
     """Return a result over a parameter, with the means."""
+    x, y = np.clip(x, -_GREATEST, _GREATEST), np.clip(y, -_GREATEST, _GREATEST)
     frame = Frame(f"{y_name} over {x_name}", (x.min(), x.max()), (y.min(), y.max()), x_name, y_name)
     for a, b in list(zip(x.tolist(), y.tolist(), strict=True))[:: max(1, len(x) // _MOST_POINTS)]:
         frame.add(f'<circle cx="{frame.across(a):.1f}" cy="{frame.up(b):.1f}" r="2"/>')
@@ -91,8 +96,11 @@ def scatter(x_name: str, y_name: str, x: NDArray[np.float64], y: NDArray[np.floa
 
 
 def _widened(limits: tuple[float, float]) -> tuple[float, float]:
-    low, high = float(limits[0]), float(limits[1])
-    return (low, high) if high > low else (low - 0.5, high + 0.5)
+    """The ends of an axis, which bins and ticks can divide: neither too close together nor too far apart."""
+    low, high = max(float(limits[0]), -_GREATEST), min(float(limits[1]), _GREATEST)
+    low, high = min(low, _GREATEST), max(high, -_GREATEST)
+    least = max(_LEAST, _SHARE * max(abs(low), abs(high)))
+    return (low, high) if high - low > least else (low - max(0.5, least), high + max(0.5, least))
 
 
 def _ticks(low: float, high: float) -> list[float]:

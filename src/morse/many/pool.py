@@ -12,7 +12,7 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.many.worker import fork_worker
+from morse.many.worker import end_child, fork_worker
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -126,7 +126,7 @@ class Pool:
     def _bury(self, worker: socket.socket) -> None:
         worker.close()
         if (child := self._children.pop(worker, None)) is not None:
-            os.waitpid(child, 0)
+            end_child(child)
 
     def close(self) -> None:
         """End all workers, also those that are busy."""

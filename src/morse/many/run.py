@@ -120,6 +120,29 @@ def _results(returned: Any, row: dict[str, Any]) -> dict[str, Any]:
     return {str(name): plain(value, f"the result '{name}'") for name, value in returned.items()}
 
 
+#: what the columns of each row contain
+_FACTS: dict[str, tuple[type, ...]] = {
+    "run": (str,), "seed": (int,), "hash": (str,), "ticks": (int,), "wall": (int, float), "cpu": (int, float),
+    "error": (str,), "where": (str,), "recording": (str,), "same": (bool, type(None)), "machine": (str,),
+    "processor": (str,), "versions": (str,),
+}  # fmt: skip
+
+
+def is_row(row: Any) -> bool:
+    """Whether a value from a file is a row of `run_once`.
+
+    The name of the run and the recording become paths and addresses.
+    """
+    if not isinstance(row, dict) or not all(type(row.get(name)) in kinds for name, kinds in _FACTS.items()):
+        return False
+    is_named = re.fullmatch("[0-9a-f]{12}", row["run"]) and row["recording"] in ("", f"recordings/{row['run']}.mcap")
+    try:
+        plain(row, "a row")
+    except (TypeError, ValueError):
+        return False
+    return bool(is_named)
+
+
 def signature(row: dict[str, Any]) -> str:
     """Return the kind of the failure of a row: its error without numbers, and its place."""
     error, where = str(row["error"]), str(row.get("where", ""))

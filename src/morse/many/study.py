@@ -84,10 +84,6 @@ class Study:
             self._code = sources.code_of([self.run_function, self.scene])
         return self._code
 
-    def forget_code(self) -> None:
-        """Take the present code instead of that of a description."""
-        self._code = None
-
     def runs(self) -> Iterator[Run]:
         """All runs, in the order of the parameters; the seed changes first."""
         for parameters, seed in combinations(self.axes, self.seeds):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
-from collections import Counter
+from collections import defaultdict
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.many.ledger import write_whole
 from morse.many.plots import histogram, scatter
 from morse.many.run import RESERVED, signature
 
@@ -27,7 +27,8 @@ svg text { font-size: 10px; text-anchor: middle; fill: #555 } svg .left { text-a
 svg .axis { fill: none; stroke: #888 } svg rect, svg circle { fill: #3b7dd8; fill-opacity: .45 }
 svg .line { fill: none; stroke: #c33; stroke-width: 2 } code { background: #f3f3f3; padding: 1px 4px }
 """
-_MOST_NAMED = 5
+#: runs that are named of each kind of failure, and kinds that are listed
+_MOST_NAMED, _MOST_KINDS = 5, 200
 
 
 def write_summary(table: Table, total: int) -> Path:
@@ -38,9 +39,7 @@ def write_summary(table: Table, total: int) -> Path:
     """
     page = "\n".join(_page(table, total))
     path = table.folder / SUMMARY
-    new = path.with_suffix(".new")
-    new.write_text(page, encoding="utf-8")
-    os.replace(new, path)
+    write_whole(path, page)
     return path
 
 
@@ -83,17 +82,20 @@ def _by_parameter(table: Table, numbers: dict[str, Any]) -> list[str]:
 def _failures(table: Table) -> list[str]:
     if not table.failures:
         return []
-    kinds = Counter(signature(row) for row in table.failures)
+    kinds: defaultdict[str, list[dict[str, Any]]] = defaultdict(list)
+    for row in table.failures:
+        kinds[signature(row)].append(row)
     lines = ["<h2>Failures</h2><table><tr><th>runs<th>error<th>such as</tr>"]
-    for kind, count in kinds.most_common():
-        rows = [row for row in table.failures if signature(row) == kind]
+    for rows in sorted(kinds.values(), key=len, reverse=True)[:_MOST_KINDS]:
         names = ", ".join(
             f"<a href='{escape(row['recording'])}'>{row['run']}</a>" if row["recording"] else row["run"]
             for row in rows[:_MOST_NAMED]
         )
         where = f"<br><code>{escape(rows[0]['where'])}</code>" if rows[0]["where"] else ""
-        lines.append(f"<tr><td>{count}<td>{escape(rows[0]['error'])}{where}<td>{names}</tr>")
-    lines.append("</table><p>A failure is repeated by <code>morse sweep rerun FOLDER RUN</code>.</p>")
+        lines.append(f"<tr><td>{len(rows)}<td>{escape(rows[0]['error'])}{where}<td>{names}</tr>")
+    if len(kinds) > _MOST_KINDS:
+        lines.append(f"<tr><td><td>… and {len(kinds) - _MOST_KINDS:,} other errors<td></tr>")
+    lines.append("</table><p>A failure is repeated by <code>morse sweep rerun FOLDER RUN STUDY.py</code>.</p>")
     return lines
 
 

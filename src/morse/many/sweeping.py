@@ -82,8 +82,7 @@ class Driver:
         failed = sum(bool(rows[name]["error"]) for name in self.runs if name in rows)
         self.progress = Progress(len(self.runs), done, failed)
         ledger.describe(
-            {"study": repr(study), "axes": study.axes, "runs": len(self.runs), "code": study.code,
-             "description": study.description(), **machine_facts()}
+            {"study": repr(study), "axes": study.axes, "runs": len(self.runs), "code": study.code, **machine_facts()}
         )  # fmt: skip
 
     def go(self, executor: Executor | None) -> None:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import csv
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from morse.many.ledger import STUDY, read_rows
+from morse.many.ledger import read_facts, read_rows
 from morse.many.run import RESERVED
 
 if TYPE_CHECKING:
@@ -34,12 +33,9 @@ class Table:
 
         Raises:
             FileNotFoundError: it is no folder of results.
+            ValueError: its description is damaged.
         """
-        path = Path(folder) / STUDY
-        if not path.is_file():
-            raise FileNotFoundError(f"{folder} contains no results of a study: there is no {STUDY}")
-        facts = json.loads(path.read_text(encoding="utf-8"))
-        return cls(read_rows(folder).values(), folder, facts.get("axes", {}))
+        return cls(read_rows(folder).values(), folder, read_facts(folder)["axes"])
 
     @property
     def failures(self) -> list[dict[str, Any]]:
@@ -90,7 +86,7 @@ class Table:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a file of comma-separated values."""
-        with open(path, "w", newline="", encoding="utf-8") as file:
+        with open(path, "w", newline="", encoding="utf-8", errors="backslashreplace") as file:
             lines = csv.DictWriter(file, self.columns)
             lines.writeheader()
             lines.writerows(self.rows)

@@ -12,6 +12,7 @@ def plain(value: Any, what: str) -> Any:
 
     Raises:
         TypeError: it is something else.
+        ValueError: an integer has more than 64 bits, which neither tables nor statistics can contain.
     """
     if isinstance(value, np.ndarray):
         value = value.tolist()
@@ -20,6 +21,8 @@ def plain(value: Any, what: str) -> Any:
     if value is None or isinstance(value, (bool, str)):
         return value
     if isinstance(value, int):
+        if not -(1 << 63) <= value < 1 << 64:
+            raise ValueError(f"{what} is an integer of {value.bit_length()} bits; at most 64 are stored")
         return int(value)
     if isinstance(value, float):
         return float(value)

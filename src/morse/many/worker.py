@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 from morse.many.run import Run, run_once
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     import socket
 
     from morse.many.run import Runs
+
+#: wall-clock time after which a worker is killed: one that is stopped, or whose code never lets its threads run, s
+_GRACE = 2.0
 
 
 def serve(study: Runs, connection: socket.socket, lifeline: int) -> None:
@@ -38,6 +42,23 @@ def _end_with_driver(lifeline: int) -> None:
     with contextlib.suppress(OSError):
         os.read(lifeline, 1)
     os._exit(1)
+
+
+def end_child(pid: int) -> None:
+    """Wait until a worker whose driver has closed its connection or its pipe ends; kill it if it does not."""
+    until = time.monotonic() + _GRACE
+    while not has_ended(pid):
+        if time.monotonic() > until:
+            os.kill(pid, signal.SIGKILL)
+        time.sleep(0.005)
+
+
+def has_ended(pid: int) -> bool:
+    """Whether a worker that this process has started has ended."""
+    try:
+        return os.waitpid(pid, os.WNOHANG)[0] != 0
+    except ChildProcessError:  # code of the user ignores or collects the ends of processes
+        return True
 
 
 def fork_worker(study: Runs, connection: socket.socket, lifeline: int, close: list[Any]) -> int:

@@ -14,7 +14,7 @@ from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.streams.local_data import Later, LocalData
 from morse.helpers.components import add_data, add_kind, add_level, add_property, computed, on_read, prop
-from morse.helpers.fans import fan
+from morse.helpers.fans import MOST_LAYERS, fan
 from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
@@ -181,7 +181,7 @@ class LaserScanner(Sensor):
     add_property("resolution", 1.0, "resolution", "float", "Angle between two rays", unit="deg", low=1e-3, high=360.0)
     add_property("scan_window", 180.0, "scan_window", "float", "Full angle of the fan", unit="deg", low=0.0, high=360.0)
     add_property("visible_arc", False, "Visible_arc", "bool", "Show the rays in the view")
-    add_property("layers", 1, "layers", "integer", "Number of fans above each other", low=1)
+    add_property("layers", 1, "layers", "integer", "Number of fans above each other", low=1, high=MOST_LAYERS)
     add_property("layer_separation", 0.8, "layer_separation", "float", "Angle between two layers", **_SEPARATION)
     add_property("layer_offset", 0.125, "layer_offset", "float", "Horizontal rotation of every other layer", **_OFFSET)
 

@@ -16,7 +16,7 @@ from morse.core.reports.faults import class_name, is_a
 from morse.core.reports.quoting import escaped
 
 #: largest number of items of a field, those of the lists in its lists included
-MOST_ITEMS = 1_000_000
+MOST_ITEMS = 500_000
 #: largest number of fields of a component
 MOST_FIELDS = 10_000
 #: largest text, characters; and largest array, bytes: a picture of 7680 x 4320 pixels has half as many

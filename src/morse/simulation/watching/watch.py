@@ -31,6 +31,8 @@ logger = logging.getLogger(__name__)
 _INTERVAL = 0.2
 #: time after which an unreadable file is an error; before that, it may still be being written, wall-clock seconds
 _PATIENCE = 1.0
+#: time to wait at the end for a thread that reads a model, wall-clock seconds
+_FAREWELL = 5.0
 _AT_START = "it is read again when the simulation is restarted from the live view (F11)"
 
 
@@ -63,7 +65,7 @@ class Watch(Observer):
     def close(self) -> None:
         """Stop watching."""
         self._stop.set()
-        self._thread.join()
+        self._thread.join(_FAREWELL)
 
     # -- in the thread -----------------------------------------------------------------------
 
