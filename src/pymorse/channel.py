@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 #: bytes that are read at once: large buffers are only used if many bytes arrive, because their memory has to be mapped
 _CHUNK, _LARGE_CHUNK = 1 << 14, 1 << 18
+#: time for which one connection is read before the others have their turn, wall-clock seconds
+_SHARE = 0.05
 MAX_UNSENT = 64 << 20
 """Maximum number of unsent bytes for a simulation that does not read."""
 
@@ -96,9 +98,12 @@ class Channel:
                 self._state.notify_all()
 
     def readable(self) -> None:
-        """Read all available bytes, or the end of the connection; called in the poll thread."""
-        more, chunk = True, _CHUNK
-        while more and self._up:
+        """Read available bytes, or the end of the connection; called in the poll thread.
+
+        A server that sends without end would otherwise keep the thread from its commands and timeouts.
+        """
+        more, chunk, until = True, _CHUNK, time.monotonic() + _SHARE
+        while more and self._up and time.monotonic() < until:
             try:
                 data = self.socket.recv(chunk)
             except (BlockingIOError, InterruptedError):

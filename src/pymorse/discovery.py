@@ -32,7 +32,7 @@ def discover(morse: Morse) -> list[Robot]:
             f"{where} did not list the robots of the simulation within {_TIMEOUT:.0f} s: is this server MORSE, and "
             "has it finished loading?"
         ) from None
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise ConnectionError(f"{where} did not answer in the format of MORSE: {error!r}") from error
 
 
@@ -50,6 +50,8 @@ def _stream_ports(morse: Morse, described: list[dict[str, Any]]) -> dict[str, in
 
 def _robot(morse: Morse, described: dict[str, Any], ports: dict[str, int]) -> Robot:
     name = described["name"]
+    if not isinstance(name, str):
+        raise TypeError(f"{name!r:.80} is the name of a robot, expected a text")
     robot = Robot(morse, name, name, described.get("services", ()))
     components = described["components"]
     for fqn in sorted(components, key=lambda name: name.count(".")):

@@ -204,7 +204,11 @@ class ServiceConnection(StreamB):
         with self._lock:
             future, name = self._open.pop(response.request, (None, ""))
         if future is None:
-            logger.warning("%s answered an unknown request: %r", self.peer, msg[:80])
+            if not self._has_complained:
+                self._has_complained = True
+                logger.warning(
+                    "%s answered an unknown request: %r; further answers are not reported", self.peer, msg[:80]
+                )
         elif response.status == SUCCESS:
             future.set_result(response.value)
         else:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import socket as _socket
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,11 @@ from pymorse.polling import PollThread, default_poller
 if TYPE_CHECKING:
     from pymorse.poller import Poller
 
+logger = logging.getLogger("pymorse")
+
 MSG_SEPARATOR = b"\n"
+MAX_LINE = 256 << 20
+"""Maximum size of a message, bytes: a server that never ends a line would take all memory."""
 TIMEOUT = 8
 """Timeout for connecting and for sending published messages, s."""
 
@@ -46,6 +51,7 @@ class StreamB(Channel, Messages):
     ) -> None:
         Messages.__init__(self, maxlen)
         self._partial: list[bytes] = []
+        self._partial_bytes = 0
         if sock is None:
             sock = connect(host, port)
         Channel.__init__(self, sock, poller or default_poller())
@@ -71,11 +77,17 @@ class StreamB(Channel, Messages):
         """Split received bytes into messages."""
         first, *others = data.split(MSG_SEPARATOR)
         self._partial.append(first)
+        self._partial_bytes += len(first)
+        if self._partial_bytes > MAX_LINE:
+            logger.error("%s sent a line of more than %d bytes, the connection is closed", self.peer, MAX_LINE)
+            self._partial, self._partial_bytes = [], 0
+            self.close()
+            return
         if others:
             self._handle_line(b"".join(self._partial))
             for line in others[:-1]:
                 self._handle_line(line)
-            self._partial = [others[-1]]
+            self._partial, self._partial_bytes = [others[-1]], len(others[-1])
 
     def _handle_line(self, line: bytes) -> None:
         if line := line.removesuffix(b"\r"):
