@@ -24,7 +24,7 @@ class Collecting(StreamB):
 
     def __init__(self) -> None:
         self.seen: list[bytes] = []
-        self._partial = []
+        self._partial, self._partial_bytes = [], 0
 
     def handle_msg(self, msg: bytes) -> None:
         self.seen.append(msg)
