@@ -61,6 +61,10 @@ class ComponentMessages:
     kwargs: dict[str, Any]
     kinds: tuple[BoundKind, ...]
 
+    def frames(self) -> set[str]:
+        """The frames of the messages of the component."""
+        return {bound.frame for bound in self.kinds}
+
     def name_frames(self, names: Names) -> None:
         """Begin with these names of topics and frames."""
         self.names = names

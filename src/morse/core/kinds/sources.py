@@ -11,7 +11,6 @@ from morse.core.kinds.turning import angles_of, normalized, quaternion_of
 from morse.core.reports.hints import closest, nearest
 from morse.core.reports.quoting import shown
 from morse.core.units import UnitError, conversion
-from morse.mathutils.rotation_rows import quaternions_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -272,6 +271,8 @@ class FromEuler(Source):
             present = [None if name is None else numeric(columns[name]) for name in names]
             some = next(column for column in present if column is not None)
             angles = [np.zeros_like(some) if column is None else column for column in present]
+        from morse.mathutils.rotation_rows import quaternions_of  # commands of the shell work without numpy
+
         roll, pitch, yaw = angles
         return np.stack(quaternions_of(roll * factor, pitch * factor, yaw * factor), axis=-1)
 

@@ -15,9 +15,9 @@ from morse.rosmsgs.urdf import Carried, describe
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
+    from morse.rosmsgs.component import ComponentMessages
     from morse.rosmsgs.moving import Joint
     from morse.rosmsgs.topics.backend import Publisher
-    from morse.rosmsgs.topics.stream import TopicStream
 
 logger = logging.getLogger(__name__)
 
@@ -30,7 +30,7 @@ class _Robot:
 
     def __init__(self, robot: Any) -> None:
         self.robot = robot
-        self.streams: list[TopicStream] = []
+        self.streams: list[ComponentMessages] = []
         self.measured: list[tuple[Any, BoundKind]] = []
         self.states: Publisher | None = None
         self.description: Publisher | None = None
@@ -55,7 +55,7 @@ class Robots:
         self.changed: set[str] = set()
         self.stating: list[_Robot] = []
 
-    def add(self, stream: TopicStream) -> None:
+    def add(self, stream: ComponentMessages) -> None:
         """Add the stream of a sensor."""
         name = stream.robot.name()
         known = self._robots.get(name)
@@ -68,7 +68,7 @@ class Robots:
         known.measured += [(stream.component_instance, bound) for bound in stream.kinds if bound.kind.name == "joints"]
         self.changed.add(name)
 
-    def remove(self, stream: TopicStream) -> None:
+    def remove(self, stream: ComponentMessages) -> None:
         """Remove a stream."""
         known = self._robots.get(stream.robot.name())
         if known is None or stream not in known.streams:

@@ -106,9 +106,9 @@ class TopicStream(KindStream, ComponentMessages):
         return [Sending(*offer) for offer in offers if offer is not None]
 
     def frames(self) -> set[str]:
-        """The frames of the messages of the component."""
+        """The frames of the messages of the component, on all of their topics."""
         named = {line.outlet.frame for _, lines in self.sending for line in lines if line.outlet.frame}
-        return {bound.frame for bound in self.kinds} | named
+        return super().frames() | named
 
     # -- readers -----------------------------------------------------------------------------
 

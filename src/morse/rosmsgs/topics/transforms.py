@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     _Send = Callable[[dict[str, Any]], object]
 
+    from morse.rosmsgs.component import ComponentMessages
     from morse.rosmsgs.moving import Joint
-    from morse.rosmsgs.topics.stream import TopicStream
 
 #: rotations between the frames of a component, as quaternions w, x, y, z: camera images have X right, Y down, Z forward
 _FROM_OWN = {"optical": OPTICAL_TURN, "frd": (0.0, 1.0, 0.0, 0.0)}
@@ -44,12 +44,12 @@ class RobotFrames:
         self.robot, self.odom, self.base = robot, odom, base
         self.source: str | None = None
         self.moved = Transformation3d()
-        self.streams: list[TopicStream] = []
+        self.streams: list[ComponentMessages] = []
         #: parts that move, and parts that do not
         self.moving: list[Joint] = []
         self.fixed: list[Joint] = []
         #: streams with a frame that keeps the axes of the world, independent of the robot
-        self.upright: list[TopicStream] = []
+        self.upright: list[ComponentMessages] = []
 
     def true_pose(self) -> tuple[Transformation3d, Transformation3d] | None:
         """The initial and the present pose of the robot in the world; None if its odometry moves it in the tree."""
@@ -74,7 +74,7 @@ class Transforms:
         self._robots: dict[str, RobotFrames] = {}
         self.changed = False
 
-    def add(self, stream: TopicStream, *, lenient: bool = False) -> None:
+    def add(self, stream: ComponentMessages, *, lenient: bool = False) -> None:
         """Add the stream of a sensor.
 
         Args:
@@ -84,7 +84,7 @@ class Transforms:
             MorseMiddlewareError: the transform of its robot already comes from another sensor.
         """
         robot = stream.robot
-        names = stream.manager.names
+        names = stream.names
         frames = self._robots.get(robot.name())
         if frames is None or frames.robot is not robot:
             frames = self._robots[robot.name()] = RobotFrames(robot, names.odom(robot), names.base(robot))
@@ -99,7 +99,7 @@ class Transforms:
         frames.streams.append(stream)
         self.changed = True
 
-    def remove(self, stream: TopicStream) -> None:
+    def remove(self, stream: ComponentMessages) -> None:
         """Remove a stream."""
         frames = self._robots.get(stream.robot.name())
         if frames is None or stream not in frames.streams:
@@ -110,7 +110,7 @@ class Transforms:
         if not frames.streams:
             del self._robots[stream.robot.name()]
 
-    def moved(self, stream: TopicStream, pose: Transformation3d) -> None:
+    def moved(self, stream: ComponentMessages, pose: Transformation3d) -> None:
         """Set the odometry of a robot."""
         frames = self._robots.get(stream.robot.name())
         if frames is not None and frames.source == stream.component_name:
@@ -152,7 +152,7 @@ class Transforms:
         if self.changed:
             self.changed = False
             for frames in self._robots.values():
-                joints = joints_of(frames.robot, frames.streams[0].manager.names)
+                joints = joints_of(frames.robot, frames.streams[0].names)
                 frames.moving = [joint for joint in joints if not joint.is_fixed]
                 frames.fixed = [joint for joint in joints if joint.is_fixed]
                 frames.upright = [stream for stream in frames.streams if "down" in stream.frames()]
