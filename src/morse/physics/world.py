@@ -30,7 +30,7 @@ from morse.physics.objects.object_list import ObjectList
 from morse.physics.objects.object_world import ObjectWorld
 from morse.physics.poses import kinematics
 from morse.physics.poses.moving_poses import MovingPoses
-from morse.physics.poses.snapshot import Snapshots, VelocitySnapshots
+from morse.physics.poses.snapshot import Snapshots
 from morse.physics.rays import Rays
 from morse.physics.rescue import Recovery, Rescue
 from morse.physics.single_ray import cast_ray
@@ -321,10 +321,6 @@ class World(ObjectWorld):
     def snapshots(self, objects: Sequence[Posed]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""
         return Snapshots(self, cast("Sequence[GameObject]", objects))
-
-    def velocity_snapshots(self, objects: Sequence[Posed]) -> VelocitySnapshots:
-        """Return an object that reads the velocities of bodies, all in one call."""
-        return VelocitySnapshots(self, cast("Sequence[GameObject]", objects))
 
     def drive_fleet(self, fleet: Fleet) -> None:
         """Drive the bodies of a fleet in the next tick."""

@@ -57,7 +57,7 @@ class ActuatorRows(Rows):
         """Read the commands that have arrived, and drive the robots."""
         self._look()
         self.stamp += 1
-        self._poses = self._snapshots.copy()
+        self._poses = self._snapshots.now()
         if self._always or any(self._signs):
             self._take_input()
         while self._rows and not self._drive():

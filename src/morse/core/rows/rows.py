@@ -39,6 +39,7 @@ class Rows:
         self.frequency = members[0].frequency
         self.stamp = 0
         self.is_changed = True
+        self._is_off = False
         self._act = act
         self._context = members[0].context
         self._guard = self._context.guard
@@ -61,6 +62,7 @@ class Rows:
         """Whether nothing has to be called for a member in most ticks."""
         return (
             member.active
+            and not self._is_off
             and not is_overridden(member)
             and isinstance(member.position_3d, FollowingPose)
             and isinstance(vars(member)["local_data"], dict)
@@ -99,7 +101,7 @@ class Rows:
         self._signs = [sign for _, sign in self._waiting]
         self._objects = [member.bge_object for member in rows]
         self._snapshots = self._context.world.snapshots(self._objects)
-        self._poses = self._snapshots.copy()
+        self._poses = self._snapshots.now()
         for row, member in enumerate(rows):
             member._in_rows = self
             member.position_3d.follow(self, row)
@@ -115,6 +117,10 @@ class Rows:
         rows, self._rows = self._rows, []
         self._guard.each(rows, self._release, self._guard.deactivate)
         self.is_changed = True
+
+    def switch_off(self) -> None:
+        """Called after an error that no member has raised: all of them act in each tick from now on."""
+        self._is_off = self.is_changed = True
 
     def _release(self, member: Any) -> None:
         member.position_3d.stay()

@@ -69,7 +69,7 @@ class SensorRows(Rows):
         self._look()
         self.stamp += 1
         self._before, self._time_before = self._poses, self._time
-        self._poses, self._time = self._snapshots.copy(), self._context.clock.time
+        self._poses, self._time = self._snapshots.now(), self._context.clock.time
         if self._observes:
             self._guard.each(self._rows, _observe, self._guard.deactivate)
         if any(self._signs):

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from morse.mathutils.portable import matmul
-from morse.physics.model.layout import Motion
-from morse.physics.objects.mounting import Mounted, Mounting
-from morse.physics.poses import rigid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from morse.physics.model.compile import Slot
+    from morse.physics.objects.mounting import Mounted, Mounting
     from morse.physics.state.engine_state import EngineState
-    from morse.scene import Node
 
 
 class Snapshot:
@@ -76,13 +72,6 @@ class Snapshots:
         self._mountings: list[Mounting] = []
 
     def now(self) -> Snapshot:
-        """Return a snapshot of the present poses, with the poses of all rigid groups."""
-        state = self._state
-        if self._displacements != state.displacements:
-            self._look()
-        return Snapshot(state.positions.share(), state.rotations.share(), self._slots, self._mountings)
-
-    def copy(self) -> Snapshot:
         """Return a snapshot of the present poses, with copies of those of the rigid groups of the objects."""
         state, index = self._state, self._index
         if self._displacements != state.displacements:
@@ -93,66 +82,3 @@ class Snapshots:
     def _look(self) -> None:
         self._displacements = self._state.displacements
         self._mountings = [obj.mounting for obj in self._objects]
-
-
-class Moving(Mounted, Protocol):
-    """An object that has a velocity; see `morse.physics.objects.gameobject.GameObject`."""
-
-    node: Node
-
-    def velocity(self) -> tuple[Sequence[float], Sequence[float]]:
-        """Return its linear and angular velocity, in world axes."""
-
-
-class VelocitySnapshot:
-    """The velocities of some bodies at one moment.
-
-    Args:
-        snapshot: their poses.
-        velocities: (V,) velocities of the engine; the array never changes.
-        dofs: index of the velocities of each body; -1 for an object that is not the first of its group, or has no
-            velocity in the engine.
-        others: velocities of the objects with dof -1, by row.
-    """
-
-    __slots__ = ("_dofs", "_others", "_snapshot", "_velocities")
-
-    def __init__(
-        self,
-        snapshot: Snapshot,
-        velocities: NDArray[np.float64],
-        dofs: Sequence[int],
-        others: dict[int, tuple[Sequence[float], Sequence[float]]],
-    ) -> None:
-        self._snapshot, self._velocities, self._dofs, self._others = snapshot, velocities, dofs, others
-
-    def velocity(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
-        """Return the linear (m/s) and angular velocity (rad/s) of the origin of a body, in world axes."""
-        dof = self._dofs[row]
-        if dof < 0:
-            return self._others[row]
-        speeds = self._velocities[dof : dof + 6].tolist()
-        return speeds[:3], rigid.turn(self._snapshot.pose(row)[1], speeds[3:])
-
-    def origin(self, row: int) -> Sequence[float]:
-        """Return the position of the origin of a body in the world, m."""
-        return self._snapshot.pose(row)[0]
-
-
-class VelocitySnapshots:
-    """Reads the velocities of the same bodies repeatedly."""
-
-    def __init__(self, state: EngineState, objects: Sequence[Moving]) -> None:
-        self._state = state
-        self._poses = Snapshots(state, objects)
-        self._dofs = [_dof_of(obj, state.slots[obj.slot]) for obj in objects]
-        self._others = [(row, obj) for row, obj in enumerate(objects) if self._dofs[row] < 0]
-
-    def now(self) -> VelocitySnapshot:
-        """Return the present velocities."""
-        others = {row: obj.velocity() for row, obj in self._others}
-        return VelocitySnapshot(self._poses.now(), self._state.data.qvel.copy(), self._dofs, others)
-
-
-def _dof_of(obj: Moving, slot: Slot) -> int:
-    return slot.dof if slot.frame.motion is Motion.FREE and slot.frame.node is obj.node else -1
