@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from morse.core.clock import Clock
     from morse.core.object import Object
     from morse.core.request_manager import MorseServices
+    from morse.core.rows.sensor_rows import SensorRows
     from morse.core.world import World
     from morse.scene import Scene
 
@@ -67,6 +68,8 @@ class Context:
         stream_managers: by class path.
         service_objects: objects that offer the services of ``simulation``, ``time`` and ``communication``; several
             objects may share a name.
+        row_taps: callbacks, called after each action of sensors that measure when they are read, with their
+            `morse.core.rows.sensor_rows.SensorRows`.
         network: the network thread for sockets and the live view; None for a simulation without either.
         failed: names of the components that were deactivated because they raised exceptions.
         controls: input at the live view; it changes between ticks only.
@@ -96,6 +99,7 @@ class Context:
     components: dict[str, Object] = field(default_factory=dict)
     stream_managers: dict[str, Any] = field(default_factory=dict)
     service_objects: list[AbstractObject] = field(default_factory=list)
+    row_taps: list[Callable[[SensorRows], object]] = field(default_factory=list)
     overlays: dict[str, Any] = field(default_factory=dict)
     failed: set[str] = field(default_factory=set)
     controls: Controls = _NOTHING_HELD

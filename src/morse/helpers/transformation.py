@@ -15,7 +15,7 @@ _IDENTITY: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 # If the own Z axis rises this steeply, |roll| + |pitch| is below 90 degrees (because cos(|roll| + |pitch|) >= 2
 # cos(roll) cos(pitch) - 1). The solution with the smaller sum of angles is then the solution whose pitch is within 90
 # degrees, whatever the yaw: its sum is s, and that of the other solution is 3 pi - s.
-_UPRIGHT = 0.51
+UPRIGHT = 0.51
 
 
 class Posed(Protocol):
@@ -43,7 +43,7 @@ class PoseSource(Protocol):
 
 def euler_angles(m: Sequence[float]) -> tuple[float, float, float]:
     """Return roll, pitch and yaw of a rotation, 9 numbers row by row; see `Transformation3d`."""
-    if m[8] > _UPRIGHT:
+    if m[8] > UPRIGHT:
         return atan2(m[7], m[8]), -asin(m[6]), atan2(m[3], m[0])
     a, b, c, d, e, f, g, h, i = m
     return euler_from_rotation((a, b, c, d, e, f, g, h, i), "XYZ")
@@ -126,19 +126,19 @@ class Transformation3d:
     def yaw(self) -> float:
         """Rotation about world Z, -pi to pi."""
         m = self._rotation
-        return atan2(m[3], m[0]) if m[8] > _UPRIGHT else self._angles()[2]
+        return atan2(m[3], m[0]) if m[8] > UPRIGHT else self._angles()[2]
 
     @property
     def pitch(self) -> float:
         """Rotation about the horizontal left axis, -pi to pi, positive nose down."""
         m = self._rotation
-        return -asin(m[6]) if m[8] > _UPRIGHT else self._angles()[1]
+        return -asin(m[6]) if m[8] > UPRIGHT else self._angles()[1]
 
     @property
     def roll(self) -> float:
         """Rotation about the forward axis of the object, -pi to pi."""
         m = self._rotation
-        return atan2(m[7], m[8]) if m[8] > _UPRIGHT else self._angles()[0]
+        return atan2(m[7], m[8]) if m[8] > UPRIGHT else self._angles()[0]
 
     def _angles(self) -> tuple[float, float, float]:
         return euler_from_rotation(self._nine(), "XYZ")

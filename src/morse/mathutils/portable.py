@@ -146,5 +146,5 @@ def _each(function: Callable[..., float], inputs: int) -> Callable[..., Floats]:
     return elementwise
 
 
-cos, sin, arccos = _each(math.cos, 1), _each(math.sin, 1), _each(math.acos, 1)
+cos, sin, arccos, arcsin = (_each(function, 1) for function in (math.cos, math.sin, math.acos, math.asin))
 arctan2, power = _each(math.atan2, 2), _each(math.pow, 2)

@@ -11,6 +11,8 @@ import numpy as np
 
 from morse.core.kinds import GENERAL, Message, fields_of
 from morse.core.kinds.sources import as_slot
+from morse.core.rows.columns import columns_of
+from morse.core.rows.unread import present_data
 from morse.core.sensor import Sensor
 from morse.core.streams.local_data import Later
 from morse.recording.fields import CLASS, COMPONENT, DECLARED, FIELDS, FIELDS_TYPE
@@ -23,7 +25,7 @@ from morse.rosmsgs.qos import Qos
 from morse.rosmsgs.topics.stream import TopicStream
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Collection, Iterator
 
     from numpy.typing import NDArray
 
@@ -59,18 +61,42 @@ class RecordedStream(TopicStream):
         if tape is not None:
             self._fields = tape.topic(topic, FIELDS_TYPE, Qos(100), described(component)).number
             tape.kept.append(self)
+        #: rows of the data that were kept with those of other sensors
+        self._together: list[Rows] = []
         self._recorded = [
             (bound, line, number)
             for bound, lines in self.sending
             for line in lines
             if (number := getattr(line.publisher, "number", None)) is not None
         ]
+        #: the messages, and functions that return what does not follow from the fields
+        self.form = self._lines_of_rows()
+        self._in_rows = self.manager.rows is not None and self._follows_from_rows()
+        if self.manager.rows is not None and self._in_rows:
+            self.manager.rows.add(self)
+
+    def _follows_from_rows(self) -> bool:
+        """Whether all data and messages follow from columns, see `morse.core.rows.columns`."""
+        component = self.component_instance
+        columns = columns_of(type(component))
+        if columns is None or self.moves_frames or any(bound.kind.name == GENERAL for bound, _ in self.sending):
+            return False
+        declared = fields_of(component)
+        others = present_data(component).keys() - {"timestamp", *columns.fields}
+        return all(name in declared and declared[name].follows for name in others) and all(
+            line.ready is None and line.message is None for line in self.form[0]
+        )
+
+    def take_over(self, rows: Rows) -> None:
+        """Encode these rows with the next `batches`, in the thread of the recording."""
+        self._together.append(rows)
 
     # -- the tick ----------------------------------------------------------------------------
 
     @property
-    def waiting(self) -> None:
-        """See `AbstractDatastream.waiting`: a recording takes each measurement."""
+    def waiting(self) -> Collection[Any] | None:
+        """See `AbstractDatastream.waiting`: nothing waits if the data are kept with those of other sensors."""
+        return () if self._in_rows else None
 
     def default(self, ci: Object | None = None) -> bool:
         """Keep the present data."""
@@ -112,6 +138,10 @@ class RecordedStream(TopicStream):
                 yield name
 
     def _form(self, names: tuple[str, ...], kinds: tuple[type, ...]) -> tuple[Columns, list[Line]]:
+        lines, live = self.form
+        return Columns(names, kinds, self._keeper, live), lines
+
+    def _lines_of_rows(self) -> tuple[list[Line], list[Callable[[], Any]]]:
         component = self.component_instance
         sources = [source for bound, line, _ in self._recorded if line.outlet.by_rows for _, source in bound.sources]
         properties = tuple(dict.fromkeys(name for source in sources for name in source.properties))
@@ -136,7 +166,7 @@ class RecordedStream(TopicStream):
                 made = made._replace(ready=len(live))
                 live.append(partial(self._encoded, line, bound, frame))
             lines.append(made)
-        return Columns(names, kinds, self._keeper, live), lines
+        return lines, live
 
     def _slot(self, bound: BoundKind, index: int) -> Any:
         value = bound.value_of(index, self.component_instance)
@@ -176,6 +206,8 @@ class RecordedStream(TopicStream):
             times: returns the log times of ticks, ns.
         """
         parts = [(rows, lines) for columns, lines in list(self._layouts.values()) if (rows := columns.take(until))]
+        while self._together:
+            parts.append((self._together.pop(0), self.form[0]))
         for rows in runs_of([rows for rows, _ in parts]):
             block = encode_block(rows.ticks, times(rows.ticks), rows.columns)
             yield Batch(self._fields, rows.ticks[:1], [encode(FIELDS_TYPE, {"data": block})])

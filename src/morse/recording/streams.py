@@ -12,6 +12,7 @@ import numpy as np
 from morse.core.exceptions import MorseError
 from morse.recording.disk import CHUNK
 from morse.recording.fields.kept_poses import KeptPoses
+from morse.recording.fields.kept_rows import KeptRows
 from morse.recording.fields.values import Keeper
 from morse.recording.mcap.chunks import Messages
 from morse.recording.motion import Motion
@@ -219,6 +220,8 @@ class RecordedStreams(TopicManager):
         self._names = names
         self._refused: set[str] = set()
         self.keeper = Keeper()
+        #: keeps the data of sensors that measure on read; None if messages are encoded in the tick
+        self.rows = None if self.tape is None else KeptRows(context, self.tape)
         given = context.scene.manager_options.get(ROS2_MANAGER, {})
         super().__init__(
             {**{name: given[name] for name in given if name in TOPIC_OPTIONS and name != _RATE}, **_ALWAYS}, context
@@ -285,6 +288,8 @@ class RecordedStreams(TopicManager):
         super().closed(stream)
         if self.tape is not None and stream in self.tape.kept:
             self.tape.kept.remove(stream)
+        if self.rows is not None:
+            self.rows.remove(stream)
 
     def flush(self) -> None:
         """The end of a tick."""
@@ -315,6 +320,8 @@ class RecordedStreams(TopicManager):
         """Release the sensors."""
         if self.motion is not None:
             self.motion.close()
+        if self.rows is not None:
+            self.rows.close()
         for streams in self.streams.values():
             for stream in streams:
                 functions = stream.component_instance.output_functions

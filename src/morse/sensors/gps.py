@@ -7,6 +7,7 @@ import time
 from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.rows.columns import POSITIONS, in_columns
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_level, add_state, on_read
 from morse.helpers.geodesy import LocalPlane
@@ -91,6 +92,7 @@ class GPS(Sensor):
     )
 
     @on_read
+    @in_columns(POSITIONS)
     def measure(self) -> None:
         """Measure the position in the world."""
         data = self.local_data

@@ -10,6 +10,7 @@ import numpy as np
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.limits import ANGLE
+from morse.core.rows.columns import Columns, arrays_of, in_columns
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.streams.local_data import Later, LocalData
@@ -18,7 +19,7 @@ from morse.helpers.fans import MOST_LAYERS, fan
 from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -83,6 +84,17 @@ def _layer(scanner: LaserScanner) -> NDArray[np.intp]:
     """Return the layer of each hit point (M,), from top to bottom."""
     hits = _hits(scanner)
     return (np.arange(len(hits)) * scanner.layers // max(len(hits), 1))[hits]
+
+
+def _seen(sight: Any) -> NDArray[np.float64]:
+    """The distances of a cast."""
+    ranges: NDArray[np.float64] = sight.ranges
+    return ranges
+
+
+def _ranges_at(_snapshots: Any, kept: Sequence[Sequence[NDArray[np.float64]]]) -> dict[str, Sequence[Any]]:
+    """The distances of many casts, from which the points follow."""
+    return {"range_list": arrays_of(kept)}
 
 
 _SEPARATION: dict[str, Any] = {"unit": "deg", "low": -180.0, "high": 180.0}
@@ -262,6 +274,7 @@ class LaserScanner(Sensor):
         return rays.sight
 
     @on_read
+    @in_columns(Columns(("range_list",), _ranges_at, keep=_seen))
     def measure(self) -> None:
         """Measure the scan."""
         sight, data = self.observation(), self.local_data

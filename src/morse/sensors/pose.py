@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.rows.columns import POSES, in_columns
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, euler, on_read
 
@@ -23,6 +24,7 @@ class Pose(Sensor):
     add_kind("pose", position=("x", "y", "z"), orientation=euler("roll", "pitch", "yaw"))
 
     @on_read
+    @in_columns(POSES)
     def default_action(self) -> None:
         """Measure the pose."""
         data = self.local_data

@@ -45,12 +45,12 @@ def while_same(*fields: str) -> Callable[[_F], _F]:
 
 def is_on_read(cls: type[Any]) -> bool:
     """Whether the sensors of a class measure when they are read."""
-    return _mark_of(cls, "on_read") is True
+    return mark_of(cls, "on_read") is True
 
 
 def lasting_fields(cls: type[Any]) -> tuple[str, ...]:
     """Return the fields whose values determine the action of an actuator; () if it has to act in each tick."""
-    fields: tuple[str, ...] = _mark_of(cls, "while_same") or ()
+    fields: tuple[str, ...] = mark_of(cls, "while_same") or ()
     return fields
 
 
@@ -60,7 +60,7 @@ def is_overridden(component: Any) -> bool:
     return any(isinstance(getattr(cls, name, None), FunctionType) for name in vars(component))
 
 
-def _mark_of(cls: type[Any], mark: str) -> Any:
+def mark_of(cls: type[Any], mark: str) -> Any:
     """Return the mark of the first action in the order of inheritance, unless a subclass changes how it acts."""
     changed: set[str] = set()
     for base in cls.__mro__:

@@ -43,12 +43,28 @@ class SensorRows(Rows):
         modifiers: list[Any] = member.output_modifiers
         return modifiers
 
+    @property
+    def sensors(self) -> Sequence[Any]:
+        """The sensors that measure later; another list whenever they change."""
+        return self._rows
+
+    @property
+    def poses(self) -> Any:
+        """The poses of these sensors at their last action; see `morse.physics.poses.snapshot.Snapshot`."""
+        return self._poses
+
+    @property
+    def time(self) -> float:
+        """Simulated time of the last action, s."""
+        return float(self._time)
+
     def _take(self) -> None:
         self._datas = [own.pop("local_data") for own in self._attributes]
         # the stamp of the last action whose results the attributes of each row contain
         self._measured = [self.stamp] * len(self._rows)
         self._before = self._poses
         self._time = self._time_before = self._context.clock.time
+        self._taps = self._context.row_taps
         self._remembers = hasattr(type(self.members[0]), "remember")
         self._observes = type(self.members[0]).observe is not Sensor.observe
 
@@ -74,6 +90,8 @@ class SensorRows(Rows):
             self._guard.each(self._rows, _observe, self._guard.deactivate)
         if any(self._signs):
             self._publish()
+        if self._taps:
+            self._guard.call(self._taps, self)
         if self._each:
             self._act(self._each)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.mathutils.portable import matmul
+from morse.physics.poses.pose_rows import PoseRows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics.objects.mounting import Mounted, Mounting
+    from morse.physics.poses.pose_rows import Numbers
     from morse.physics.state.engine_state import EngineState
 
 
@@ -45,6 +47,12 @@ class Snapshot:
         """Return the position (3) and rotation (9, row by row) of an object in the world."""
         slot = self.slots[row]
         return self.mountings[row].carried(self.group_positions[slot].tolist(), self.group_rotations[slot].tolist())
+
+    @classmethod
+    def poses_at(cls, moments: Sequence[Snapshot]) -> tuple[Numbers, Numbers]:
+        """Return the positions (3) and rotations (9, row by row) of the same N objects at R moments, (R, N) each."""
+        positions, rotations = [one.group_positions for one in moments], [one.group_rotations for one in moments]
+        return PoseRows.of(positions, rotations, [one.mountings for one in moments]).carried(moments[0].slots)
 
     def positions(self) -> NDArray[np.float64]:
         """Return the positions (N, 3) in the world, m."""

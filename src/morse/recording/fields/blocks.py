@@ -76,7 +76,8 @@ def encode_block(
     Args:
         ticks: (R,) their numbers.
         times: (R,) their log times, ns.
-        columns: by the name of the field: an array (R,) of numbers, or a list of R values that a `Keeper` returned.
+        columns: by the name of the field: an array (R,) of numbers or (R, ...) of arrays, or a list of R values that a
+            `Keeper` returned.
     """
     return _encoder.encode(
         Block(list(columns), _integers(ticks), _integers(times), [_column(values) for values in columns.values()])
@@ -89,7 +90,8 @@ def _integers(values: Any) -> bytes:
 
 def _column(values: Any) -> Column:
     if isinstance(values, np.ndarray):
-        return Column(_NUMBER, values.dtype.str, [], values.tobytes())
+        kind = _NUMBER if values.ndim == 1 else _ARRAY
+        return Column(kind, values.dtype.newbyteorder("<").str, list(values.shape[1:]), _little(values))
     first = values[0]
     if isinstance(first, np.ndarray) and all(_alike(first, value) for value in values):
         numbers = np.stack(values)

@@ -29,7 +29,7 @@ class Rows(NamedTuple):
 
     Attributes:
         ticks: (R,) numbers of the ticks.
-        columns: of each field: (R,) numbers, or a list of R values that a `Keeper` returned.
+        columns: of each field: (R,) numbers, (R, ...) arrays, or a list of R values that a `Keeper` returned.
         live: of each value that does not follow from the fields, the R values.
     """
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.recording.fields.poses import Channels, Mountings, PoseRows, World, world_of
+from morse.physics.poses.pose_rows import PoseRows
+from morse.recording.fields.poses import Channels, World, world_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -93,15 +94,6 @@ class KeptPoses:
         columns = (some[k : _STRIDE * count : _STRIDE] for k in range(_STRIDE))
         for _, group in groupby(zip(*columns, strict=True), key=lambda row: (id(row[1]), len(row[3]))):
             ticks, written, mountings, positions, rotations = zip(*group, strict=True)
-            distinct = {id(one): one for one in mountings}
-            places = {key: place for place, key in enumerate(distinct)}
             numbers = np.array(ticks, dtype=np.int64)
-            rows = PoseRows(
-                numbers,
-                self._clock.stamps_of(numbers),
-                np.stack(positions),
-                np.stack(rotations),
-                [Mountings.of(one) for one in distinct.values()],
-                np.array([places[id(one)] for one in mountings], dtype=np.intp),
-            )
-            yield from written[0].of(rows)
+            poses = PoseRows.of(positions, rotations, mountings)
+            yield from written[0].of(numbers, self._clock.stamps_of(numbers), poses)

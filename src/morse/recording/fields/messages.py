@@ -97,6 +97,8 @@ def _alike(line: Line, rows: Rows) -> list[NDArray[np.intp]]:
     others = [rows.columns[str(name)] for name in sorted(map(str, names)) if type(rows.columns.get(str(name))) is tuple]
     if not live and not others:
         return [np.arange(len(rows.ticks))]
+    if not others and all(values.count(values[0]) == len(values) for values in live):
+        return [np.arange(len(rows.ticks))]
     groups: dict[tuple[Any, ...], list[int]] = {}
     for row, values in enumerate(zip(*live, *others, strict=True)):
         groups.setdefault(tuple(map(_form, values)), []).append(row)
@@ -187,7 +189,7 @@ def _attributes(line: Line, rows: Rows, row: int) -> SimpleNamespace:
 def _at(column: Any, row: int) -> Any:
     value = column[row]
     if isinstance(column, np.ndarray):
-        return value.item()
+        return value.item() if column.ndim == 1 else value
     return value.value() if type(value) is Written else value
 
 

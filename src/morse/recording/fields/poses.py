@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.mathutils.rotation_rows import quaternions_from_rotations
-from morse.mathutils.rotations import product, turn, turn_back
+from morse.mathutils.rotations import product, turn_back
 from morse.recording.fields.messages import Batch
 from morse.rosmsgs.cdr import encode_rows
 from morse.rosmsgs.names import MAP
@@ -18,14 +18,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics.objects.mounting import Mounting
+    from morse.physics.poses.pose_rows import Numbers, PoseRows
     from morse.rosmsgs.moving import MovingFrame
 
-    #: the numbers of positions (3) or rotations (9), each (R, N)
-    Numbers = Sequence[NDArray[np.float64]]
-
 CLOCK_TYPE, FRAMES_TYPE, POSES_TYPE = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage", "geometry_msgs/msg/PoseArray"
-_NONE, _MOVED, _TURNED = 0, 1, 2
 
 
 class Channels(NamedTuple):
@@ -54,9 +50,15 @@ class World(NamedTuple):
     frames: Sequence[tuple[str, str]] | None
     starts: NDArray[np.float64]
 
-    def of(self, rows: PoseRows) -> list[Batch]:
-        """Encode the messages of some ticks."""
-        ticks, stamps, count = rows.ticks, rows.stamps, len(rows.ticks)
+    def of(self, ticks: NDArray[np.int64], stamps: NDArray[np.int64], rows: PoseRows) -> list[Batch]:
+        """Encode the messages of some ticks.
+
+        Args:
+            ticks: (R,) their numbers.
+            stamps: (R,) simulated times, ns.
+            rows: the poses of the engine.
+        """
+        count = len(ticks)
         made = [Batch(self.channels.clock, ticks, encode_rows(CLOCK_TYPE, {"clock": time(stamps)}, count))]
         positions, rotations = rows.carried(self.slots)
         if self.frames:
@@ -103,58 +105,6 @@ def world_of(channels: Channels, nodes: Sequence[Any], frames: Sequence[MovingFr
     names = None if frames is None else [(one.parent, one.child) for one in (*bases, *others)]
     slots = np.array([one.slot for one in objects], dtype=np.intp)
     return World(channels, len(nodes), slots, names, np.array(numbers, dtype=np.float64).reshape(-1, 12)), objects
-
-
-class Mountings(NamedTuple):
-    """The places of N objects in their rigid groups.
-
-    Attributes:
-        numbers: (12, N) offsets, m, and rotations, row by row.
-        apart: (N,) whether an object has the pose of its group (0), is moved (1), or moved and turned (2).
-    """
-
-    numbers: NDArray[np.float64]
-    apart: NDArray[np.uint8]
-
-    @classmethod
-    def of(cls, mountings: Sequence[Mounting]) -> Mountings:
-        """Take over the places."""
-        numbers = np.array([[*one.offset, *one.turned] for one in mountings], dtype=np.float64).reshape(-1, 12)
-        ways = [(_TURNED if one.is_turned else _MOVED) if one.is_apart else _NONE for one in mountings]
-        return cls(numbers.T, np.array(ways, dtype=np.uint8))
-
-
-class PoseRows(NamedTuple):
-    """The poses of rigid groups in R ticks.
-
-    Attributes:
-        ticks: (R,) their numbers.
-        stamps: (R,) simulated times, ns.
-        positions, rotations: (R, K, 3) m, (R, K, 9) of the groups.
-        mountings: those of the ticks, without repetition.
-        places: (R,) which of them are those of a tick.
-    """
-
-    ticks: NDArray[np.int64]
-    stamps: NDArray[np.int64]
-    positions: NDArray[np.float64]
-    rotations: NDArray[np.float64]
-    mountings: Sequence[Mountings]
-    places: NDArray[np.intp]
-
-    def carried(self, slots: NDArray[np.intp]) -> tuple[Numbers, Numbers]:
-        """The poses (R, N) of objects in the world, as by `Mounting.carried`."""
-        p: list[Any] = [self.positions[:, slots, k] for k in range(3)]
-        r: list[Any] = [self.rotations[:, slots, k] for k in range(9)]
-        apart = np.stack([one.apart for one in self.mountings])
-        if apart.any():
-            apart = apart[self.places]
-            own = np.stack([one.numbers for one in self.mountings])[self.places]
-            moved = turn(r, [own[:, k] for k in range(3)])  # type: ignore[misc]
-            turned = product(tuple(r), tuple(own[:, k] for k in range(3, 12)))  # type: ignore[arg-type]
-            p = [np.where(apart != _NONE, a + b, a) for a, b in zip(p, moved, strict=True)]
-            r = [np.where(apart == _TURNED, b, a) for a, b in zip(r, turned, strict=True)]
-        return p, r
 
 
 def _quaternions(rotations: Numbers) -> Numbers:

@@ -1,0 +1,89 @@
+"""The data of sensors in many ticks at once: columns, with the same bits as one measurement after the other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from morse.core.rows.marks import mark_of
+from morse.helpers.transformation import UPRIGHT, euler_angles
+from morse.mathutils import portable
+from morse.mathutils.stacking import stacked
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+_F = TypeVar("_F", bound="Callable[..., Any]")
+
+
+class Columns(NamedTuple):
+    """The measurements of N sensors of one class in R ticks.
+
+    Attributes:
+        fields: names of the fields; those that the sensors have besides follow from these.
+        of: returns, by field, the values of each sensor: (R,) numbers, (R, ...) arrays, or a tuple of R arrays. Its
+            arguments are R snapshots of the poses, and R lists of what was kept.
+        keep: returns the part of an observation that is kept: an array that nobody changes. None if nothing is kept.
+    """
+
+    fields: Sequence[str]
+    of: Callable[[Sequence[Any], Sequence[Sequence[Any]]], Mapping[str, Sequence[Any]]]
+    keep: Callable[[Any], NDArray[Any]] | None = None
+
+
+def in_columns(columns: Columns) -> Callable[[_F], _F]:
+    """Mark an action that is marked by `morse.core.rows.marks.on_read`, and measures the same in columns."""
+
+    def mark(action: _F) -> _F:
+        action.columns = columns  # type: ignore[attr-defined]
+        return action
+
+    return mark
+
+
+def columns_of(cls: type[Any]) -> Columns | None:
+    """The columns of a class; None if it measures in no other way than by its action."""
+    columns: Columns | None = mark_of(cls, "columns")
+    return columns
+
+
+def _poses_of(snapshots: Sequence[Any], _kept: Any) -> dict[str, Sequence[NDArray[np.float64]]]:
+    positions, rotations = snapshots[0].poses_at(snapshots)
+    roll, pitch, yaw = euler_rows(rotations)
+    named = zip(POSES.fields, (*positions, yaw, pitch, roll), strict=True)
+    return {name: each.T for name, each in named}
+
+
+def _positions_of(snapshots: Sequence[Any], _kept: Any) -> dict[str, Sequence[NDArray[np.float64]]]:
+    positions, _ = snapshots[0].poses_at(snapshots)
+    return {name: each.T for name, each in zip(POSITIONS.fields, positions, strict=True)}
+
+
+#: `Transformation3d.numbers`, and the positions alone
+POSES = Columns(("x", "y", "z", "yaw", "pitch", "roll"), _poses_of)
+POSITIONS = Columns(("x", "y", "z"), _positions_of)
+
+
+def arrays_of(kept: Sequence[Sequence[NDArray[Any]]]) -> list[Any]:
+    """The arrays of each sensor in R ticks as one; as they are if their sizes differ."""
+    return [stacked(one) if len({array.shape for array in one}) == 1 else one for one in zip(*kept, strict=True)]
+
+
+def euler_rows(m: Sequence[NDArray[np.float64]]) -> tuple[NDArray[np.float64], ...]:
+    """Return roll, pitch and yaw of rotations by `euler_angles`: arrays of the shape of the nine numbers."""
+    shape = m[0].shape
+    m = [numbers.reshape(-1) for numbers in m]
+    # robots on a floor neither roll nor pitch: atan2(y, x) and asin(y) of a zero y are y, if x is positive
+    roll, pitch, yaw = m[7].copy(), -m[6], m[3].copy()
+    upright = m[8] > UPRIGHT
+    for angle, x in ((roll, m[8]), (yaw, m[0])):
+        rows = np.flatnonzero(upright & ~((angle == 0.0) & (x > 0.0)))
+        angle[rows] = portable.arctan2(angle[rows], x[rows])
+    rows = np.flatnonzero(upright & (pitch != 0.0))
+    pitch[rows] = -portable.arcsin(m[6][rows])
+    for row in np.flatnonzero(~upright).tolist():
+        roll[row], pitch[row], yaw[row] = euler_angles([float(numbers[row]) for numbers in m])
+    return roll.reshape(shape), pitch.reshape(shape), yaw.reshape(shape)

@@ -1,0 +1,139 @@
+"""Keeps what sensors that measure when they are read have seen: a tick keeps one row for all of a class."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from morse.core.rows.columns import columns_of
+from morse.recording.fields.columns import Rows
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.core.context import Context
+    from morse.core.rows.columns import Columns
+    from morse.core.rows.sensor_rows import SensorRows
+    from morse.recording.fields.messages import Batch
+    from morse.recording.recorded_stream import RecordedStream
+    from morse.recording.streams import Tape
+
+#: number of values of a row in the flat list
+_STRIDE = 6
+#: approximate size of a row without its data, bytes
+_OVERHEAD, _POSE = 600, 96
+
+
+class _Plan(NamedTuple):
+    """What is kept of some sensors.
+
+    Attributes:
+        sensors: all sensors of the rows; another list whenever they change.
+        members: those that are recorded.
+        streams: their streams, and their places among the sensors.
+        columns: of their class.
+        live: return the values of each of them that do not follow from the fields.
+    """
+
+    sensors: Sequence[Any]
+    members: Sequence[Any]
+    streams: Sequence[tuple[RecordedStream, int]]
+    columns: Columns
+    live: Sequence[Sequence[Callable[[], Any]]]
+
+
+class KeptRows:
+    """Keeps poses and observations; the thread of the recording computes the fields.
+
+    Args:
+        context: of the simulation.
+        tape: of the file.
+    """
+
+    def __init__(self, context: Context, tape: Tape) -> None:
+        self._context, self._tape = context, tape
+        self._streams: dict[Any, RecordedStream] = {}
+        self._plans: WeakKeyDictionary[SensorRows, _Plan | None] = WeakKeyDictionary()
+        # each operation on a list is atomic: the simulation appends, and only the thread of the recording removes
+        self._rows: list[Any] = []
+        context.row_taps.append(self._measured)
+        tape.kept.append(self)
+
+    def close(self) -> None:
+        """Keep nothing more."""
+        if self._measured in self._context.row_taps:
+            self._context.row_taps.remove(self._measured)
+
+    def add(self, stream: RecordedStream) -> None:
+        """Record a sensor whenever it measures on read."""
+        self._streams[stream.component_instance] = stream
+        self._plans.clear()
+
+    def remove(self, stream: RecordedStream) -> None:
+        """Remove a stream."""
+        if self._streams.pop(stream.component_instance, None) is not None:
+            self._plans.clear()
+
+    # -- the tick ----------------------------------------------------------------------------
+
+    def _measured(self, rows: SensorRows) -> None:
+        plan = self._plans.get(rows)
+        if plan is None or plan.sensors is not rows.sensors:
+            plan = self._plan(rows.sensors)
+            if plan is None:
+                return
+            self._plans[rows] = plan
+        keep, kept = plan.columns.keep, list[Any]()
+        size = _OVERHEAD + _POSE * len(plan.sensors)
+        if keep is not None:
+            kept = [keep(member.observed) for member in plan.members]
+            size += sum([one.nbytes for one in kept])
+        live = [[read() for read in reads] for reads in plan.live]
+        self._rows += (self._context.clock.tick, plan, rows.time, rows.poses, kept, live)
+        self._tape.held += size
+
+    def _plan(self, sensors: Sequence[Any]) -> _Plan | None:
+        streams = [(self._streams[one], place) for place, one in enumerate(sensors) if one in self._streams]
+        if not streams:
+            return None
+        columns = columns_of(type(sensors[0]))
+        assert columns is not None
+        lives = [stream.form[1] for stream, _ in streams]
+        members = [stream.component_instance for stream, _ in streams]
+        return _Plan(sensors, members, streams, columns, lives if any(lives) else [])
+
+    # -- the thread of the recording ---------------------------------------------------------
+
+    def batches(self, until: int, times: Callable[[NDArray[np.int64]], NDArray[np.int64]]) -> Iterator[Batch]:
+        """Give the streams what was kept of them; they encode it."""
+        some = self._rows[:]
+        count = _STRIDE * bisect_right(some[::_STRIDE], until)
+        del self._rows[:count]
+        by_plan: dict[int, list[tuple[Any, ...]]] = {}
+        for row in zip(*(some[k:count:_STRIDE] for k in range(_STRIDE)), strict=True):
+            by_plan.setdefault(id(row[1]), []).append(row)
+        for each in by_plan.values():
+            self._deal(*zip(*each, strict=True))
+        return iter(())
+
+    @staticmethod
+    def _deal(
+        ticks: Sequence[int],
+        plans: Sequence[_Plan],
+        times: Sequence[float],
+        poses: Sequence[Any],
+        kept: Sequence[Any],
+        lives: Sequence[Any],
+    ) -> None:
+        plan, numbers, stamps = plans[0], np.array(ticks, dtype=np.int64), np.array(times)
+        fields = plan.columns.of(poses, kept)
+        for index, (stream, place) in enumerate(plan.streams):
+            column = index if plan.columns.keep else place
+            values = {"timestamp": stamps, **{name: each[column] for name, each in fields.items()}}
+            live = list(zip(*[each[index] for each in lives], strict=True)) if plan.live else ()
+            stream.take_over(Rows(numbers, values, live))
