@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from morse.core.clock import Clock
     from morse.core.object import Object
     from morse.core.request_manager import MorseServices
-    from morse.core.rows.sensor_rows import SensorRows
     from morse.core.world import World
     from morse.scene import Scene
 
@@ -99,7 +98,7 @@ class Context:
     components: dict[str, Object] = field(default_factory=dict)
     stream_managers: dict[str, Any] = field(default_factory=dict)
     service_objects: list[AbstractObject] = field(default_factory=list)
-    row_taps: list[Callable[[SensorRows], object]] = field(default_factory=list)
+    row_taps: list[Callable[[Any], object]] = field(default_factory=list)
     overlays: dict[str, Any] = field(default_factory=dict)
     failed: set[str] = field(default_factory=set)
     controls: Controls = _NOTHING_HELD

@@ -25,7 +25,7 @@ from morse.rosmsgs.qos import Qos
 from morse.rosmsgs.topics.stream import TopicStream
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
+    from collections.abc import Callable, Collection, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -54,7 +54,7 @@ class RecordedStream(TopicStream):
         self._clock = component.clock
         self._keeper: Keeper = self.manager.keeper
         #: by names of the fields and types of their values
-        self._layouts: dict[_Key, tuple[Columns, list[Line]]] = {}
+        self._layouts: dict[_Key, tuple[Columns, Sequence[Line]]] = {}
         self._chosen: dict[_Key, tuple[str, ...]] = {}
         topic = f"{FIELDS}/{cleaned(self.component_name)}"
         self._fields = 0
@@ -70,7 +70,7 @@ class RecordedStream(TopicStream):
             if (number := getattr(line.publisher, "number", None)) is not None
         ]
         #: the messages, and functions that return what does not follow from the fields
-        self.form = self._lines_of_rows()
+        self.form: tuple[Sequence[Line], Sequence[Callable[[], Any]]] = self._lines_of_rows()
         self._in_rows = self.manager.rows is not None and self._follows_from_rows()
         if self.manager.rows is not None and self._in_rows:
             self.manager.rows.add(self)
@@ -137,7 +137,7 @@ class RecordedStream(TopicStream):
             if general or type(value) is not Later or not (name in declared and declared[name].follows):
                 yield name
 
-    def _form(self, names: tuple[str, ...], kinds: tuple[type, ...]) -> tuple[Columns, list[Line]]:
+    def _form(self, names: tuple[str, ...], kinds: tuple[type, ...]) -> tuple[Columns, Sequence[Line]]:
         lines, live = self.form
         return Columns(names, kinds, self._keeper, live), lines
 

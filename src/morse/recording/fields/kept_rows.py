@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -19,14 +19,27 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.rows.columns import Columns
     from morse.core.rows.sensor_rows import SensorRows
-    from morse.recording.fields.messages import Batch
-    from morse.recording.recorded_stream import RecordedStream
-    from morse.recording.streams import Tape
+    from morse.recording.fields.messages import Batch, Line
 
 #: number of values of a row in the flat list
 _STRIDE = 6
 #: approximate size of a row without its data, bytes
 _OVERHEAD, _POSE = 600, 96
+
+
+class RowStream(Protocol):
+    """A stream of one sensor; see `morse.recording.recorded_stream.RecordedStream`.
+
+    Attributes:
+        component_instance: the sensor.
+        form: its messages, and functions that return what does not follow from the fields.
+    """
+
+    component_instance: Any
+    form: tuple[Sequence[Line], Sequence[Callable[[], Any]]]
+
+    def take_over(self, rows: Rows) -> None:
+        """Encode these rows."""
 
 
 class _Plan(NamedTuple):
@@ -42,7 +55,7 @@ class _Plan(NamedTuple):
 
     sensors: Sequence[Any]
     members: Sequence[Any]
-    streams: Sequence[tuple[RecordedStream, int]]
+    streams: Sequence[tuple[RowStream, int]]
     columns: Columns
     live: Sequence[Sequence[Callable[[], Any]]]
 
@@ -52,12 +65,12 @@ class KeptRows:
 
     Args:
         context: of the simulation.
-        tape: of the file.
+        tape: of the file; see `morse.recording.streams.Tape`.
     """
 
-    def __init__(self, context: Context, tape: Tape) -> None:
+    def __init__(self, context: Context, tape: Any) -> None:
         self._context, self._tape = context, tape
-        self._streams: dict[Any, RecordedStream] = {}
+        self._streams: dict[Any, RowStream] = {}
         self._plans: WeakKeyDictionary[SensorRows, _Plan | None] = WeakKeyDictionary()
         # each operation on a list is atomic: the simulation appends, and only the thread of the recording removes
         self._rows: list[Any] = []
@@ -69,12 +82,12 @@ class KeptRows:
         if self._measured in self._context.row_taps:
             self._context.row_taps.remove(self._measured)
 
-    def add(self, stream: RecordedStream) -> None:
+    def add(self, stream: RowStream) -> None:
         """Record a sensor whenever it measures on read."""
         self._streams[stream.component_instance] = stream
         self._plans.clear()
 
-    def remove(self, stream: RecordedStream) -> None:
+    def remove(self, stream: RowStream) -> None:
         """Remove a stream."""
         if self._streams.pop(stream.component_instance, None) is not None:
             self._plans.clear()
