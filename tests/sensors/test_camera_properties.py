@@ -53,9 +53,9 @@ def test_the_objects_and_classes_of_an_image_of_ids(world):
         world.sleep(0.1)
         return {row["name"]: (row["class"], row["class_id"]) for row in eye.local_data["labels"]}
 
-    assert classes().context.component("robot") == ("robot", 1)
+    assert classes()["robot"] == ("robot", 1)
     eye.set_property("class_names", "crate, robot")
-    assert classes().context.component("robot") == ("robot", 2)
+    assert classes()["robot"] == ("robot", 2)
     eye.set_property("class_tag", "Kind")
     assert classes()["Wall"] == ("wall", 3)
     # the wall covers the middle

@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium import spaces
 
 from morse.gym.task import Command, Read, Task, Touch
+from morse.mathutils import portable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -112,8 +113,10 @@ class Reach(Task):
         scan, pose = data["scan"], data["pose"]
         near = scan[:, 1:].reshape(len(scan), _SECTORS, -1).min(axis=2)
         ahead = data["goal"] - pose[:, :2]
-        bearing = np.arctan2(ahead[:, 1], ahead[:, 0]) - pose[:, 2]
-        parts = [np.hypot(*ahead.T) / 5.0, np.cos(bearing), np.sin(bearing), data["action"][:, 1]]
+        far = np.sqrt(ahead[:, 0] ** 2 + ahead[:, 1] ** 2)
+        east, north = ahead.T / np.maximum(far, 1e-9)
+        c, s = portable.cos(pose[:, 2]), portable.sin(pose[:, 2])
+        parts = [far / 5.0, c * east + s * north, c * north - s * east, data["action"][:, 1]]
         return np.column_stack([np.minimum(near, _FAR) / (0.5 * _FAR) - 1.0, *parts]).astype(np.float32)
 
     def reward(
