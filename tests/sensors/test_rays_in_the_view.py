@@ -63,7 +63,7 @@ def test_a_visible_arc_is_shown_unasked(shown):
 
 def test_what_a_page_looks_at_is_shown(shown):
     shown.pages.wishes.overlays = frozenset({"robot.plain"})
-    rows = shown(0.1).context.component("robot.plain")
+    rows = shown(0.1)["robot.plain"]
     assert rows[90] == pytest.approx([0, 0, 0, 4, 0, 0, 1], abs=1e-5)
     assert rows[0, 6] == 0
     assert np.linalg.norm(rows[0, 3:6]) == pytest.approx(30, abs=1e-4)
@@ -78,6 +78,6 @@ def test_the_same_rays_are_sent_once(shown):
 
 def test_of_very_many_rays_some_are_shown(shown):
     shown.pages.wishes.overlays = frozenset({"robot.fine"})
-    rows = shown(0.1).context.component("robot.fine")
+    rows = shown(0.1)["robot.fine"]
     assert 1000 < len(rows) <= 4000
     assert np.ptp(np.arctan2(rows[:, 4], rows[:, 3])) > np.radians(265)
