@@ -294,7 +294,7 @@ def test_what_nobody_reads_is_not_measured_and_a_speed_that_lasts_is_not_applied
     from morse.actuators.v_omega import MotionVW
     from morse.sensors.pose import Pose
 
-    monkeypatch.setattr("test_rows.COUNT", count)
+    monkeypatch.setattr("test_waiting_components.COUNT", count)
     measured, applied = (
         count_calls(monkeypatch, Pose, "default_action"),
         count_calls(monkeypatch, MotionVW, "default_action"),
