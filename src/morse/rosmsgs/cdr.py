@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 _HEADER = b"\x00\x01\x00\x00"  # CDR, little endian, no options
 _BIG, _LITTLE = b"\x00\x00", b"\x00\x01"
+#: sizes of numbers, bytes
+_SIZES = (2, 4, 8)
 #: size of the largest number, bytes
 _LARGEST = 8
 
@@ -350,7 +352,13 @@ class _Rows:
         found = np.empty((self._count, len(self._shared)), dtype=np.uint8)
         found[:] = np.frombuffer(self._shared, dtype=np.uint8)
         for begin, column in self._columns:
-            found[:, begin : begin + column.shape[1]] = column
+            size = column.shape[1]
+            if size in _SIZES and self._count:  # one number is copied as a number, not byte by byte
+                form = f"<u{size}"
+                places = np.ndarray(self._count, form, buffer=found.data, offset=begin, strides=found.strides[:1])
+                places[:] = column.view(form)[:, 0]
+            else:
+                found[:, begin : begin + size] = column
         return found
 
     def put_struct(self, type_name: str, value: Mapping[str, Any]) -> None:
