@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 #: wall-clock seconds between two chunks: limits the loss if the process is killed, with a margin for the writing itself
 _INTERVAL = 0.5
 #: approximate size of a chunk, bytes
-CHUNK = 16 << 20
+CHUNK = 4 << 20
 #: above this rate, bytes per wall-clock second, less time is spent on compression: the simulation runs as fast as
 #: possible, and waits if the recording cannot keep up
 _QUICK = 4e6
