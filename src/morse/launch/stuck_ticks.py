@@ -14,9 +14,6 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from morse.simulation import loader
-from morse.simulation.ticks import ticking
-
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
@@ -27,8 +24,8 @@ logger = logging.getLogger(__name__)
 
 _OURS = Path(__file__).resolve().parents[1]
 _LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
-#: the files that call components: in ticks, and when they are created
-_CALLERS = [ticking.__file__, loader.__file__]
+#: the files that call components: in ticks, and when they are created; not imported before the script is executed
+_CALLERS = [str(_OURS / "simulation" / name) for name in ("ticks/ticking.py", "loader.py")]
 #: interval between two checks, wall-clock seconds
 _INTERVAL = 0.5
 #: time for the effect of an interruption, wall-clock seconds

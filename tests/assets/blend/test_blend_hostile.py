@@ -366,7 +366,7 @@ def test_decompression_stops_at_the_limit(tmp_path: Path, compress: object) -> N
 def test_a_bomb_is_known_by_its_ratio(tmp_path: Path) -> None:
     path = tmp_path / "bomb.blend"
     path.write_bytes(zstandard.ZstdCompressor(level=3).compress(b"BLENDER-v279" + bytes(1 << 28)))
-    with pytest.raises(BlendError, match="more than 2000 times"):
+    with pytest.raises(BlendError, match="more than 50 times"):
         read_blend(path)
 
 

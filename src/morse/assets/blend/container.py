@@ -19,7 +19,7 @@ SIZE_LIMIT = 1 << 30
 #: size after decompression below which the compression ratio is not checked, bytes
 _HARMLESS = 64 << 20
 #: maximum compression ratio (scenes have 2 to 20); files with a higher ratio are decompression bombs
-_MAX_RATIO = 2000
+_MAX_RATIO = 50
 _CHUNK = 1 << 20
 _ZSTD_WINDOW = 128 << 20
 

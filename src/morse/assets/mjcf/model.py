@@ -179,7 +179,8 @@ def compiled(source: Source) -> ModelData:
             warnings.simplefilter("ignore")
             model = mujoco.MjSpec.from_string(source.text, assets=source.meshes).compile()
     except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
-        raise AssetError(source.path, f"the engine refuses it: {str(error).strip():.300}") from None
+        reason = ", ".join(str(error).split("\n"))
+        raise AssetError(source.path, f"the engine refuses it: {reason:.300}") from None
     return _Reading(model).data()
 
 

@@ -363,7 +363,7 @@ class Reader:
             try:
                 value = self.value(item, before)
                 self._check(value, before)
-                if name == "local_data" and of_morse is None and type(value) in _DICTS.values():
+                if name == "local_data" and of_morse is None and is_a(before, dict) and is_a(value, dict):
                     for field, present_field in dict.items(before):
                         self._check(dict.get(value, field, present_field), present_field)
             except StateError as error:
