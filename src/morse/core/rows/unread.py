@@ -40,5 +40,6 @@ class Unread:
 
 def present_data(component: Any) -> dict[str, Any]:
     """Return ``local_data`` of a component for readers that do not keep it: it is valid until the next action."""
-    data: dict[str, Any] = component.local_data if component._in_rows is None else component._in_rows.data_of(component)
+    rows = getattr(component, "_in_rows", None)  # streams also carry objects that are no components
+    data: dict[str, Any] = component.local_data if rows is None else rows.data_of(component)
     return data
