@@ -47,4 +47,6 @@ def _files(module: str, directories: list[str]) -> list[Path]:
     path = Path(*module.split(".")) if module else Path()
     candidates = [Path(directory) / path for directory in directories]
     files = [file for stem in candidates for file in (stem.with_suffix(".py"), stem / "__init__.py")]
-    return [file for file in files if module and file.is_file()]
+    # a script in a checkout of MORSE does not make MORSE a part of its project
+    is_project = module.partition(".")[0] not in ("", "morse", "pymorse")
+    return [file for file in files if is_project and file.is_file()]
