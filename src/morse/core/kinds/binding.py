@@ -12,7 +12,7 @@ from morse.core.kinds.installed import kind_named
 from morse.core.kinds.kind import ORIENTATION
 from morse.core.kinds.message import Message
 from morse.core.kinds.replaced import uses_after_modifiers
-from morse.core.kinds.sources import Among, FromData, as_slot, as_slot_rows, source_of
+from morse.core.kinds.sources import Among, as_slot, as_slot_rows, source_of
 from morse.core.kinds.table import GENERAL, PICTURES
 from morse.core.kinds.turning import NED_AS_WORLD, TURNABLE, turned
 from morse.core.reports.hints import nearest
@@ -42,15 +42,6 @@ class KindError(MorseDeclarationError):
     def __init__(self, findings: list[str]) -> None:
         super().__init__("; ".join(findings))
         self.findings = findings
-
-
-class _Holder:
-    """Data in place of a component."""
-
-    __slots__ = ("local_data",)
-
-    def __init__(self, data: Mapping[str, Any]) -> None:
-        self.local_data = data
 
 
 class BoundKind:
@@ -199,29 +190,6 @@ class BoundKind:
         }
         slots.update(self._covariances)
         return Message(self.kind, stamps, self.frame, slots)
-
-    @property
-    def needs(self) -> frozenset[str] | None:
-        """The fields that determine the message; None if it depends on more than the data of the component."""
-        if self._turns or not all(source.is_of_data for _, source in self._sources) or self.kind.name == GENERAL:
-            return None
-        if any(isinstance(source, FromData) for _, source in self._sources):
-            return frozenset(self.component.local_data) - {"timestamp"}
-        return frozenset(name for _, source in self._sources for name in source.fields if name is not None)
-
-    def gather_from(self, data: Mapping[str, object], stamp: int) -> Message:
-        """Return the message with other data; in any thread, if `needs` is not None.
-
-        Vectors are those of the data: sequences of numbers, or arrays.
-
-        Args:
-            data: the fields `needs`.
-            stamp: simulated time of the measurement, whole ns.
-        """
-        holder = _Holder(data)
-        slots = {slot.name: value for slot, source in self._sources if (value := source.get(holder)) is not None}
-        slots.update(self._covariances)
-        return Message(self.kind, stamp, self.frame, slots)
 
     def scatter(self, slots: Mapping[str, object], frame: str = "") -> tuple[dict[str, Any], str | None]:
         """Return the fields that a command sets, for `morse.core.validation.Commands`; other fields stay unchanged.

@@ -19,6 +19,8 @@ class ActuatorRows(Rows):
     these robots are driven by one call.
     """
 
+    functions, modifiers = "input_functions", "input_modifiers"
+
     def __init__(self, members: Sequence[Any], act: Any) -> None:
         self._fields = lasting_fields(type(members[0]))
         #: members whose actions do not drive their robots as bodies
@@ -28,18 +30,6 @@ class ActuatorRows(Rows):
     def is_row(self, member: Any) -> bool:
         """Whether the speed lasts."""
         return super().is_row(member) and id(member) not in self._others and not member.input_modifiers
-
-    @staticmethod
-    def functions_of(member: Any) -> list[Any]:
-        """The streams that receive its commands."""
-        functions: list[Any] = member.input_functions
-        return functions
-
-    @staticmethod
-    def modifiers_of(member: Any) -> list[Any]:
-        """The modifiers of its commands."""
-        modifiers: list[Any] = member.input_modifiers
-        return modifiers
 
     def _take(self) -> None:
         self._values: list[list[Any]] = []

@@ -7,7 +7,7 @@ its ``default_action`` is called, which is the only definition of what the compo
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core.realism import phase_of
 from morse.core.rows.marks import is_overridden
@@ -31,8 +31,13 @@ class Rows:
         members: the components, in the order of the scene.
         frequency: Hz.
         stamp: number of actions.
+        functions: name of the attribute of a member with the functions of its streams.
+        modifiers: name of its attribute with the modifiers of its data.
         is_changed: whether a member has changed, so that it may have to act in each tick, or no longer has to.
     """
+
+    functions: ClassVar[str]
+    modifiers: ClassVar[str]
 
     def __init__(self, members: Sequence[Any], act: Callable[[Sequence[Any]], None]) -> None:
         self.members = tuple(members)
@@ -69,16 +74,6 @@ class Rows:
             and member.may_wait()
         )
 
-    @staticmethod
-    def functions_of(member: Any) -> list[Any]:
-        """The functions of streams that the action of a member calls."""
-        raise NotImplementedError
-
-    @staticmethod
-    def modifiers_of(member: Any) -> list[Any]:
-        """The modifiers of the data of a member."""
-        raise NotImplementedError
-
     def form(self) -> None:
         """Determine which members are rows."""
         self.release()
@@ -89,13 +84,15 @@ class Rows:
         self._row_of = {id(member): row for row, member in enumerate(rows)}
         self._attributes = [vars(member) for member in rows]
         #: functions and modifiers of the rows, which may change, and as they were
-        self._hooks = [hooks for member in rows for hooks in (self.functions_of(member), self.modifiers_of(member))]
+        self._hooks = [
+            hooks for member in rows for hooks in (getattr(member, self.functions), getattr(member, self.modifiers))
+        ]
         self._known_hooks = [list(hooks) for hooks in self._hooks]
         #: members, and what their streams wait for
         self._waiting = [
             (member, sign)
             for member in rows
-            for function in self.functions_of(member)
+            for function in getattr(member, self.functions)
             if (sign := waiting(function)) is not None
         ]
         self._signs = [sign for _, sign in self._waiting]

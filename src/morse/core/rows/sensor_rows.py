@@ -21,6 +21,8 @@ class SensorRows(Rows):
 
     _datas: Sequence[dict[str, Any]] = ()
 
+    functions, modifiers = "output_functions", "output_modifiers"
+
     def is_row(self, member: Any) -> bool:
         """Whether the sensor may measure later, because nobody can have a reference to its data."""
         return (
@@ -30,18 +32,6 @@ class SensorRows(Rows):
             and not member.output_modifiers
             and all(waiting(function) is not None for function in member.output_functions)
         )
-
-    @staticmethod
-    def functions_of(member: Any) -> list[Any]:
-        """The streams that send its data."""
-        functions: list[Any] = member.output_functions
-        return functions
-
-    @staticmethod
-    def modifiers_of(member: Any) -> list[Any]:
-        """The modifiers of its data."""
-        modifiers: list[Any] = member.output_modifiers
-        return modifiers
 
     @property
     def sensors(self) -> Sequence[Any]:
