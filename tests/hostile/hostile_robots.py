@@ -65,6 +65,23 @@ def _links(count: int, more: str = "") -> str:
     return urdf(links + joints)
 
 
+def _with_masses(robot: str) -> str:
+    return robot.replace('"/><link', (
+        '"><inertial><mass value="1"/></inertial><collision><geometry><sphere radius=".1"/></geometry></collision>'
+        "</link><link"))  # fmt: skip
+
+
+def _chains(count: int, length: int) -> str:
+    links = [f"c{chain}l{i}" for chain in range(count) for i in range(length)]
+    parents = [f"c{chain}l{i - 1}" if i else "base" for chain in range(count) for i in range(length)]
+    joints = "".join(
+        f'<joint name="j_{link}" type="revolute"><parent link="{parent}"/><child link="{link}"/>'
+        '<origin xyz="0 0 0.1"/><axis xyz="0 1 0"/></joint>'
+        for parent, link in zip(parents, links, strict=True)
+    )
+    return urdf("".join(f'<link name="{link}"/>' for link in [*links, "base"]) + joints)
+
+
 def _mjcf_mesh(file: str, uses: int = 1) -> str:
     return mjcf('<geom type="mesh" mesh="m"/>' * uses, f'<asset><mesh name="m" file="{file}"/></asset>')
 
@@ -135,9 +152,9 @@ ROBOTS: dict[str, Maker] = {
     "urdf: 100,000 links": late(".urdf", lambda: urdf("".join(f'<link name="l{i}"/>' for i in range(100_000)))),
     "urdf: 30,000 links and joints": late(".urdf", lambda: _links(30_000)),
     "urdf: 2,000 joints that follow": text(".urdf", _links(1990, '<mimic joint="j1"/>')),
-    "urdf: 1,990 moving links with masses": text(".urdf", _links(1990).replace('"/><link', (
-        '"><inertial><mass value="1"/></inertial><collision><geometry><sphere radius=".1"/></geometry></collision>'
-        "</link><link"))),
+    "urdf: 1,990 moving links with masses": text(".urdf", _with_masses(_links(1990))),
+    "urdf: 1,000 moving links with masses": text(".urdf", _with_masses(_links(1000))),
+    "urdf: 900 moving links in five chains": text(".urdf", _with_masses(_chains(5, 180))),
     "urdf: 40,000 boxes": late(".urdf", lambda: urdf('<link name="a">' + (
         '<collision><geometry><box size="1 1 1"/></geometry></collision>' * 40_000) + "</link>")),
     "urdf: 40,000 visuals": late(".urdf", lambda: urdf('<link name="a">' + (

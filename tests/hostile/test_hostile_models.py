@@ -32,7 +32,8 @@ SHORT = (
     "gltf: 40 times one sparse file", "gltf: 9,000 uses of one array", "gltf: matrix of 1e308", "gltf: nested lists",
     "obj: polygon of 1.2 M corners", "ply: 370,000 equal triangles", "ply: 4,000,000,000 vertices", "stl: wrong count",
     "mjcf: 90,000 equal boxes", "mjcf: nested replicate", "mjcf: files that include each other twice",
-    "urdf: 100,000 links", "urdf: collada instances", "urdf: entities", "picture: 60 materials, one picture",
+    "urdf: 100,000 links", "urdf: 1,990 moving links with masses", "urdf: collada instances", "urdf: entities",
+    "picture: 60 materials, one picture",
     "picture: 30,000 x 30,000", "blend: zstandard bomb",
 )  # fmt: skip
 

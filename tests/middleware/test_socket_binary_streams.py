@@ -231,6 +231,8 @@ def test_a_frame_sent_to_a_port_of_lines_hurts_nobody(bench: Bench, caplog: pyte
     peers[0].send(b'{"v": 1.0}\n')
     bench.tick_until(lambda: motion.local_data["v"] == 1.0)
     assert "cannot be read" in caplog.text
+    # the frame is answered as well, at any time
+    bench.tick_until(peers[2].lines)
     assert b"SUCCESS 3" in bench.call(peers[2], b"1 robot1.motion add [1, 2]\n")
     bench.tick_until(peers[1].lines)
     for peer in peers:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,10 @@ _BULGE = 1e-3  # share of the diagonal: tolerance for vertices in front of a fac
 _WORK = 20_000_000  # maximum product of vertices and faces that are tested
 _CHUNK = 2_000_000
 _HULL_POINTS = 512  # maximum number of vertices of a hull; of a larger hull, only the extreme vertices are used
+_ALL_POINTS, _FEWEST_POINTS = (
+    262_144,
+    64,
+)  # of many hulls together, and of each of them: the engine takes 250 B for each
 _ROUNDING = 1e-12  # share of the cube of the trace of a matrix by which its determinant may be wrong
 _THINNEST = 0.001  # metres; minimum thickness of hulls
 
@@ -55,10 +60,15 @@ def _bends_backward(surface: Surface, offsets: Floats, tolerance: float) -> bool
     return True
 
 
-def hull_part(points: Floats) -> ConvexPart:
-    """The convex hull of points (P, 3), thickened if they lie in a plane, with few enough points for the physics."""
-    if len(points) > _HULL_POINTS:
-        points = _extreme_points(points)
+def hull_part(points: Floats, hulls: int = 1) -> ConvexPart:
+    """The convex hull of points (P, 3), thickened if they lie in a plane, with few enough points for the physics.
+
+    Args:
+        hulls: number of hulls that share the memory of the physics.
+    """
+    most = min(_HULL_POINTS, max(_FEWEST_POINTS, _ALL_POINTS // hulls))
+    if len(points) > most:
+        points = _extreme_points(points, most)
     return ConvexPart(thickened(points, _THINNEST))
 
 
@@ -91,16 +101,22 @@ def _least_width(scatter: Floats, count: int) -> float:
     return 2.0 * math.sqrt(max(volume, 0.0) / count) / (trace / 2.0) if 0.0 < trace < math.inf else 0.0
 
 
-def _extreme_points(points: Floats) -> Floats:
-    """Those of the points (P, 3) that are extreme in directions spread evenly over the sphere (a Fibonacci lattice)."""
-    index = np.arange(_HULL_POINTS) + 0.5
-    height = 1.0 - 2.0 * index / _HULL_POINTS
+def _extreme_points(points: Floats, most: int) -> Floats:
+    """About ``most`` of the points (P, 3), extreme in directions that are spread evenly over the sphere."""
+    scale = np.maximum(np.ptp(points, axis=0), 1e-12)
+    directions = _directions(most) / scale
+    chunks = np.array_split(directions, max(1, len(points) * len(directions) // _CHUNK))
+    extreme = [matmul(points, chunk.T).argmax(axis=0) for chunk in chunks if len(chunk)]
+    extreme_points: Floats = points[np.unique(np.concatenate(extreme))]
+    return extreme_points
+
+
+@cache
+def _directions(count: int) -> Floats:
+    """Directions (count + 6, 3): a Fibonacci lattice, and the axes."""
+    index = np.arange(count) + 0.5
+    height = 1.0 - 2.0 * index / count
     turn = index * (math.pi * (1.0 + math.sqrt(5.0)))
     around = np.sqrt(1.0 - height**2)
-    directions = np.vstack(
-        [np.column_stack([around * portable.cos(turn), around * portable.sin(turn), height]), np.eye(3), -np.eye(3)]
-    )
-    scale = np.maximum(np.ptp(points, axis=0), 1e-12)
-    extreme = np.unique(np.concatenate([matmul(points, d).argmax(keepdims=True) for d in directions / scale]))
-    extreme_points: Floats = points[extreme]
-    return extreme_points
+    lattice = np.column_stack([around * portable.cos(turn), around * portable.sin(turn), height])
+    return np.vstack([lattice, np.eye(3), -np.eye(3)])

@@ -144,4 +144,4 @@ def _hulls_of_groups(surface: Surface, pieces: list[Ints], groups: int, losses: 
         cluster_of[cluster] = number
     owners = cluster_of[owners]
     points = points[np.argsort(owners, kind="stable")]
-    return [hull_part(some) for some in np.split(points, np.cumsum(np.bincount(owners))[:-1])]
+    return [hull_part(some, groups) for some in np.split(points, np.cumsum(np.bincount(owners))[:-1])]

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from morse.scene.declared_sensor import DeclaredSensor
 
 _FARTHEST = 1e6
-#: maximum number of links, and of joints in a chain
-_MOST_LINKS, _DEEPEST = 2000, 200
+#: maximum number of links, of joints that move, each of which the engine compares with each other, and of joints in a
+#: chain
+_MOST_LINKS, _MOST_MOVING, _DEEPEST = 2000, 1000, 200
 #: rad or m, for joints without limits
 _ENDLESS = 1e4
 #: elements whose number is limited
@@ -307,6 +308,10 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
         raise parser.fail("it has no links")
     if len(links) > _MOST_LINKS:
         raise parser.fail(f"it has {len(links)} links, more than {_MOST_LINKS}")
+    if (moving := sum(joint.kind != "fixed" for joint in joints)) > _MOST_MOVING:
+        raise parser.fail(
+            f"it has {moving} joints that move, at most {_MOST_MOVING} can be simulated: fix some of them"
+        )
     names: set[str] = set()
     above: dict[str, Joint] = {}
     below: dict[str, list[Joint]] = {}

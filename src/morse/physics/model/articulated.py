@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
-from morse.mathutils.portable import det, eigh, matmul, norm
+from morse.mathutils.portable import det, eigh, matmul
 from morse.physics.model.inertia import mass_of, moved_inertia
 from morse.physics.model.layout import Motion
-from morse.physics.model.motors import Load, Motor, weight
+from morse.physics.model.loads import Loads, root_of
+from morse.physics.model.motors import Motor
 from morse.physics.poses.poses import as_array, relative_pose
 from morse.scene import Articulation, JointDynamics, JointKind, controls_of
 from morse.scene.bone_frames import BonePose, start_frames, start_value
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Iterator
+    from collections.abc import Iterable
 
     from numpy.typing import NDArray
 
@@ -70,7 +71,7 @@ class JointSlot:
 
 
 @dataclass(eq=False, slots=True)
-class _Made:
+class AddedJoint:
     """A joint that was added, for the parts that need all joints of an armature."""
 
     frame: Frame
@@ -82,14 +83,14 @@ class _Made:
 
 
 @dataclass(eq=False, slots=True)
-class _Group:
+class Group:
     """A frame with its body in the engine, its mass (kg), centre of mass (3, world, m) and joints."""
 
     frame: Frame
     body: Any
     mass: float
     centre: NDArray[np.float64]
-    joints: list[_Made] = field(default_factory=list)
+    joints: list[AddedJoint] = field(default_factory=list)
 
 
 class Articulated:
@@ -97,8 +98,8 @@ class Articulated:
 
     def __init__(self, spec: Any) -> None:
         self._spec = spec
-        self._groups: dict[Frame, _Group] = {}
-        self._made: list[_Made] = []
+        self._groups: dict[Frame, Group] = {}
+        self._made: list[AddedJoint] = []
         #: poses of the bones at the start, by armature: all frames of an armature need them
         self._starts: dict[Node, list[BonePose]] = {}
 
@@ -109,7 +110,7 @@ class Articulated:
         links = [node for node in frame.members if node.inertial is not None]
         is_root = frame.motion is not Motion.JOINT
         if is_root and (frame.motion is not Motion.FREE or frame.node.articulation is None or not frame.carries):
-            self._groups[frame] = _Group(frame, body, frame.node.body.mass, np.array(pose.position))
+            self._groups[frame] = Group(frame, body, frame.node.body.mass, np.array(pose.position))
             return False
         scale = _scale(frame)
         parts: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = []
@@ -147,7 +148,7 @@ class Articulated:
         moments[:2] += max(0.0, 0.5 * (1.001 * moments[2] - moments[0] - moments[1]))
         body.inertia = moments
         place = np.array(pose.position) + matmul(as_array(pose.rotation), centre)
-        self._groups[frame] = _Group(frame, body, float(mass), place)
+        self._groups[frame] = Group(frame, body, float(mass), place)
         return True
 
     # -- joints ----------------------------------------------------------------------------
@@ -194,7 +195,7 @@ class Articulated:
             joint.range = [low, high] if low < high else [low - 1e-6, low + 1e-6]
             slot = JointSlot(armature, bone.name)
             slot.start = value
-            entry = _Made(frame, bone, slot, joint, anchor, limit)
+            entry = AddedJoint(frame, bone, slot, joint, anchor, limit)
             self._made.append(entry)
             self._groups[frame].joints.append(entry)
             joints.append(slot)
@@ -233,7 +234,7 @@ class Articulated:
             if kind == _BALL and limit.limited and bone.high > 0.0:
                 joint.limited, joint.range = True, [0.0, bone.high]
             slot = JointSlot(armature, f"{bone.name}{suffix}", width=4 if kind == _BALL else 1)
-            entry = _Made(frame, bone, slot, joint, anchor, limit)
+            entry = AddedJoint(frame, bone, slot, joint, anchor, limit)
             self._made.append(entry)
             self._groups[frame].joints.append(entry)
             joints.append(slot)
@@ -250,12 +251,12 @@ class Articulated:
         if not self._made:
             return
         by_name = {(entry.slot.armature, entry.bone.name): entry for entry in self._made}
-        leaders: dict[JointSlot, _Made] = {}
+        leaders: dict[JointSlot, AddedJoint] = {}
         for entry in self._made:
             armature = entry.slot.armature
             if entry.bone.leader >= 0 and (leader := by_name.get((armature, armature.bones[entry.bone.leader].name))):
                 leaders[entry.slot] = leader
-        loads = self._loads(leaders)
+        loads = Loads(self._groups)
         for entry in self._made:
             armature = entry.slot.armature
             if entry.bone.kind.is_loose:
@@ -266,12 +267,12 @@ class Articulated:
             motor = self._spec.add_actuator(
                 name=entry.joint.name, target=entry.joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT
             )
-            entry.slot.motor = Motor(entry.limit, loads[entry.slot], step)
+            entry.slot.motor = Motor(entry.limit, loads.of(entry, slides=entry.bone.kind is JointKind.PRISMATIC), step)
             entry.slot.motor.add_to(motor, entry.joint, controls_of(armature)[entry.bone.name])
-        for root in {_root(frame): None for frame in self._groups if frame.motion is Motion.JOINT}:
+        for root in {root_of(frame): None for frame in self._groups if frame.motion is Motion.JOINT}:
             self._keep_apart(root)
 
-    def _follow(self, entry: _Made, leader: _Made) -> None:
+    def _follow(self, entry: AddedJoint, leader: AddedJoint) -> None:
         equality = self._spec.add_equality(
             name=entry.joint.name,
             type=mujoco.mjtEq.mjEQ_JOINT,
@@ -285,67 +286,9 @@ class Articulated:
         equality.data = data
         equality.solref = [2.0 * float(self._spec.option.timestep), 1.0]
 
-    def _loads(self, followers: Container[JointSlot]) -> dict[JointSlot, Load]:
-        """Return the largest load of each motor, whatever the other joints do; joints that follow have no motor."""
-        below: dict[Frame, list[Frame]] = {}
-        for frame in self._groups:
-            if frame.motion is Motion.JOINT and frame.parent is not None:
-                below.setdefault(frame.parent, []).append(frame)
-        loads: dict[JointSlot, Load] = {}
-        for frame, group in self._groups.items():
-            for entry in group.joints:
-                if entry.bone.kind.is_loose or entry.slot in followers:
-                    continue
-                slides = entry.bone.kind is JointKind.PRISMATIC
-                mass, inertia, moment = self._reached(frame, entry.anchor, below)
-                root = _root(frame)
-                rest, rotating, lever = 0.0, 0.0, 0.0
-                if root.motion is Motion.FREE:
-                    mine = set(self._tree(frame, below))
-                    for other in self._tree(root, below):
-                        if other not in mine:
-                            part = self._groups[other]
-                            reach = float(norm(part.centre - entry.anchor))
-                            rest += part.mass
-                            rotating += part.mass * reach * reach
-                            lever += weight(part.mass, reach)
-                if slides:
-                    loads[entry.slot] = Load(mass, weight(mass, 1.0), rest, weight(rest, 1.0), slides)
-                else:
-                    loads[entry.slot] = Load(inertia, moment, rotating, lever, slides)
-        return loads
-
-    def _reached(
-        self, frame: Frame, anchor: NDArray[np.float64], below: dict[Frame, list[Frame]]
-    ) -> tuple[float, float, float]:
-        """Return mass, largest moment of inertia and largest moment of weight of the load of a joint.
-
-        They are the largest if all joints of the load are stretched.
-        """
-        mass = inertia = moment = 0.0
-        queue = [(frame, anchor, 0.0)]
-        while queue:
-            one, place, length = queue.pop()
-            group = self._groups[one]
-            reach = length + float(norm(group.centre - place))
-            mass += group.mass
-            inertia += group.mass * reach * reach + float(np.max(group.body.inertia))
-            moment += weight(group.mass, reach)
-            for other in below.get(one, ()):
-                there = self._groups[other].joints[0].anchor
-                queue.append((other, there, length + float(norm(there - place))))
-        return mass, inertia, moment
-
-    def _tree(self, frame: Frame, below: dict[Frame, list[Frame]]) -> Iterator[Frame]:
-        queue = [frame]
-        while queue:
-            one = queue.pop()
-            yield one
-            queue += below.get(one, ())
-
     def _keep_apart(self, root: Frame) -> None:
         """Disable collisions between links of one robot, unless the file enables them."""
-        frames = [frame for frame in self._groups if _root(frame) is root]
+        frames = [frame for frame in self._groups if root_of(frame) is root]
         names = {frame: {node.source_name or node.name for node in frame.members} for frame in frames}
         for number, one in enumerate(frames):
             for other in frames[number + 1 :]:
@@ -372,13 +315,6 @@ class Articulated:
             entry.slot.actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, entry.joint.name)
 
 
-def _root(frame: Frame) -> Frame:
-    while frame.motion is Motion.JOINT:
-        assert frame.parent is not None
-        frame = frame.parent
-    return frame
-
-
 def _has_masses(frame: Frame) -> bool:
     """Whether the file of the armature of a frame has masses."""
     armature = frame.armature if frame.armature is not None else frame.node
@@ -387,11 +323,11 @@ def _has_masses(frame: Frame) -> bool:
 
 def _scale(frame: Frame) -> float:
     """Return the factor between the mass of a robot in the scene and in its file."""
-    root = _root(frame).node
+    root = root_of(frame).node
     in_file = root.articulation.mass if root.articulation is not None else 0.0
     return root.body.mass / in_file if in_file and abs(root.body.mass - in_file) > 1e-9 * in_file else 1.0
 
 
 def carried(frames: Iterable[Frame]) -> dict[Frame, Frame]:
     """Return the root of each joint frame."""
-    return {frame: _root(frame) for frame in frames if frame.motion is Motion.JOINT}
+    return {frame: root_of(frame) for frame in frames if frame.motion is Motion.JOINT}
