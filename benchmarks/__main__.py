@@ -17,6 +17,7 @@ from benchmarks.suites.crowd import crowd, view
 from benchmarks.suites.floods import floods
 from benchmarks.suites.launch import launch
 from benchmarks.suites.lockstep import lockstep
+from benchmarks.suites.many import many
 from benchmarks.suites.page import page
 from benchmarks.suites.panorama import panorama
 from benchmarks.suites.pictures import pictures
@@ -33,6 +34,7 @@ SUITES: dict[str, Callable[[Plan], Iterator[Result]]] = {
     "pushing": pushing,
     "panorama": panorama,
     "pictures": pictures,
+    "many": many,
     "launch": launch,
     "lockstep": lockstep,
     "components": components,

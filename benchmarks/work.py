@@ -63,6 +63,18 @@ def blocks(count: int = 1) -> list[Block]:
     return walls(scale) + boxes(scale)
 
 
+def row_blocks() -> list[Block]:
+    """Four walls and twelve boxes of a row of a batch; the middle is free."""
+    return walls(0.5) + [
+        (away * math.cos(angle), away * math.sin(angle), BOX[2] / 2, *BOX)
+        for number in range(12)
+        for angle, away in [(math.tau * number / 12, 3.2 + 0.8 * (number % 2))]
+    ]
+
+
+#: x, y, yaw at the start of a row: the circle of the command goes around the middle
+ROW_START = (0.0, -1.0, 0.0)
+
 # robots that drive in circles ---------------------------------------------------------------
 
 

@@ -22,15 +22,24 @@ if TYPE_CHECKING:
 _STEPS = 4  # engine steps per tick: 240 Hz
 
 
-def _model(count: int, drive: str) -> mujoco.MjModel:
+def _arena(blocks: list[work.Block]) -> list[str]:
     parts = [
         f'<mujoco><option timestep="{1 / work.TICK / _STEPS}" integrator="implicitfast"/><worldbody>'
         '<geom type="plane" size="60 60 1" friction="1 0.005 0.0001"/>'
     ]
-    parts += [
-        f'<geom type="box" pos="{x} {y} {z}" size="{sx / 2} {sy / 2} {sz / 2}"/>'
-        for x, y, z, sx, sy, sz in work.blocks(count)
+    return parts + [
+        f'<geom type="box" pos="{x} {y} {z}" size="{sx / 2} {sy / 2} {sz / 2}"/>' for x, y, z, sx, sy, sz in blocks
     ]
+
+
+def row_model() -> mujoco.MjModel:
+    """One planar robot in the arena of a row of a batch."""
+    parts = [*_arena(work.row_blocks()), _planar("robot", 0.0, 0.0), "</worldbody></mujoco>"]
+    return mujoco.MjModel.from_xml_string("".join(parts))
+
+
+def _model(count: int, drive: str) -> mujoco.MjModel:
+    parts = _arena(work.blocks(count))
     robot = _planar if drive == "planar" else _wheeled
     parts += [robot(f"r{i}", x, y) for i, (x, y, _) in enumerate(work.starts(count))]
     parts.append("</worldbody>")

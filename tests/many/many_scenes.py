@@ -91,3 +91,76 @@ def crowded_arena():
     block("Crate", -1.5, 0.0, 0.3, 0.3, static=False)
     block("Wall", 3.0, 0.0, 0.1, 3.0)
     Environment("empty")
+
+
+def fleet_arena():
+    """Wheels, an arm, a pan-tilt unit, a drone and a robot that goes to a place, with sensors of further kinds."""
+    from morse.builder import (
+        ATRV,
+        PTU,
+        Armature,
+        ArmaturePose,
+        Attitude,
+        Barometer,
+        Battery,
+        Bumper,
+        DepthCamera,
+        Environment,
+        Gyroscope,
+        Magnetometer,
+        MotionVW,
+        MotionVWDiff,
+        NormalCamera,
+        OpticalFlowCamera,
+        Pioneer3DX,
+        Pose,
+        PTUPosture,
+        Quadrotor,
+        RotorcraftWaypoint,
+        SegmentationCamera,
+        SemanticCamera,
+        StabilizedQuadrotor,
+        Velocity,
+        Waypoint,
+        WheelEncoders,
+    )
+
+    wheels = Pioneer3DX("wheels")
+    eyes = [SegmentationCamera("ids"), NormalCamera("normals"), OpticalFlowCamera("flow"), DepthCamera("points")]
+    for eye in eyes:
+        eye.properties(cam_width=12, cam_height=8)
+        eye.translate(0.2, 0.0, 0.5)
+    eyes[3].properties(keep_resolution=True)
+    gyroscope = Gyroscope("gyroscope")
+    gyroscope.noise(gaussian=0.01)
+    for part in (MotionVWDiff("motion"), WheelEncoders("encoders"), gyroscope, Velocity("velocity"), *eyes):
+        wheels.append(part)
+
+    carrier = ATRV("carrier")
+    carrier.translate(-3.0, 1.0, 0.1)
+    unit, arm = PTU("unit"), Armature("arm", model_name="kuka_lwr")
+    unit.append(PTUPosture("posture"))
+    arm.append(ArmaturePose("angles"))
+    arm.translate(0.0, 0.0, 0.9)
+    semantic = SemanticCamera("semantic")
+    semantic.properties(cam_width=12, cam_height=8)
+    for part in (MotionVW("motion"), unit, arm, Bumper("bumper"), Battery("battery"), semantic, Pose("pose")):
+        carrier.append(part)
+
+    drone = Quadrotor("drone")
+    drone.translate(0.0, 3.0, 2.0)
+    for part in (RotorcraftWaypoint("motion"), Attitude("attitude"), Barometer("barometer"), Magnetometer("field")):
+        drone.append(part)
+    other = Quadrotor("other")
+    other.translate(2.0, 3.0, 2.0)
+    for part in (StabilizedQuadrotor("motion"), Pose("pose")):
+        other.append(part)
+
+    goer = ATRV("goer")
+    goer.translate(3.0, -2.0, 0.1)
+    for part in (Waypoint("motion"), Pose("pose")):
+        goer.append(part)
+    block("Crate", -1.5, 0.0, 0.3, 0.3, static=False)
+    block("Wall", 4.5, 0.0, 0.1, 3.0)
+    env = Environment("empty")
+    env.properties(longitude=1.43, latitude=43.6, altitude=135.0)

@@ -117,11 +117,49 @@ def test_rows_are_numbers_slices_or_masks(many):
         (lambda many: many.place([0, 1], "robot", [[0, 0, 0]] * 3), "one for each of 2 rows"),
         (lambda many: many.step(measure=["robot.lazer"]), "no component 'robot.lazer'"),
         (lambda many: many.step(-1), "does not go backwards"),
+        (lambda many: many.step(1.5), "ticks is an integer, not 1.5"),
+        (lambda many: many.step(measure=["robot.motion"]), "is an actuator"),
+        (lambda many: many.step(measure=7), "a list of full names, not 7"),
+        (lambda many: many.measure(sensors=["robot.lazer"]), "no component 'robot.lazer'"),
+        (lambda many: many.read(7, "x"), "by its full name"),
+        (lambda many: many.command("robot", "x"), "is a robot"),
+        (lambda many: many.command("robot.motion", "v", "v"), "given twice"),
+        (lambda many: many.contacts("Wal0"), "no object 'Wal0'"),
+        (lambda many: many.restart([0, 0]), "given twice"),
+        (lambda many: many.restart([[0], [0, 1]]), "rows are a number"),
+        (lambda many: many.place(0, "robot", "abc"), "no array of numbers"),
+        (lambda many: many.place(0, "robot", [1e9, 0, 0]), "within 1e"),
+        (lambda many: many.vary("robot"), "mass or friction"),
+        (lambda many: many.vary("robot", mass="heavy"), "no array of numbers"),
+        (lambda many: many.restore(0, 5), "a state is what save"),
+        (lambda many: many.restore(None, [many.save(0)[0], 5, 5]), "a state is what save"),
+        (lambda many: many[3], "no row 3"),
+        (lambda many: many["robot"], "a row is an integer"),
+        (lambda many: morse.batch(arena, 2, sed=3), "no argument 'sed'.*'seed'"),
+        (lambda many: morse.batch(arena, 2, record="a.mcap"), "no argument 'record'"),
     ],
 )
 def test_mistakes_are_named(many, mistake, message):
-    with pytest.raises((KeyError, IndexError, TypeError, ValueError), match=message):
+    hashes = [sim.state_hash() for sim in many]
+    with pytest.raises((KeyError, IndexError, TypeError, ValueError), match=message) as caught:
         mistake(many)
+    assert not getattr(caught.value, "__notes__", ())
+    assert [sim.state_hash() for sim in many] == hashes
+
+
+@pytest.mark.parametrize(
+    "mistake",
+    [
+        lambda many: many.place(None, "robot", [[1, 0, 0], [1, 0, 0], [np.nan, 0, 0]]),
+        lambda many: many.vary("robot", mass=[5, 6, -1]),
+        lambda many: many.vary("robot", mass=5, friction=[1, 1, np.nan]),
+    ],
+)
+def test_a_mistake_in_one_row_changes_none(many, mistake):
+    hashes = [sim.state_hash() for sim in many]
+    with pytest.raises(ValueError, match="robot"):
+        mistake(many)
+    assert [sim.state_hash() for sim in many] == hashes
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e9])
@@ -173,9 +211,17 @@ def test_the_number_of_rows_is_required():
 
 
 def test_a_closed_batch_says_so(many):
+    states = many.save()
     many.close()
-    with pytest.raises(RuntimeError, match="closed"):
-        many.step()
+    uses = [
+        many.step, many.restart, many.save, many.measure, lambda: many.read("robot.pose", "x"), lambda: many[0],
+        lambda: many.command("robot.motion"), lambda: many.contacts("robot"), lambda: many.restore(None, states),
+        lambda: many.place(None, "robot", [0, 0, 0]), lambda: many.vary("robot", mass=1),
+        lambda: many.component("robot.pose"),
+    ]  # fmt: skip
+    for use in uses:
+        with pytest.raises(RuntimeError, match="closed"):
+            use()
 
 
 def test_arguments_of_a_script_for_each_row(tmp_path):

@@ -4,83 +4,152 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from many_scenes import arena, crowded_arena
+from many_scenes import arena, crowded_arena, fleet_arena
 
 import morse
 from effort import examples
 
-#: component, fields: what is compared in each step
-DATA = [
-    ("robot.gps", ("x", "y", "z")), ("robot.pose", ("x", "y", "yaw")), ("robot.laser", ("range_list",)),
-    ("robot.camera", ("image",)), ("robot.depth", ("image",)), ("robot.imu", ("linear_acceleration",)),
-    ("robot.odometry", ("x", "y", "vx", "wz")), ("robot.accelerometer", ("velocity",)),
-    ("robot.bumper", ("collision",)), ("second.pose", ("x", "y")), ("robot.clock", ("timestamp",)),
-]  # fmt: skip
+#: scene: the robot that contacts, places and parameters are about; commands, with their least and largest values
+SCENES = {
+    crowded_arena: ("robot", {("robot.motion", "v", "w"): [(-3, 3), (-3, 3)], ("second.motion", "x"): [(-3, 3)]}),
+    fleet_arena: (
+        "wheels",
+        {
+            ("wheels.motion", "v", "w"): [(-2, 2), (-2, 2)],
+            ("carrier.motion", "v", "w"): [(-2, 2), (-2, 2)],
+            ("carrier.unit", "pan"): [(-1, 1)],
+            ("carrier.arm", "kuka_2"): [(-1, 1)],
+            ("drone.motion", "x", "z"): [(-2, 2), (1, 4)],
+            ("other.motion", "theta_c"): [(-0.1, 0.1)],
+            ("goer.motion", "x", "y"): [(-4, 4), (-4, 4)],
+        },
+    ),
+}
+PLACES = [(0.0, 1.0, 0.5), (1.0, -1.0, 3.0), (-1.4, 0.1, 0.0), (0.5, 0.5, 0.6, 0.3, 0.2, 1.0)]
 
 
-def values_of(data, fields):
-    value = (
-        np.concatenate([np.ravel(data[name]) for name in fields]) if len(fields) > 1 else np.asarray(data[fields[0]])
+class Alone:
+    """One simulation, by its own interface."""
+
+    def __init__(self, scene, seed):
+        self.name, commands = SCENES[scene]
+        self.sim, self.seed, self.state = morse.load(scene, seed=seed), seed, None
+        self.contacts = self.sim[self.name].contacts()
+        self.drives = [(part_of(self.sim, name), fields) for name, *fields in commands]
+
+    def act(self, kind, value):
+        sim = self.sim
+        if kind == "drive":
+            for (handle, fields), values in zip(self.drives, value, strict=True):
+                handle.publish(dict(zip(fields, values, strict=True)))
+        elif kind == "restart":
+            sim.restart(value)
+        elif kind == "place":
+            sim[self.name].place(value)
+        elif kind == "vary":
+            sim[self.name].set_mass(value)
+            sim[self.name].set_friction(value / 20.0)
+        elif kind == "save":
+            self.state = sim.save()
+        elif kind == "restore" and self.state is not None:
+            sim.restore(self.state)
+
+
+def part_of(sim, name):
+    robot, *parts = name.split(".")
+    handle = sim[robot]
+    for part in parts:
+        handle = handle.parts[part]
+    return handle
+
+
+def acts_of(scene):
+    """A strategy for what happens to a row before a step."""
+    commands = [
+        st.tuples(*(st.floats(low, high).map(lambda value: round(value, 2)) for low, high in bounds))
+        for bounds in SCENES[scene][1].values()
+    ]
+    return st.one_of(
+        st.tuples(st.just("drive"), st.tuples(*commands)),
+        st.tuples(st.just("drive"), st.tuples(*commands)),
+        st.tuples(st.just("restart"), st.integers(0, 9)),
+        st.tuples(st.just("place"), st.sampled_from(PLACES)),
+        st.tuples(st.just("vary"), st.floats(5.0, 20.0)),
+        st.tuples(st.sampled_from(["save", "restore", "idle"]), st.none()),
     )
-    return value[..., :3] if value.ndim == 3 else value
 
 
-def alone(scene, seed, acts, ticks, measure):
-    """What a simulation alone measures; each act is a command of both robots, or an episode that begins."""
-    with morse.load(scene, seed=seed) as sim:
-        contacts = sim.robot.contacts()
-        for act in acts:
-            if act[0] == "restart":
-                sim.restart(act[1])
-            elif act[0] == "place":
-                sim.place("robot", act[1])
-            else:
-                sim.robot.motion.publish({"v": act[0], "w": act[1]})
-                sim.second.motion.publish({"x": act[2], "y": 0.0, "w": 0.0})
-            sim.step(ticks, measure=measure)
-            data = {key: values_of(sim[key[0].split(".")[0]][key[0].split(".")[1]].component.local_data, key[1])
-                    for key in DATA}  # fmt: skip
-            yield data, contacts.touched, contacts.impulse, sim.state_hash()
+def act_on_row(many, row, kind, value, drives, states, name):
+    if kind == "drive":
+        for drive, values in zip(drives, value, strict=True):
+            drive[row] = values if len(values) > 1 else values[0]
+    elif kind == "restart":
+        many.restart(row, [value])
+    elif kind == "place":
+        many.place(row, name, value)
+    elif kind == "vary":
+        many.vary(name, rows=row, mass=value, friction=value / 20.0)
+    elif kind == "save":
+        states[row] = many.save(row)
+    elif kind == "restore" and row in states:
+        many.restore(row, states[row])
 
 
-speeds = st.floats(-3.0, 3.0).map(lambda speed: round(speed, 2))
-acts = st.one_of(
-    st.tuples(speeds, speeds, speeds),
-    st.tuples(st.just("restart"), st.integers(0, 9)),
-    st.tuples(st.just("place"), st.sampled_from([(0.0, 1.0, 0.5), (1.0, -1.0, 3.0)])),
-)
+def columns_of(many):
+    """All fields of all components that have a column."""
+    columns = {}
+    for component, part in {**many[0].context.robots, **many[0].context.components}.items():
+        for field in part.local_data:
+            columns[component, field] = many.read(component, field)
+    return columns
 
 
-@settings(max_examples=examples(20))
-@given(
-    rows=st.lists(st.lists(acts, min_size=4, max_size=4), min_size=3, max_size=3),
-    ticks=st.sampled_from([1, 6, 11]),
-    measure=st.booleans(),
-)
-def test_each_row_is_as_alone(rows, ticks, measure):
-    with morse.batch(crowded_arena, len(rows), seed=3) as many:
-        drive, push = many.command("robot.motion", "v", "w"), many.command("second.motion", "x", "y", "w")
-        hit = many.contacts("robot")
-        columns = {key: many.read(key[0], *key[1]) for key in DATA}
-        references = [alone(crowded_arena, 3 + row, rows[row], ticks, measure) for row in range(len(rows))]
-        for number in range(len(rows[0])):
-            for row, act in enumerate(script[number] for script in rows):
-                if act[0] == "restart":
-                    many.restart(row, [act[1]])
-                elif act[0] == "place":
-                    many.place(row, "robot", act[1])
-                else:
-                    drive[row], push[row] = act[:2], (act[2], 0.0, 0.0)
+def assert_equal(column, value, what):
+    if column.dtype == object:
+        assert column == value or not np.size(value), what
+    elif np.size(value):
+        value = np.asarray(value)
+        colours = value.dtype == np.uint8 and value.ndim == 3
+        np.testing.assert_array_equal(column, value[..., :3] if colours else value, err_msg=what)
+
+
+def check_rows(scene, scripts, ticks, measure):
+    """Rows that do what each script says, compared with simulations alone that do the same."""
+    name, commands = SCENES[scene]
+    alone = [Alone(scene, 3 + row) for row in range(len(scripts))]
+    with morse.batch(scene, len(scripts), seed=3) as many:
+        drives, states = [many.command(*words) for words in commands], {}
+        hit, columns = many.contacts(name), columns_of(many)
+        for acts in zip(*scripts, strict=True):
+            for row, (kind, value) in enumerate(acts):
+                act_on_row(many, row, kind, value, drives, states, name)
+                alone[row].act(kind, value)
             many.step(ticks, measure=measure)
-            for row, reference in enumerate(references):
-                data, touched, impulse, state = next(reference)
-                for key, value in data.items():
-                    if value.size:
-                        np.testing.assert_array_equal(columns[key][row], value, err_msg=f"{key} in row {row}")
-                assert (hit[row], hit.impulse[row]) == (touched, impulse)
-                assert many[row].state_hash() == state
-        for reference in references:
-            reference.close()
+            for row, other in enumerate(alone):
+                other.sim.step(ticks, measure=measure)
+                for (component, field), column in columns.items():
+                    value = other.sim.context.component(component).local_data[field]
+                    assert_equal(column[row], value, f"{field} of {component} in row {row}")
+                assert (hit[row], hit.impulse[row]) == (other.contacts.touched, other.contacts.impulse)
+                assert many[row].state_hash() == other.sim.state_hash()
+    for other in alone:
+        other.sim.close()
+
+
+def scripts_of(scene):
+    return st.lists(st.lists(acts_of(scene), min_size=4, max_size=4), min_size=3, max_size=3)
+
+
+@settings(max_examples=examples(15))
+@given(scripts=scripts_of(crowded_arena), ticks=st.sampled_from([1, 6, 11]), measure=st.booleans())
+def test_each_row_is_as_alone(scripts, ticks, measure):
+    check_rows(crowded_arena, scripts, ticks, measure)
+
+
+@settings(max_examples=examples(4))
+@given(scripts=scripts_of(fleet_arena), ticks=st.sampled_from([1, 6, 11]), measure=st.booleans())
+def test_each_row_of_many_kinds_is_as_alone(scripts, ticks, measure):
+    check_rows(fleet_arena, scripts, ticks, measure)
 
 
 def test_equal_seeds_are_equal_rows_and_scenes_alternate():

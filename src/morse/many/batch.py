@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Any
 from morse.core.actuator import Actuator
 from morse.core.reports.faults import ENDINGS
 from morse.core.reports.hints import nearest
+from morse.core.sensor import Sensor
 from morse.many.commands import CommandColumn
 from morse.many.layout import Layout
 from morse.many.readings import ContactColumn, DataColumn
-from morse.many.rows import rows_of, seeds_of, values_of, vectors_of
+from morse.many.rows import only_row_of, rows_of, seeds_of, values_of, vectors_of
 from morse.many.scenes import Scenes
 from morse.simulation.states.state import State
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from types import TracebackType
 
     from numpy.typing import NDArray
@@ -69,7 +70,7 @@ class Batch:
         self._simulations: list[Simulation] = []
         self._commands: list[CommandColumn] = []
         self._readings: list[DataColumn | ContactColumn] = []
-        self._layouts: dict[tuple[str, tuple[str, ...]], Layout] = {}
+        self._samples: dict[str, Mapping[str, Any]] | None = None
         try:
             for row, one in enumerate(self.seeds):
                 self._simulations.append(self._scenes.load(row, one))
@@ -81,7 +82,8 @@ class Batch:
         return len(self._simulations)
 
     def __getitem__(self, row: int) -> Simulation:
-        return self._simulations[row]
+        self._check_open()
+        return self._simulations[row if isinstance(row, slice) else only_row_of(row, len(self))]
 
     def __iter__(self) -> Iterator[Simulation]:
         return iter(self._simulations)
@@ -111,12 +113,16 @@ class Batch:
         Raises:
             KeyError: there is no such component or field.
             TypeError: the component is not an actuator.
+            ValueError: a field is given twice.
         """
         handles = self._handles(component)
         actuator = handles[0].component
         if not isinstance(actuator, Actuator):
-            raise TypeError(f"{component} is a sensor: use read()")
+            kind = "a sensor" if isinstance(actuator, Sensor) else "a robot"
+            raise TypeError(f"{component} is {kind}: use read()")
         chosen = fields or tuple(actuator.local_data)
+        if len(set(chosen)) != len(chosen):
+            raise ValueError(f"a field of {component} is given twice: {', '.join(map(str, chosen))}")
         column = CommandColumn(Layout(component, chosen, actuator.local_data), handles)
         self._commands.append(column)
         return column.array
@@ -142,17 +148,21 @@ class Batch:
         self._readings.append(column)
         return column.array
 
-    def contacts(self, robot: str) -> Contacts:
+    def contacts(self, name: str) -> Contacts:
         """Return an array that states whether a robot has touched anything but the floor since the last `step`.
+
+        Args:
+            name: name of the robot, or of an object such as a crate.
 
         Returns:
             (N,) booleans, updated in place at the end of each step. Their attribute ``impulse`` (N,) is the sum of the
             magnitudes of the impulses of these contacts, N·s.
 
         Raises:
-            KeyError: there is no such robot.
+            KeyError: there is no such robot or object.
         """
-        column = ContactColumn(self._handles(robot))
+        self._check_open()
+        column = ContactColumn([simulation.contacts(name) for simulation in self._simulations])
         self._readings.append(column)
         return column.array
 
@@ -162,24 +172,31 @@ class Batch:
         Raises:
             KeyError: there is no such component.
         """
-        return _handle(self._simulations[0], name).component
+        return self._handles(name)[0].component
 
     def _handles(self, name: str) -> list[Any]:
+        self._check_open()
+        if not isinstance(name, str):
+            raise TypeError(f"a component is given by its full name, such as 'robot.pose', not {name!r:.80}")
         return [_handle(simulation, name) for simulation in self._simulations]
 
     def _layout(self, component: str, fields: tuple[str, ...]) -> Layout:
         """The sizes of the data are those of a measurement in a simulation of the scene that is then closed."""
-        key = component, fields
-        if key not in self._layouts:
-            data = _handle(self._simulations[0], component).component.local_data
-            for name in fields:
-                if name not in data:
-                    raise KeyError(f"{component} has no field '{name}'{nearest(name, list(data))}")
+        handle = self._handles(component)[0]
+        data = handle.component.local_data
+        for name in fields:
+            if name not in data:
+                raise KeyError(f"{component} has no field '{name}'{nearest(name, list(data))}")
+        if self._samples is None:
             with self._scenes.load(0, self.seeds[0]) as probe:
                 probe.step(1, measure=True)
-                data = _handle(probe, component).component.local_data
-                self._layouts[key] = Layout(component, fields or tuple(data), data)
-        return self._layouts[key]
+                context = probe.context
+                self._samples = {
+                    name: part.local_data for name, part in {**context.robots, **context.components}.items()
+                }
+        # what was spawned is not there
+        data = self._samples.get(handle.fqn, data)
+        return Layout(component, fields or tuple(data), data)
 
     # -- time ------------------------------------------------------------------------------
 
@@ -191,11 +208,14 @@ class Batch:
                 `Simulation.step`. Otherwise the data are as old as the last measurement at the rate of each sensor.
 
         Raises:
-            CommandError: a command is not valid; no time has passed in any row.
+            CommandError: a command is not valid.
+            KeyError: there is no such sensor.
+            ValueError, TypeError: another argument is not valid. After these errors no time has passed in any row.
             BaseException: an error of a row, with a note that names the row; all rows have run the ticks, unless their
                 physics has become unstable.
         """
         self._check_open()
+        self._simulations[0].check_step(ticks, measure)
         for column, (rows, _) in [(column, column.check()) for column in self._commands]:
             column.publish(rows)
         self._each(range(len(self)), lambda row: self._run(row, ticks, measure))
@@ -218,7 +238,8 @@ class Batch:
             rows: row numbers, a slice or a mask; None for all.
             sensors: full names; None for all.
         """
-        chosen = rows_of(rows, len(self))
+        chosen = self._rows(rows)
+        self._simulations[0].check_step(0, True if sensors is None else sensors)
         self._each(chosen, lambda row: self._simulations[row].measure(sensors))
         self._update(chosen)
 
@@ -232,7 +253,7 @@ class Batch:
             seeds: one seed for each of these rows, or a number ``s`` for the seeds ``s + row``; None for the present
                 seeds.
         """
-        chosen = rows_of(rows, len(self))
+        chosen = self._rows(rows)
         values = [self.seeds[row] for row in chosen] if seeds is None else seeds_of(seeds, chosen)
         for row, seed in zip(chosen, values, strict=True):
             self.seeds[row] = seed
@@ -249,11 +270,12 @@ class Batch:
 
         Raises:
             KeyError: there is no such object.
-            ValueError: a pose has another size, or a number is not finite.
+            ValueError: a pose has another size, or a number is not finite; nothing has moved then.
         """
-        chosen = rows_of(rows, len(self))
+        chosen = self._rows(rows)
         vectors = vectors_of(poses, chosen, "poses")
-        for row, pose in zip(chosen, vectors.tolist(), strict=True):
+        poses = [self._simulations[row].pose_of(name, pose) for row, pose in zip(chosen, vectors.tolist(), strict=True)]
+        for row, pose in zip(chosen, poses, strict=True):
             self._simulations[row].place(name, pose)
 
     def vary(self, name: str, *, rows: Any = None, mass: Any = None, friction: Any = None) -> None:
@@ -266,27 +288,39 @@ class Batch:
 
         Raises:
             KeyError: there is no such object.
-            ValueError: a value is not valid, or there is another number of values than rows.
+            ValueError: a value is not valid, or there is another number of values than rows; nothing has changed then.
+            TypeError: no parameter is given.
         """
-        chosen = rows_of(rows, len(self))
-        for what, values in (("mass", mass), ("friction", friction)):
-            if values is not None:
-                for row, value in zip(chosen, values_of(values, chosen, what), strict=True):
-                    getattr(self._simulations[row], f"set_{what}")(name, value)
+        if mass is None and friction is None:
+            raise TypeError(f"vary needs a parameter of '{name}': mass or friction")
+        chosen = self._rows(rows)
+        given = {what: values for what, values in (("mass", mass), ("friction", friction)) if values is not None}
+        columns = {what: values_of(values, chosen, what) for what, values in given.items()}
+        changes = [
+            (what, row, value) for what, each in columns.items() for row, value in zip(chosen, each, strict=True)
+        ]
+        for what, row, value in changes:
+            self._simulations[row].check_variation(name, what, value)
+        for what, row, value in changes:
+            getattr(self._simulations[row], f"set_{what}")(name, value)
 
     def save(self, rows: Any = None) -> list[State]:
         """Return the states of some rows; see `Simulation.save`."""
-        return [self._simulations[row].save() for row in rows_of(rows, len(self))]
+        return [self._simulations[row].save() for row in self._rows(rows)]
 
     def restore(self, rows: Any, states: Sequence[State] | State) -> None:
         """Restore states in some rows, one for each, or one state in all of them; see `Simulation.restore`.
 
         Raises:
             ValueError: there is another number of states than rows.
+            TypeError: it is no state.
             StateError: a state is damaged, or belongs to another scene.
         """
-        chosen = rows_of(rows, len(self))
-        every: list[State] = [states] * len(chosen) if isinstance(states, State) else list(states)
+        chosen = self._rows(rows)
+        every: list[Any] = list(states) if isinstance(states, (list, tuple)) else [states] * len(chosen)
+        for state in every:
+            if not isinstance(state, State):
+                raise TypeError(f"a state is what save() returns, not {state!r:.80}")
         if len(every) != len(chosen):
             raise ValueError(f"there are {len(chosen)} rows, but {len(every)} states")
         waiting = dict(zip(chosen, every, strict=True))
@@ -320,6 +354,10 @@ class Batch:
             raise failure
 
     # -- the end ---------------------------------------------------------------------------
+
+    def _rows(self, rows: Any) -> list[int]:
+        self._check_open()
+        return rows_of(rows, len(self))
 
     def _check_open(self) -> None:
         if not self._simulations:

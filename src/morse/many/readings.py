@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.many.layout import Layout
-    from morse.simulation.handles.component_handles import ComponentHandle, RobotHandle
+    from morse.simulation.handles.component_handles import ComponentHandle
+    from morse.simulation.handles.contacts import Contacts as Watch
 
 
 class DataColumn:
@@ -65,9 +66,9 @@ class ContactColumn:
         array: (N,) booleans, read-only, with the impulses.
     """
 
-    def __init__(self, handles: Sequence[RobotHandle]) -> None:
-        self._watches = [handle.contacts() for handle in handles]
-        self._touched, self._impulses = np.zeros(len(handles), bool), np.zeros(len(handles))
+    def __init__(self, watches: Sequence[Watch]) -> None:
+        self._watches = watches
+        self._touched, self._impulses = np.zeros(len(watches), bool), np.zeros(len(watches))
         self.array = self._touched.view(Contacts)
         impulse = self._impulses.view()
         self.array.flags.writeable = impulse.flags.writeable = False

@@ -22,13 +22,17 @@ def rows_of(rows: Any, count: int) -> list[int]:
 
     Raises:
         IndexError: there is no such row.
+        ValueError: a row is given twice.
         TypeError: it is not any of these.
     """
     if rows is None:
         return list(range(count))
     if isinstance(rows, slice):
         return list(range(count))[rows]
-    array = np.asarray(rows)
+    try:
+        array = np.asarray(rows)
+    except ValueError:  # lists of different lengths
+        array = np.empty((1, 1))
     if array.dtype == bool:
         if array.shape != (count,):
             raise IndexError(f"a mask of rows has the shape ({count},), not {array.shape}")
@@ -41,7 +45,22 @@ def rows_of(rows: Any, count: int) -> list[int]:
     for row in chosen:
         if not -count <= row < count:
             raise IndexError(f"there is no row {row}: the batch has {count} rows, from 0 to {count - 1}")
-    return [row % count for row in chosen]
+    chosen = [row % count for row in chosen]
+    if len(set(chosen)) != len(chosen):
+        raise ValueError(f"a row is given twice: {chosen!r:.80}")
+    return chosen
+
+
+def only_row_of(row: Any, count: int) -> int:
+    """Return the number of one row.
+
+    Raises:
+        IndexError: there is no such row.
+        TypeError: it is not a number.
+    """
+    if isinstance(row, bool) or not isinstance(row, numbers.Integral):
+        raise TypeError(f"a row is an integer, not {row!r:.80}")
+    return rows_of(row, count)[0]
 
 
 def seeds_of(seeds: Any, rows: Sequence[int]) -> list[int]:
@@ -71,7 +90,7 @@ def values_of(values: Any, rows: Sequence[int], what: str) -> list[float]:
     Raises:
         ValueError: there is another number of values than rows.
     """
-    array = np.asarray(values, np.float64)
+    array = _floats(values, what)
     if array.ndim == 0:
         return [float(array)] * len(rows)
     if array.shape != (len(rows),):
@@ -85,7 +104,7 @@ def vectors_of(values: Any, rows: Sequence[int], what: str) -> NDArray[np.float6
     Raises:
         ValueError: another shape.
     """
-    array = np.asarray(values, np.float64)
+    array = _floats(values, what)
     if array.ndim == 1:
         array = np.broadcast_to(array, (len(rows), len(array)))
     if array.ndim != 2 or len(array) != len(rows):
@@ -93,3 +112,10 @@ def vectors_of(values: Any, rows: Sequence[int], what: str) -> NDArray[np.float6
             f"{what} have the shape {array.shape}, expected one vector, or one for each of {len(rows)} rows"
         )
     return array
+
+
+def _floats(values: Any, what: str) -> NDArray[np.float64]:
+    try:
+        return np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what}: {values!r:.80} is no array of numbers") from None

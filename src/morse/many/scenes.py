@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morse.core.reports.hints import nearest
 from morse.launch.load import load
 from morse.scene import Scene
 
@@ -13,6 +14,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.simulation.simulation import Simulation
+
+
+#: arguments of `morse.load` that hold for all rows
+_OPTIONS = ("strict", "on_failure")
+_ARGUMENTS = ("rows", "seed", "arguments", *_OPTIONS)
 
 
 class Scenes:
@@ -26,10 +32,17 @@ class Scenes:
 
     Raises:
         ValueError: no rows, or the number of rows is not known.
-        TypeError: the number of rows is not an integer.
+        TypeError: the number of rows is not an integer, or there is no such option.
     """
 
     def __init__(self, scene: Any, rows: int | None, arguments: Sequence[Any], options: dict[str, Any]) -> None:
+        for name in options:
+            if name not in _OPTIONS:
+                text = f"morse.batch has no argument '{name}'{nearest(name, list(_ARGUMENTS))}"
+                mend = (
+                    "; many[k] is the simulation of row k, which can record" if name in ("record", "keep_last") else ""
+                )
+                raise TypeError(text + mend)
         self._scenes = list(scene) if isinstance(scene, (list, tuple)) else [scene]
         several = not isinstance(arguments, str) and any(isinstance(one, (list, tuple)) for one in arguments)
         self._arguments: list[Any] = list(arguments) if several else [arguments]

@@ -41,13 +41,9 @@ class Variations:
         Raises:
             ValueError: the object is no dynamic body, or the mass differs by more than 10,000 from that of the scene.
         """
+        self.check(obj, "mass", mass)
         slot, model = self._world.slots[obj.slot], self._world.model
-        if slot.frame.motion is not Motion.FREE:
-            raise ValueError(f"'{obj.node.name}' is no body that moves freely: it has no mass to set")
         first = float(self._pristine["body_mass"][slot.body])
-        if not first / _MOST <= mass <= first * _MOST:  # not true of NaN
-            low, high = first / _MOST, first * _MOST
-            raise ValueError(f"the mass of '{obj.node.name}' is {mass!r}, expected {low:g} to {high:g} kg")
         ratio = mass / first
         dofs = slice(slot.dof, slot.dof + 6)
         for name in ("body_mass", "body_inertia"):
@@ -64,15 +60,27 @@ class Variations:
         Raises:
             ValueError: it is not a number from 0 to 100, or the object has no shapes.
         """
-        if not 0.0 <= friction <= _ROUGHEST:
-            raise ValueError(f"the friction of '{obj.node.name}' is {friction!r}, expected 0 to {_ROUGHEST:g}")
-        geoms = _geoms(self._world.slots[obj.slot])
-        if not geoms:
-            raise ValueError(f"'{obj.node.name}' has no shapes that collide: it has no friction to set")
-        for geom in geoms:
+        self.check(obj, "friction", friction)
+        for geom in _geoms(self._world.slots[obj.slot]):
             self._world.model.geom_friction[geom, 0] = friction
             self._world.model.geom_priority[geom] = 1
         self._world.is_stirred = True
+
+    def check(self, obj: Posed, what: str, value: float) -> None:
+        """Raise the error of `set_mass` or `set_friction`; ``what`` is ``mass`` or ``friction``."""
+        slot, name = self._world.slots[obj.slot], obj.node.name
+        if what == "mass":
+            if slot.frame.motion is not Motion.FREE:
+                raise ValueError(f"'{name}' is no body that moves freely: it has no mass to set")
+            first = float(self._pristine["body_mass"][slot.body])
+            low, high = first / _MOST, first * _MOST
+            if not low <= value <= high:  # not true of NaN
+                raise ValueError(f"the mass of '{name}' is {value!r}, expected {low:g} to {high:g} kg")
+        else:
+            if not 0.0 <= value <= _ROUGHEST:
+                raise ValueError(f"the friction of '{name}' is {value!r}, expected 0 to {_ROUGHEST:g}")
+            if not _geoms(slot):
+                raise ValueError(f"'{name}' has no shapes that collide: it has no friction to set")
 
     def present(self) -> dict[str, tuple[float | None, float | None]]:
         """Return the bodies whose values are not those of the scene: name to mass and friction, None if unchanged."""

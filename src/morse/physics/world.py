@@ -393,6 +393,10 @@ class World(ObjectWorld):
         """See `morse.core.world.World.set_friction`."""
         self._variations.set_friction(obj, friction)
 
+    def check_variation(self, obj: Posed, what: str, value: float) -> None:
+        """See `morse.core.world.World.check_variation`."""
+        self._variations.check(obj, what, value)
+
     def watch_touches(self, name: str) -> Mapping[str, float]:
         """See `morse.core.world.World.watch_touches`."""
         if self.touches is None:

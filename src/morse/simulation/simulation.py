@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import os
 from operator import methodcaller
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -34,7 +35,6 @@ from morse.simulation.ticks.stepping import Stepping
 from morse.simulation.ticks.ticking import Ticker
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable, Sequence
     from types import TracebackType
 
@@ -174,6 +174,8 @@ class Simulation(Recorded, Handles):
                 that do.
 
         Raises:
+            ValueError, TypeError: ``ticks`` is not an integer of at least 0.
+            KeyError: there is no such sensor.
             UnstableError: the physics has become unstable.
             BaseException: the error of a part that failed, if the simulation was loaded with ``on_failure="raise"``;
                 the tick was completed, and a note names the part and the tick.
@@ -181,8 +183,7 @@ class Simulation(Recorded, Handles):
             KeyboardInterrupt: Ctrl+C was pressed; the present tick was completed first.
         """
         self._check_open()
-        if ticks < 0:
-            raise ValueError(f"time does not go backwards: {ticks} ticks")
+        self.check_step(ticks, measure)
         for contacts in self._contacts.values():
             contacts.begin()
         tick, stepping, time = self._ticker.tick, self._stepping, self._time
@@ -385,9 +386,12 @@ class Simulation(Recorded, Handles):
 
         Raises:
             StateError: it is damaged, or belongs to another scene; nothing has changed then.
+            TypeError: it is neither a state nor a path.
             OSError: the file cannot be read.
         """
         if not isinstance(state, State):
+            if not isinstance(state, (str, os.PathLike)):
+                raise TypeError(f"a state is what save() returns, or the path of a file, not {state!r:.80}")
             state = State.read(state)
         self._check_open()
         self.journal.note(RESTORE, "", state)

@@ -103,6 +103,9 @@ class World(WorldPoses, Protocol):
             ValueError: it is not a number from 0 to 100, or the body has no shapes.
         """
 
+    def check_variation(self, obj: Body, what: str, value: float) -> None:
+        """Raise the ValueError of `set_mass` or `set_friction`; ``what`` is ``mass`` or ``friction``."""
+
     def watch_touches(self, name: str) -> Mapping[str, float]:
         """Return what a body touches besides the floor, in the last tick: name of the other body to the impulse, N s.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from morse.core.actuator import Actuator
 from morse.core.journal import SERVICE
 from morse.core.reports.hints import nearest
 from morse.mathutils import Euler
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.world import Body
     from morse.simulation.ticks.ticking import Ticker
+
+
+#: largest coordinate of a pose, m
+_FARTHEST = 1e7
 
 
 class Arranging:
@@ -43,15 +48,29 @@ class Arranging:
 
         Raises:
             KeyError: there is no such object.
-            ValueError: there are other than 3, 6 or 7 numbers, or one is not finite.
+            ValueError: there are other than 3, 6 or 7 numbers, or one is not finite, or is farther than 10,000 km.
+        """
+        numbers = self.pose_of(name, pose)
+        self.rpc("simulation", "set_object_pose", self._object(name).name, numbers[:3], numbers[3:])
+
+    def pose_of(self, name: str, pose: Sequence[float]) -> list[float]:
+        """Return the pose at which `place` places an object: x, y, z, qw, qx, qy, qz.
+
+        Raises:
+            KeyError, ValueError: see `place`.
         """
         obj = self._object(name)
-        numbers = [float(number) for number in pose]
+        try:
+            numbers = [float(number) for number in pose]
+        except (TypeError, ValueError):
+            raise ValueError(f"the pose of '{name}' is {pose!r:.100}, expected a list of numbers") from None
         if len(numbers) not in (3, 6, 7) or not all(map(math.isfinite, numbers)):
             raise ValueError(
                 f"the pose of '{name}' is {list(pose)!r:.100}, expected finite numbers: x, y, yaw; or x, y, z, roll, "
                 "pitch, yaw; or x, y, z, qw, qx, qy, qz"
             )
+        if max(map(abs, numbers[:2] if len(numbers) == 3 else numbers[:3])) > _FARTHEST:
+            raise ValueError(f"the pose of '{name}' is {numbers!r:.100}, expected positions within {_FARTHEST:g} m")
         if len(numbers) == 7 and not any(numbers[3:]):
             raise ValueError(f"the pose of '{name}' has the quaternion 0, 0, 0, 0, which is no orientation")
         if len(numbers) == 3:
@@ -59,8 +78,7 @@ class Arranging:
             matrix = obj.node.world_matrix()
             z, start = float(matrix.translation[2]), matrix.to_euler()
             numbers = [x, y, z, start[0], start[1], yaw]
-        turn = numbers[3:] if len(numbers) == 7 else list(Euler(numbers[3:]).to_quaternion())
-        self.rpc("simulation", "set_object_pose", obj.name, numbers[:3], turn)
+        return numbers if len(numbers) == 7 else [*numbers[:3], *Euler(numbers[3:]).to_quaternion()]
 
     def set_mass(self, name: str, mass: float) -> None:
         """Set the mass of a robot or an object that moves freely, until the next restart.
@@ -82,6 +100,10 @@ class Arranging:
             ValueError: it is not a number from 0 to 100, or the object has no shapes.
         """
         self._vary("set_object_friction", name, friction)
+
+    def check_variation(self, name: str, what: str, value: float) -> None:
+        """Raise the error that `set_mass` or `set_friction` would raise; ``what`` is ``mass`` or ``friction``."""
+        self.context.world.check_variation(self._object(name), what, value)
 
     def _vary(self, service: str, name: str, value: float) -> None:
         from pymorse.errors import MorseServiceFailed
@@ -105,16 +127,31 @@ class Arranging:
 
     def _measure(self, sensors: Sequence[str] | bool | None, *, again: bool) -> None:
         """Let sensors measure, and note it as a call of the service."""
-        names = None if sensors is None or isinstance(sensors, bool) else list(sensors)
+        names = _names(sensors)
         self.context.journal.note(SERVICE, "simulation", ("measure", [names, again]))
         self.measure_by_service(names, again)
 
     def measure_by_service(self, names: Sequence[str] | None, again: bool) -> None:
         """Let sensors measure; without ``again`` only those that have not measured in the last tick."""
-        for name in names or ():
-            if name not in self.context.components:
-                raise KeyError(f"there is no component '{name}'{nearest(name, list(self.context.components))}")
+        self._check_sensors(names)
         self._ticker.measure(names, again=again)
+
+    def check_step(self, ticks: int, measure: Sequence[str] | bool) -> None:
+        """Raise the error that `Simulation.step` would raise for these arguments."""
+        if isinstance(ticks, bool) or not hasattr(ticks, "__index__"):
+            raise TypeError(f"the number of ticks is an integer, not {ticks!r:.80}")
+        if ticks < 0:
+            raise ValueError(f"time does not go backwards: {ticks} ticks")
+        if not isinstance(measure, bool):
+            self._check_sensors(_names(measure))
+
+    def _check_sensors(self, names: Sequence[str] | None) -> None:
+        components = self.context.components
+        for name in names or ():
+            if name not in components:
+                raise KeyError(f"there is no component '{name}'{nearest(name, list(components))}")
+            if isinstance(components[name], Actuator):
+                raise KeyError(f"{name} is an actuator: it does not measure")
 
     def contacts(self, name: str) -> Contacts:
         """Return what a robot or an object touches from now on; see `Contacts`.
@@ -137,3 +174,15 @@ class Arranging:
         if name not in objects:
             raise KeyError(f"there is no object '{name}'{nearest(name, list(objects))}")
         return objects[name]
+
+
+def _names(sensors: Sequence[str] | bool | None) -> list[str] | None:
+    """Return the full names of sensors; None for all."""
+    if sensors is None or isinstance(sensors, bool):
+        return None
+    if isinstance(sensors, str):
+        return [sensors]
+    try:
+        return [str(name) for name in sensors]
+    except TypeError:
+        raise TypeError(f"sensors are given by a list of full names, not {sensors!r:.80}") from None
