@@ -1,6 +1,7 @@
 """Builds the page of the live view and the native kernel into the package, with a Node and a C compiler from PyPI.
 
 ``MORSE_SKIP_VIEWER=1`` leaves the page out: MORSE then runs without a live view.
+``MORSE_BUILD_TARGET=macos-aarch64`` makes a wheel for another platform (`morse.kernel.targets`).
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
-from packaging.tags import platform_tags
 
 SKIP = "MORSE_SKIP_VIEWER"
+TARGET = "MORSE_BUILD_TARGET"
 STAMP = ".sources"
 
 
@@ -32,26 +33,26 @@ class PackageBuildHook(BuildHookInterface[Any]):
 
 
 def build_kernel(root: Path, app: Any, build_data: dict[str, Any]) -> None:
-    """Compile the kernel for this platform; the wheel is for this platform alone, and for any Python."""
+    """Compile the kernel for one platform; the wheel is for this platform alone, and for any Python."""
     sys.path.insert(0, str(root / "src"))
     try:
         from morse.kernel import targets
         from morse.kernel.build import build
     finally:
         sys.path.remove(str(root / "src"))
-    host = targets.host()
-    if host is None:
+    name = os.environ.get(TARGET, "")
+    if name and name not in map(str, targets.ALL):
+        raise RuntimeError(f"{TARGET}={name!r}: expected one of {', '.join(map(str, targets.ALL))}")
+    target = next((one for one in targets.ALL if str(one) == name), None) or targets.host()
+    if target is None:
         app.display_warning("There is no native kernel for this platform: numpy does its work, slowly")
         return
-    build(host)
+    # not the whole folder, which may hold the libraries of other platforms
+    include = build_data.setdefault("force_include", {})
+    for library in build(target):
+        include[str(library)] = f"morse/kernel/lib/{library.name}"
     build_data["pure_python"] = False
-    build_data["tag"] = f"py3-none-{_platform_tag(host)}"
-
-
-def _platform_tag(host: Any) -> str:
-    """How wheels name the systems that the kernel runs on."""
-    tags = {"linux-gnu": f"manylinux_2_17_{host.machine}", "linux-musl": f"musllinux_1_2_{host.machine}"}
-    return tags.get(host.system) or next(platform_tags())
+    build_data["tag"] = f"py3-none-{target.platform_tag}"
 
 
 def build_index(root: Path) -> None:

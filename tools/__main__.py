@@ -1,15 +1,17 @@
-"""Writes the files that are derived from the components: ``python -m tools [stubs] [pictures [NAME...]]``.
+"""Writes what is derived from the components, and the files of a release.
 
-Without arguments: the stubs of `morse.builder`, and those pictures of the component library that are missing. With the
-names of components, their pictures are taken again.
+``python -m tools [stubs] [pictures [NAME...]]``: the stubs of `morse.builder`, and those pictures of the component
+library that are missing. With the names of components, their pictures are taken again.
+
+``python -m tools release [FOLDER]``: the source distribution and the wheels of all platforms, verified.
+
+``python -m tools rehearse [FOLDER]``: the same, then an installation from a local index, a demo and the documentation.
 """
 
 from __future__ import annotations
 
 import sys
-
-from tools.gallery import components
-from tools.stubs import builder_stubs
+from pathlib import Path
 
 _PARTS = ("stubs", "pictures")
 
@@ -17,9 +19,16 @@ _PARTS = ("stubs", "pictures")
 def main(arguments: list[str]) -> int:
     """Run the command; the result is the status of the process."""
     part, *names = arguments or ["all"]
+    if part in ("release", "rehearse") and len(names) <= 1:
+        from tools.release import rehearsal
+
+        return getattr(rehearsal, part)(Path(*names) if names else Path("dist"))
     if part not in ("all", *_PARTS) or (names and part != "pictures"):
         print(__doc__, file=sys.stderr)
         return 2
+    from tools.gallery import components
+    from tools.stubs import builder_stubs
+
     if part in ("all", "stubs"):
         builder_stubs.main()
     return components.main(names) if part in ("all", "pictures") else 0

@@ -80,10 +80,13 @@ def _compile(target: targets.Target, level: int, folder: Path) -> None:
     with tempfile.TemporaryDirectory() as temporary:
         output = Path(temporary) / library.name
         position = () if target.system == "windows" else ("-fPIC",)
+        # without a name of its own the library would contain the path of the temporary folder
+        name = (f"-Wl,-install_name,@rpath/{library.name}",) if target.system == "macos" else ()
         platform = ("-target", target.zig, f"-mcpu={target.processor(level)}")
-        command = [sys.executable, "-m", "ziglang", "cc", *platform, *EXACT, *_OPTIONS, *position, *WARNINGS]
+        command = [sys.executable, "-m", "ziglang", "cc", *platform, *EXACT, *_OPTIONS, *position, *name, *WARNINGS]
         command += ["-o", str(output), *map(str, sources())]
-        caches = {"ZIG_GLOBAL_CACHE_DIR": temporary, "ZIG_LOCAL_CACHE_DIR": temporary}
+        # who compiles for many platforms may share the caches of the compiler
+        caches = {name: os.environ.get(name, temporary) for name in ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR")}
         process = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **caches})
         if process.returncode:
             raise RuntimeError(f"The kernel could not be compiled for {target}:\n\n{process.stderr[-4000:]}")

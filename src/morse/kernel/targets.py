@@ -20,6 +20,17 @@ _ZIG_SYSTEMS = {
     "macos": "macos.11.0",
     "windows": "windows-gnu",
 }
+#: how wheels name these systems (PEP 600, PEP 656)
+_WHEEL_SYSTEMS = {
+    "linux-gnu": "manylinux_2_17_{}",
+    "linux-musl": "musllinux_1_2_{}",
+    "macos": "macosx_11_0_{}",
+    "windows": "win_{}",
+}
+_WHEEL_MACHINES = {
+    "macos": {"x86_64": "x86_64", "aarch64": "arm64"},
+    "windows": {"x86_64": "amd64", "aarch64": "arm64"},
+}
 #: levels of the instruction set; 0 if there is only one
 _LEVELS = {"x86_64": (2, 3), "aarch64": (0,)}
 
@@ -45,6 +56,12 @@ class Target:
     def zig(self) -> str:
         """The target in the notation of Zig."""
         return f"{self.machine}-{_ZIG_SYSTEMS[self.system]}"
+
+    @property
+    def platform_tag(self) -> str:
+        """The platform in the name of a wheel."""
+        machine = _WHEEL_MACHINES.get(self.system, {}).get(self.machine, self.machine)
+        return _WHEEL_SYSTEMS[self.system].format(machine)
 
     def processor(self, level: int) -> str:
         """The processor in the notation of Zig."""
