@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
+from benchmarks import report, work
+from benchmarks.__main__ import SUITES
+from benchmarks.plan import Plan
+from benchmarks.plot import draw, speed_lines
+from benchmarks.result import Result, at_least, at_most, failure
+from benchmarks.suites.circles import check_planar, check_wheels
+from benchmarks.trial import Program, TrialFailed, interleave
+
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT))
-
-from benchmarks.__main__ import SUITES  # noqa: E402
-from benchmarks.plan import Plan  # noqa: E402
-from benchmarks.plot import draw, speed_lines  # noqa: E402
-from benchmarks.result import Result, at_least, at_most, failure  # noqa: E402
-from benchmarks.suites.circles import check_planar, check_wheels  # noqa: E402
-from benchmarks.trial import Program, TrialFailed, interleave  # noqa: E402
-
-from benchmarks import report, work  # noqa: E402 (the benchmarks are not an installed package)
-
 QUICK = Plan(quick=True, repeats=1)
 #: one that compares programs, and one of MORSE alone
 EVERYDAY = ("lockstep", "crowd")

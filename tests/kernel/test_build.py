@@ -81,13 +81,19 @@ def test_a_wheel_is_for_one_platform_and_any_python(monkeypatch):
     hook = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(hook)
     built = []
-    monkeypatch.setattr(build, "build", built.append)
+    monkeypatch.setattr(build, "build", lambda target: built.append(target) or [Path("lib") / target.file_name(0)])
     data = {}
     hook.build_kernel(ROOT, SimpleNamespace(display_warning=print), data)
     assert built == [HOST]
     assert not data["pure_python"]
-    assert data["tag"].startswith("py3-none-")
-    assert not data["tag"].endswith("-any")
+    assert data["tag"] == f"py3-none-{HOST.platform_tag}"
+    assert data["force_include"] == {f"lib/{HOST.file_name(0)}": f"morse/kernel/lib/{HOST.file_name(0)}"}
+    monkeypatch.setenv("MORSE_BUILD_TARGET", "windows-aarch64")
+    hook.build_kernel(ROOT, SimpleNamespace(display_warning=print), data)
+    assert data["tag"] == "py3-none-win_arm64"
+    monkeypatch.setenv("MORSE_BUILD_TARGET", "amiga-68000")
+    with pytest.raises(RuntimeError, match=r"amiga-68000.*linux-gnu-x86_64"):
+        hook.build_kernel(ROOT, SimpleNamespace(display_warning=print), data)
 
 
 def test_a_platform_without_a_kernel_gets_a_warning_and_a_wheel(monkeypatch):

@@ -1,0 +1,101 @@
+"""What a release consists of: the checks of wheels find what would break on a user's machine."""
+
+from __future__ import annotations
+
+import zipfile
+from typing import TYPE_CHECKING
+
+import pytest
+
+from morse.kernel import targets
+from tools.release import contents
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HOST = targets.host()
+pytestmark = pytest.mark.skipif(HOST is None or not HOST.system.startswith("linux"), reason="reads the own library")
+pytest.importorskip("lief")
+
+
+def library(level: int) -> bytes:
+    assert HOST is not None
+    return (targets.FOLDER / HOST.file_name(level)).read_bytes()
+
+
+def wheel(folder: Path, target: targets.Target, files: dict[str, bytes]) -> Path:
+    path = folder / f"morse_simulator-2.0.0-py3-none-{target.platform_tag}.whl"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in files.items():
+            archive.writestr(name, data)
+    return path
+
+
+def files_of(target: targets.Target) -> dict[str, bytes]:
+    return {
+        "morse/viewer/static/index.html": b"<html>",
+        "morse/core/classes/definitions/classes.index": b"",
+        **{contents.LIBRARIES + target.file_name(level): library(level) for level in target.levels},
+    }
+
+
+def test_the_tags_are_those_of_the_packaging_standards():
+    tags = {str(target): target.platform_tag for target in targets.ALL}
+    assert tags == {
+        "linux-gnu-x86_64": "manylinux_2_17_x86_64",
+        "linux-gnu-aarch64": "manylinux_2_17_aarch64",
+        "linux-musl-x86_64": "musllinux_1_2_x86_64",
+        "linux-musl-aarch64": "musllinux_1_2_aarch64",
+        "macos-x86_64": "macosx_11_0_x86_64",
+        "macos-aarch64": "macosx_11_0_arm64",
+        "windows-x86_64": "win_amd64",
+        "windows-aarch64": "win_arm64",
+    }
+
+
+def test_the_library_of_this_machine_passes():
+    assert HOST is not None
+    for level in HOST.levels:
+        errors, functions = contents.inspect(library(level), HOST)
+        assert errors == []
+        assert "morse_interface" in functions
+
+
+def test_a_sound_wheel_passes(tmp_path: Path):
+    assert HOST is not None
+    assert contents.verify([wheel(tmp_path, HOST, files_of(HOST))]) == []
+
+
+def test_a_library_of_another_processor_is_named(tmp_path: Path):
+    assert HOST is not None
+    (other,) = (one for one in targets.ALL if one.system == HOST.system and one.machine != HOST.machine)
+    data = library(HOST.levels[0])
+    files = {contents.LIBRARIES + other.file_name(level): data for level in other.levels}
+    errors = contents.verify([wheel(tmp_path, other, files_of(HOST) | files)])
+    assert any("libraries" in error for error in errors)
+    assert any(f"not for {other.machine}" in error for error in errors)
+
+
+@pytest.mark.parametrize("missing", ["morse/viewer/static/index.html", "morse/core/classes/definitions/classes.index"])
+def test_a_missing_file_is_named(tmp_path: Path, missing: str):
+    assert HOST is not None
+    files = {name: data for name, data in files_of(HOST).items() if name != missing}
+    assert contents.verify([wheel(tmp_path, HOST, files)]) == [
+        f"morse_simulator-2.0.0-py3-none-{HOST.platform_tag}.whl: {missing} is missing"
+    ]
+
+
+def test_wheels_of_different_contents_are_named(tmp_path: Path):
+    assert HOST is not None
+    other = targets.Target("linux-musl" if HOST.system == "linux-gnu" else "linux-gnu", HOST.machine)
+    libraries = {contents.LIBRARIES + other.file_name(level): library(level) for level in other.levels}
+    rest = {name: data for name, data in files_of(HOST).items() if not name.startswith(contents.LIBRARIES)}
+    one = wheel(tmp_path, HOST, files_of(HOST))
+    two = wheel(tmp_path, other, libraries | rest | {"morse/version.py": b"another"})
+    assert any("differs" in error and "morse/version.py" in error for error in contents.verify([one, two]))
+
+
+def test_a_wheel_for_any_platform_is_refused(tmp_path: Path):
+    path = tmp_path / "morse_simulator-2.0.0-py3-none-any.whl"
+    zipfile.ZipFile(path, "w").close()
+    assert "names no platform" in contents.verify([path])[0]
