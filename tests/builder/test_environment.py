@@ -167,7 +167,7 @@ def test_display_camera(load: Callable[..., Any]) -> None:
         "from morse.builder import *\nr = FakeRobot()\neye = Pose()\nr.append(eye)\n"
         "env = Environment('empty')\nenv.select_display_camera(eye)\n"
     )
-    assert built.settings.view.display_camera == "r.eye"
+    assert built.settings.view.display.images == ("r.eye",)
 
 
 def test_display_camera_is_a_component(env: Environment) -> None:

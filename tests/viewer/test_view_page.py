@@ -226,7 +226,7 @@ def test_a_browser_without_webgl_is_told(served, open_page) -> None:
 def test_what_the_script_asks_of_the_view(running, open_page) -> None:
     driver, url = running
     scene, moving = playground()
-    scene.settings.view.display_camera = "robot2.lidar"
+    scene.settings.view.display.images = ("robot2.lidar",)
     scene.settings.view.show_framerate = True
     driver.server.set_scene(scene, moving)
     page = open_page(url, **WIDE)

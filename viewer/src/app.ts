@@ -142,15 +142,17 @@ export class App {
     const unlit = this.stage.show(world);
     if (unlit.length > 0) this.tell(`${unlit.length} lamps are not shown: ${unlit.slice(0, 5).join(", ")}`);
     if (first) this.setCamera(description, world);
-    if (first) this.begin(description.key);
+    if (first) this.begin(description);
     if (this.poses.value) world.apply(this.poses.value);
     this.world.set(world);
     this.stage.invalidate();
   }
 
   /** A world is shown for the first time since the page was loaded: restore what was shown of it before. */
-  private begin(key: string): void {
+  private begin({ key, view }: SceneDescription): void {
     this.session.world.set(key);
+    if (this.session.recall("begun") === null) this.panels.display(view.display);
+    this.session.keep("begun", true);
     const selected = this.session.recall<string>("selected");
     if (selected !== null && this.components.selected.value === null) this.components.selected.set(selected);
   }
@@ -179,8 +181,10 @@ export class App {
     this.stage.view.position.set(...(this.viewpoint?.location ?? view.camera_location));
     this.stage.view.setRotation(this.viewpoint?.rotation ?? view.camera_rotation);
     this.navigation.speed = view.camera_speed;
-    this.follow.setHome();
+    // nothing has moved yet: the distance from the followed node is that of the script
+    this.follow.setHome(world.find(view.display.follow));
     const kept = this.memory.recall(key);
     if (kept) this.stage.view.pose = kept;
+    else this.follow.goHome();
   }
 }

@@ -18,7 +18,7 @@ from morse.scene.mesh import Mesh
 from morse.scene.model import Choice, ModelUse, Role
 from morse.scene.node import Node, NodeKind
 from morse.scene.scene import Scene, Zone
-from morse.scene.settings import Mist, Settings, TimeStrategies, ViewSettings
+from morse.scene.settings import Display, Mist, Settings, TimeStrategies, ViewSettings
 from morse.scene.shapes import CollisionShape, ShapeKind
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "CollisionShape",
     "ComponentDeclaration",
     "Control",
+    "Display",
     "Image",
     "Inertial",
     "JointDynamics",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Literal
 
 
 class TimeStrategies(IntEnum):
@@ -33,6 +34,35 @@ class Mist:
     falloff: str = "QUADRATIC"
 
 
+#: overlays of the world that the live view can show
+Overlay = Literal["rays", "frustums", "cones", "trails", "names", "frames", "contacts", "masses", "shapes"]
+#: panels of the live view
+PanelPlace = Literal["tree", "details", "plots"]
+
+
+@dataclass(slots=True)
+class Display:
+    """What the live view shows at first, by the names of components; the user may close all of it.
+
+    Attributes:
+        rays: sensors whose rays or points are shown.
+        images: cameras whose images are shown.
+        plots: the curves of each diagram: component and field.
+        follow: the node that the camera moves with; empty for none.
+        select: the component whose panel is open; empty for none.
+        overlays: what else is shown in the world, of all robots.
+        panels: the open panels; None for those that the user opened last.
+    """
+
+    rays: tuple[str, ...] = ()
+    images: tuple[str, ...] = ()
+    plots: tuple[tuple[tuple[str, str], ...], ...] = ()
+    follow: str = ""
+    select: str = ""
+    overlays: tuple[Overlay, ...] = ()
+    panels: tuple[PanelPlace, ...] | None = None
+
+
 @dataclass(slots=True)
 class ViewSettings:
     """Initial settings of the live view. The camera looks along its -Z axis.
@@ -54,7 +84,7 @@ class ViewSettings:
     show_framerate: bool = False
     show_physics: bool = False
     fullscreen: bool = False
-    display_camera: str | None = None
+    display: Display = field(default_factory=Display)
     material_mode: str = "GLSL"
     viewport: str | None = None
     stereo: dict[str, object] | None = None

@@ -14,7 +14,7 @@ from morse.viewer.frames import rigid_frames
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from morse.scene import Camera, CollisionShape, Light, Material, Mist, Scene
+    from morse.scene import Camera, CollisionShape, Display, Light, Material, Mist, Scene
     from morse.viewer.depot import Depot
     from morse.viewer.snapshot import MovingNode
 
@@ -105,6 +105,13 @@ def _mist(mist: Mist | None) -> d.MistDescription | None:
     return d.MistDescription(mist.intensity, mist.start, mist.depth, mist.falloff)
 
 
+def _display(display: Display) -> d.DisplayDescription:
+    plots = [[d.CurveDescription(*curve) for curve in curves] for curves in display.plots]
+    return d.DisplayDescription(
+        display.rays, display.images, plots, display.follow, display.select, display.overlays, display.panels
+    )
+
+
 def _view(scene: Scene) -> d.ViewDescription:
     view = scene.settings.view
     return d.ViewDescription(
@@ -120,7 +127,7 @@ def _view(scene: Scene) -> d.ViewDescription:
         show_physics=view.show_physics,
         show_framerate=view.show_framerate,
         wireframe=scene.settings.fastmode or view.viewport == "WIREFRAME",
-        display_camera=view.display_camera,
+        display=_display(view.display),
     )
 
 
@@ -131,5 +138,6 @@ def world_key(scene: Scene) -> str:
         "environment": scene.environment,
         "robots": sorted(robot.name for robot in scene.robots()),
         "camera": (view.camera_location, view.camera_rotation),
+        "display": view.display,
     }
     return hashlib.sha256(ascii(parts).encode()).hexdigest()[:16]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from msgspec import Struct
 
+from morse.scene.settings import Overlay, PanelPlace  # noqa: TC001 (msgspec reads it)
+
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -100,6 +102,25 @@ class MistDescription(Struct, frozen=True):
     falloff: str
 
 
+class CurveDescription(Struct, frozen=True):
+    """A field of a component in a diagram."""
+
+    component: str
+    field: str
+
+
+class DisplayDescription(Struct, frozen=True):
+    """As `morse.scene.Display`."""
+
+    rays: tuple[str, ...]
+    images: tuple[str, ...]
+    plots: list[list[CurveDescription]]
+    follow: str
+    select: str
+    overlays: tuple[Overlay, ...]
+    panels: tuple[PanelPlace, ...] | None
+
+
 class ViewDescription(Struct, frozen=True):
     """The view settings of the script: see `morse.scene.ViewSettings`."""
 
@@ -115,7 +136,7 @@ class ViewDescription(Struct, frozen=True):
     show_physics: bool
     show_framerate: bool
     wireframe: bool
-    display_camera: str | None
+    display: DisplayDescription
 
 
 class SceneDescription(Struct, frozen=True):

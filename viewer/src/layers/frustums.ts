@@ -24,22 +24,28 @@ export class Frustums extends Layer {
     super("frustums", "fields of view of cameras");
     connection.on("frustum", (frustum) => {
       this.known.set(frustum.component, frustum);
-      if (!this.on || !this.around) return;
+      if (!this.around) return;
       this.draw(frustum, this.around);
       changed();
     });
   }
 
-  /** The sensors whose fields of view are shown. */
+  /** The sensors whose fields of view are shown, also if the overlay of all sensors is off. */
   keep(components: string[]): void {
     this.shown = components;
     for (const child of [...this.root.children]) if (!components.includes(child.name)) discard(child);
-    if (!this.on || !this.around) return;
+    if (!this.around) return;
     for (const frustum of this.known.values()) if (!this.root.getObjectByName(frustum.component)) this.draw(frustum, this.around);
   }
 
-  override build(around: Surroundings): void {
+  override switch(on: boolean, around: Surroundings | null): void {
+    this.on = on;
     this.around = around;
+    this.clear();
+    if (around) this.build(around);
+  }
+
+  override build(around: Surroundings): void {
     for (const frustum of this.known.values()) this.draw(frustum, around);
   }
 

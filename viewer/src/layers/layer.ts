@@ -1,5 +1,6 @@
 import type { Object3D, Scene } from "three";
 import { Group } from "three";
+import type { DisplayDescription } from "../generated/protocol";
 import type { Components } from "../model/components";
 import type { World } from "../world/world";
 
@@ -14,7 +15,7 @@ export abstract class Layer {
   on = false;
 
   constructor(
-    readonly id: string,
+    readonly id: DisplayDescription["overlays"][number],
     readonly label: string,
   ) {
     this.root.name = id;

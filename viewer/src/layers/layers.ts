@@ -32,6 +32,9 @@ export class Layers {
   private readonly rays: Rays;
   private readonly frustums: Frustums;
   private readonly boxes = new Map<string, HTMLInputElement>();
+  /** sensors whose rays the script shows */
+  private declared: string[] = [];
+  private hidden = false;
   private readonly note = h("p", { class: "quiet", hidden: true });
 
   constructor(
@@ -66,10 +69,7 @@ export class Layers {
       stage.invalidate();
     });
     world.watch((now) => now && this.rebuild(now));
-    components.all.watch(() => {
-      this.showArcs();
-      this.tell();
-    });
+    components.all.watch(() => this.tell());
     components.selected.watch(() => this.tell());
     stage.onDraw(() => this.update());
     this.element.append(this.note);
@@ -77,35 +77,42 @@ export class Layers {
   }
 
   switch(id: string, on: boolean): void {
-    const layer = this.list.find((one) => one.id === id);
-    if (!layer) return;
-    layer.switch(on, this.around());
-    const box = this.boxes.get(id);
-    if (box) box.checked = on;
+    if (id === "rays") this.hidden = !on;
+    this.set(id, on);
     localStorage.setItem(KEY, JSON.stringify(this.list.filter((one) => one.on).map((one) => one.id)));
     this.tell();
     this.stage.invalidate();
   }
 
-  private rebuild(world: World): void {
-    if (world.description.view.show_physics && !this.list.some(({ id, on }) => id === "shapes" && on)) this.switch("shapes", true);
-    for (const layer of this.list) if (layer.on) layer.switch(true, this.around());
+  /** Switch an overlay for this world alone: the page does not remember it. */
+  set(id: string, on: boolean): void {
+    this.list.find((one) => one.id === id)?.switch(on, this.around());
+    const box = this.boxes.get(id);
+    if (box) box.checked = on;
   }
 
-  /** A script may request the rays of a sensor (Visible_arc); an earlier choice of the user has priority. */
-  private showArcs(): void {
-    const asked = this.components.all.value.some(({ properties }) =>
+  private rebuild(world: World): void {
+    if (world.description.view.show_physics && !this.list.some(({ id, on }) => id === "shapes" && on)) this.switch("shapes", true);
+    for (const layer of this.list) if (layer.on || layer === this.frustums) layer.switch(layer.on, this.around());
+  }
+
+  /** The sensors whose rays a script shows. */
+  declare(rays: string[]): void {
+    this.declared = rays;
+    this.tell();
+  }
+
+  /** Sensors whose rays the script shows, although those of all sensors are not shown; none once the user has hidden rays. */
+  private asked(): string[] {
+    const arcs = this.components.all.value.filter(({ properties }) =>
       properties.some(({ name, value }) => name === "Visible_arc" && value === true),
     );
-    if (!asked || localStorage.getItem(KEY) !== null) return;
-    this.rays.switch(true, this.around());
-    const box = this.boxes.get(this.rays.id);
-    if (box) box.checked = true;
+    return this.hidden ? [] : [...this.declared, ...arcs.map(({ name }) => name)];
   }
 
   private update(): void {
     const around = this.around();
-    if (around) for (const layer of this.list) if (layer.on) layer.update(around);
+    if (around) for (const layer of this.list) if (layer.on || layer === this.frustums) layer.update(around);
   }
 
   private around(): Surroundings | null {
@@ -122,9 +129,13 @@ export class Layers {
     this.note.hidden = near.size === robots.length || !any;
     this.note.textContent = `Rays, cones and fields of view of ${near.size} of ${robots.length} robots: the selected one, and those nearest to the camera.`;
     const shown = all.filter(({ kind, robot }) => kind === "sensor" && near.has(robot)).map(({ name }) => name);
-    const sensors = any ? shown : [];
-    this.rays.keep(on("rays") ? shown : []);
-    this.frustums.keep(on("frustums") ? shown : []);
+    const selected = all.filter(({ kind, name }) => kind === "sensor" && name === this.components.selected.value).map(({ name }) => name);
+    const asked = this.asked();
+    const sensors = [...(any ? shown : []), ...asked, ...selected];
+    this.rays.keep([...(on("rays") ? shown : []), ...asked, ...selected]);
+    this.frustums.keep([...(on("frustums") ? shown : []), ...selected]);
+    const box = this.boxes.get("rays");
+    if (box) box.indeterminate = asked.length > 0 && !on("rays");
     this.watching.set("overlays", "layers", on(CONTACTS) ? [...sensors, CONTACTS] : sensors);
   }
 

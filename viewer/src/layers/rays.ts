@@ -18,25 +18,27 @@ interface Drawn {
 /** Rays of laser scanners and similar sensors: a line for each ray, a dot at each hit; and the points of depth cameras. */
 export class Rays extends Layer {
   private readonly drawn = new Map<string, Drawn>();
+  private shown = new Set<string>();
 
   constructor(connection: Connection, changed: () => void) {
     super("rays", "rays and points");
     connection.on("rays", ({ component, payload }) => {
-      if (!this.on) return;
+      if (!this.shown.has(component)) return;
       this.show(component, new Float32Array(payload));
       changed();
     });
     connection.on("cloud", ({ component, payload }) => {
-      if (!this.on) return;
+      if (!this.shown.has(component)) return;
       this.showPoints(component, new Float32Array(payload));
       changed();
     });
   }
 
-  /** Delete the rays and points of sensors that are no longer shown. */
+  /** The sensors whose rays and points are shown, also if the overlay of all sensors is off. */
   keep(components: string[]): void {
+    this.shown = new Set(components);
     for (const [name, { beams, hits }] of this.drawn) {
-      if (components.includes(name)) continue;
+      if (this.shown.has(name)) continue;
       discard(beams);
       discard(hits);
       this.drawn.delete(name);
@@ -49,8 +51,8 @@ export class Rays extends Layer {
     hits.geometry.setAttribute("position", new BufferAttribute(points, 3));
   }
 
-  override clear(): void {
-    this.keep([]);
+  override switch(on: boolean): void {
+    this.on = on;
   }
 
   private show(component: string, numbers: Float32Array): void {

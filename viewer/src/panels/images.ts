@@ -23,7 +23,7 @@ export class Images {
   private readonly chosen = new Set<string>();
   /** closed by the user since the robot was selected */
   private readonly closed = new Set<string>();
-  private preferred: string | null = null;
+  private preferred: string[] = [];
   private robot: string | null = null;
   private capturing = true;
 
@@ -47,15 +47,15 @@ export class Images {
     });
   }
 
-  /** The camera that the script selected for display: shown until it is closed. */
-  prefer(camera: string | null): void {
-    if (camera !== null && camera !== this.preferred) this.show(camera);
-    this.preferred = camera;
+  /** The cameras that the script selected for display: shown until they are closed. */
+  prefer(cameras: string[]): void {
+    for (const camera of cameras) if (!this.preferred.includes(camera)) this.show(camera);
+    this.preferred = cameras;
   }
 
   /** Show or hide the image of a camera; without a name, of the selected camera or the first one. */
   toggle(camera: string | null = null): string | null {
-    const name = camera ?? this.preferred ?? this.components.cameras[0]?.name ?? null;
+    const name = camera ?? this.preferred[0] ?? this.components.cameras[0]?.name ?? null;
     if (name === null) return null;
     if (this.panels.has(name)) this.hide(name);
     else this.show(name);

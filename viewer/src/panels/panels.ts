@@ -1,4 +1,5 @@
 import type { App } from "../app";
+import type { DisplayDescription } from "../generated/protocol";
 import { Layers } from "../layers/layers";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
@@ -18,6 +19,7 @@ import { LinkBanner } from "./link";
 import { LogPanel } from "./log";
 import { MoreButton } from "./more";
 import { ObjectPanel } from "./object";
+import type { Plot } from "./plot";
 import { PlotsPanel } from "./plots";
 import { Rate } from "./rate";
 import { RecordingPanel } from "./recording";
@@ -46,7 +48,7 @@ export class Panels {
     this.capture = new Capture(stage, toasts);
     this.layers = new Layers(connection, stage, components, watching, app.world);
     this.images = new Images(connection, components, watching, app.session);
-    this.plots = new PlotsPanel(components, watching, app.session, () => shell.open("bottom"), (text) => toasts.show(text));
+    this.plots = new PlotsPanel(components, watching, app.session, () => shell.show("bottom"), (text) => toasts.show(text));
     this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node));
     this.mover = new Mover(stage, connection, (node, { position, quaternion }) => void this.object.teleport(node, position, quaternion));
     this.mover.running = () => app.poses.value?.running ?? false;
@@ -78,13 +80,27 @@ export class Panels {
     components.selected.watch((name) => this.highlight.show(name === null ? null : (stage.world?.find(name) ?? null)));
     app.world.watch((world) => {
       if (!world) return;
-      this.images.prefer(world.description.view.display_camera);
+      this.images.prefer(world.description.view.display.images);
+      this.layers.declare(world.description.view.display.rays);
       this.highlight.show(world.find(components.selected.value ?? ""));
       this.mover.toggle(null);
       this.object.rebind(world);
       follow.rebind(world);
     });
     this.addShortcuts();
+  }
+
+  /** What the script shows when its world is opened for the first time. */
+  display({ overlays, plots, panels, select }: DisplayDescription): void {
+    const { shell, components } = this.app;
+    for (const overlay of overlays) this.layers.set(overlay, true);
+    for (const curves of plots) {
+      let into: Plot | null = null;
+      for (const { component, field } of curves) into = this.plots.plot(component, field, into);
+    }
+    if (select !== "") components.selected.set(select);
+    if (panels) shell.arrange(panels);
+    else if (plots.length > 0) shell.show("bottom");
   }
 
   private fillHeader(): void {
@@ -137,6 +153,7 @@ export class Panels {
     shortcuts.add("View", ["1"], "1", "follow from behind", () => this.viewMenu.start("third"));
     shortcuts.add("View", ["2"], "2", "view from on board", () => this.viewMenu.start("first"));
     shortcuts.add("View", ["3"], "3", "follow from above", () => this.viewMenu.start("top"));
+    shortcuts.add("View", ["4"], "4", "move along, keep the direction", () => this.viewMenu.start("along"));
     shortcuts.add("View", ["0"], "0", "stop following", () => this.viewMenu.start("free"));
     shortcuts.add("View", ["c", "C"], "C", "show the selected object", () => this.focus(app.components.selected.value));
     shortcuts.add("View", ["v", "V"], "V", "show the image of a robot's camera", () => this.toggleImage());

@@ -65,17 +65,18 @@ export class PlotsPanel {
   }
 
   /** Plot all numbers of a field, in a new plot or in an existing one. */
-  plot(component: string, field: string, into: Plot | null = null): void {
+  plot(component: string, field: string, into: Plot | null = null): Plot | null {
     const curves = this.curvesOf(component, field);
     if (curves !== null && curves.length === 0) {
       this.refuse(component, field);
-      return;
+      return into;
     }
     const plot = into ?? this.create();
     if (curves === null) plot.await({ component, field });
     else for (const curve of curves) plot.add(curve);
     this.ask();
     this.onFirst();
+    return plot;
   }
 
   /** A field that a plot waits for has its first value: create its curves. */

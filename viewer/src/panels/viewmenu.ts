@@ -9,6 +9,7 @@ import type { WorldNode } from "../world/node";
 
 const MODES: [FollowMode, string, string][] = [
   ["free", "free", "0"],
+  ["along", "along", "4"],
   ["third", "behind", "1"],
   ["first", "on board", "2"],
   ["top", "from above", "3"],

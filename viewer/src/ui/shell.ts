@@ -1,3 +1,4 @@
+import type { DisplayDescription } from "../generated/protocol";
 import { h, iconButton } from "./dom";
 import { icons } from "./icons";
 
@@ -52,8 +53,18 @@ export class Shell {
     else this.set("right", something && this.wanted);
   }
 
-  open(place: Place): void {
-    if (this[place].hidden) this.toggle(place);
+  /** Open a panel without making it a choice of the user. */
+  show(place: Place): void {
+    if (this[place].hidden) this.set(place, true);
+  }
+
+  /** The panels that a script opens; in a narrow window, they would cover the world. */
+  arrange(panels: NonNullable<DisplayDescription["panels"]>): void {
+    if (this.narrow) return;
+    this.wanted = panels.includes("details");
+    this.set("left", panels.includes("tree"));
+    this.set("bottom", panels.includes("plots"));
+    if (!this.wanted) this.set("right", false);
   }
 
   /** A closed area has new content. */

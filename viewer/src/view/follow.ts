@@ -6,7 +6,7 @@ import type { CameraPose } from "./camera";
 import { outlook } from "./outlook";
 import type { Stage } from "./stage";
 
-export type FollowMode = "free" | "third" | "first" | "top" | "camera";
+export type FollowMode = "free" | "third" | "first" | "top" | "camera" | "along";
 
 const PRESETS = {
   front: new Vector3(1, 0, 0.25),
@@ -21,8 +21,13 @@ export class Follow {
   readonly mode = new Signal<FollowMode>("free");
   node: WorldNode | null = null;
   private home: CameraPose | null = null;
+  private readonly homeOffset = new Vector3();
+  /** the node that the viewpoint of the script moves with */
+  private followed: WorldNode | null = null;
   private readonly place = new Vector3();
   private readonly turn = new Quaternion();
+  /** from the followed node to the camera when it began to follow, m */
+  private readonly offset = new Vector3();
   private settled = false;
   private lastRobot = -1;
   private lastCamera = -1;
@@ -38,6 +43,7 @@ export class Follow {
 
   start(mode: FollowMode, node: WorldNode): void {
     this.node = node;
+    this.offset.copy(this.stage.view.position).sub(node.frame.getWorldPosition(this.place));
     this.settled = false;
     this.mode.set(mode);
     this.stage.invalidate();
@@ -45,13 +51,17 @@ export class Follow {
 
   /** The world was described again: follow the node of the same name. */
   rebind(world: World): void {
+    if (this.followed) this.followed = world.find(this.followed.name);
     if (this.node) this.node = world.find(this.node.name);
     if (!this.node) this.release();
   }
 
-  /** Use the viewpoint of the script as home. */
-  setHome(): void {
+  /** Use the present viewpoint as home, which moves along with a node if there is one. */
+  setHome(followed: WorldNode | null = null): void {
     this.home = this.stage.view.pose;
+    this.followed = followed;
+    this.homeOffset.copy(this.stage.view.position);
+    if (followed) this.homeOffset.sub(followed.frame.getWorldPosition(this.place));
   }
 
   /** Return to the viewpoint of the script. */
@@ -59,6 +69,10 @@ export class Follow {
     this.release();
     this.lastCamera = -1;
     if (this.home) this.stage.view.pose = this.home;
+    if (this.followed) {
+      this.start("along", this.followed);
+      this.offset.copy(this.homeOffset);
+    }
     this.stage.invalidate();
   }
 
@@ -127,6 +141,7 @@ export class Follow {
     this.node.frame.getWorldQuaternion(this.turn);
     this.node.frame.getWorldPosition(this.place);
     if (this.mode.value === "camera") this.through();
+    else if (this.mode.value === "along") this.stage.view.position.lerp(this.place.clone().add(this.offset), gain);
     else if (this.mode.value === "first") this.ride(bounds.radius);
     else this.chase(bounds.center, Math.max(bounds.radius, 0.3), gain);
     this.stage.target.copy(bounds.center);

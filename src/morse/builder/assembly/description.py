@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
-    from morse.builder.names.part import Part
     from morse.scene import Settings, SourceLine
+
+
+class Wish(NamedTuple):
+    """An argument of ``env.show``, which is checked when all components have their names.
+
+    Attributes:
+        where: the line of the script.
+        value: components, or names of components and fields.
+    """
+
+    where: SourceLine | None
+    value: Any
 
 
 class EnvironmentDescription:
@@ -17,6 +28,7 @@ class EnvironmentDescription:
         filename: name of its model.
         settings: settings of time, physics and view.
         environment_properties: position on the Earth, temperature, ...
+        _wishes: what ``env.show`` was called with, by argument.
     """
 
     where: SourceLine | None
@@ -24,7 +36,7 @@ class EnvironmentDescription:
     settings: Settings
     environment_properties: dict[str, object]
     _auto_tune: bool
-    _display_camera: Part | None
+    _wishes: dict[str, Wish]
     _simulation_managers: list[str]
     _default_interfaces: list[str]
     _manager_options: dict[str, dict[str, object]]

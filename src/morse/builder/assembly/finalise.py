@@ -7,6 +7,7 @@ from struct import pack, unpack
 from typing import TYPE_CHECKING
 
 from morse.builder.abstractcomponent import AbstractComponent
+from morse.builder.assembly.displaying import Displaying
 from morse.builder.assembly.nodes import distribute, of_own_robots
 from morse.builder.components.passive import Zone as ZoneComponent
 from morse.builder.components.robot import Robot, connect
@@ -47,8 +48,7 @@ def build_scene(workspace: Workspace) -> Scene:
     fastest = max((c.frequency for c in components if c.frequency is not None), default=0.0)
     if environment._auto_tune and settings.time_strategy is TimeStrategies.BestEffort:
         settings.frequency = max(settings.frequency, fastest)
-    camera = environment._display_camera
-    settings.view.display_camera = None if camera is None else camera.name
+    settings.view.display = Displaying(workspace, components).display(environment._wishes)
     _check_poses(workspace)
     return Scene(
         environment=environment.filename,

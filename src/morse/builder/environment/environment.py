@@ -68,7 +68,7 @@ class Environment(ViewMethods, TimeMethods):
         self.settings.fastmode = checks.boolean(fastmode, "Environment(fastmode)")
         self.environment_properties = {}
         self._auto_tune = checks.boolean(auto_tune_time, "Environment(auto_tune_time)")
-        self._display_camera = None
+        self._wishes = {}
         self._init_time()
         if scene.speed is not None:
             self.simulator_frequency(*scene.speed)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from morse.builder.abstractcomponent import AbstractComponent
-from morse.builder.assembly.description import EnvironmentDescription
+from morse.builder.environment.display import DisplayMethods
 from morse.builder.errors import checks
 from morse.builder.errors.angles import hint_at_radians
 from morse.builder.legacy.notices import notice
@@ -30,7 +29,7 @@ _STEREO_MODES = (
 )
 
 
-class ViewMethods(EnvironmentDescription):
+class ViewMethods(DisplayMethods):
     """The part of `Environment` that sets up the view."""
 
     # --- camera -----------------------------------------------------------------------------
@@ -69,12 +68,6 @@ class ViewMethods(EnvironmentDescription):
         """Set the focal length in mm, for a sensor 32 mm wide."""
         length = checks.number(focal_length, "env.set_camera_focal_length(focal_length)", above=0.0)
         self.settings.view.camera_focal_length = length
-
-    def select_display_camera(self, robot_camera: AbstractComponent) -> None:
-        """Show the image of a camera of a robot in the view."""
-        if not isinstance(robot_camera, AbstractComponent):
-            raise TypeError(f"env.select_display_camera takes a camera of a robot, got {checks.shown(robot_camera)}")
-        self._display_camera = robot_camera
 
     # --- colours ----------------------------------------------------------------------------
 

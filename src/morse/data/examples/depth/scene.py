@@ -19,3 +19,4 @@ for name, y in (("near", 0.6), ("far", -0.9)):
 env = Environment("empty")
 env.set_camera_location([-2.5, -3.5, 2.5])
 env.set_camera_rotation([1.25, 0.0, -0.75])
+env.show(images=[kinect], overlays=["frustums"])

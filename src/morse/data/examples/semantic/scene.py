@@ -26,3 +26,4 @@ for number, (name, kind) in enumerate((("Jam", "Food"), ("Milk", "Food"), ("Knif
 env = Environment("empty")
 env.set_camera_location([-4.0, -4.0, 3.5])
 env.set_camera_rotation([1.1, 0.0, -0.8])
+env.show(images=[camera], select=camera)

@@ -21,3 +21,4 @@ env = Environment("water-1/deep_water")
 env.set_gravity(0.001)  # the boat neither sinks nor rises
 env.set_camera_location([2.0, -9.0, 4.0])
 env.set_camera_rotation([1.2, 0.0, 0.15])
+env.show(plots=["robot.velocity.linear_velocity"], follow=robot)

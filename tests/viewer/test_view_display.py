@@ -1,0 +1,61 @@
+"""The page shows what a script wants to be shown."""
+
+from __future__ import annotations
+
+import pytest
+from view_pages import until
+from view_worlds import playground
+
+pytestmark = pytest.mark.browser
+
+FROM_ROBOT = "morse.stage.view.position.clone().sub(morse.world.value.find('robot1').frame.position).toArray()"
+
+
+def test_what_a_script_shows_is_shown_unasked(running, open_page) -> None:
+    driver, url = running
+    scene, moving = playground()
+    display = scene.settings.view.display
+    display.rays, display.follow, display.select = ("robot0.lidar",), "robot1", "robot2.lidar"
+    display.plots, display.overlays = ((("robot1.lidar", "x"), ("robot1.lidar", "y")),), ("trails",)
+    display.images = ("robot1.lidar", "robot2.lidar")
+    driver.server.set_scene(scene, moving)
+    page = open_page(url, width=1200, height=700)
+    until(lambda: driver.server.wishes.images == {"robot1.lidar", "robot2.lidar"})
+    # rays of the sensor that is named, and of the selected one
+    until(lambda: driver.server.wishes.overlays == {"robot0.lidar", "robot2.lidar"})
+    until(lambda: "robot1.lidar" in driver.server.wishes.values)
+    assert page.evaluate("morse.panels.plots.plots.length") == 1
+    assert page.evaluate("morse.panels.layers.list.filter((one) => one.on).map((one) => one.id)") == ["trails"]
+    page.get_by_role("heading", name="robot2.lidar").wait_for()
+    assert page.evaluate("morse.follow.mode.value") == "along"
+    # the distance of the script from the robot, wherever it has driven
+    begin = next(node for node in scene.roots if node.name == "robot1").location
+    asked = [a - b for a, b in zip(scene.settings.view.camera_location, begin, strict=True)]
+    until(lambda: page.evaluate(FROM_ROBOT) == pytest.approx(asked, abs=0.3))
+    # what a script shows is not the choice of the user: other scenes do not get it
+    assert page.evaluate("localStorage.getItem('morse.layers')") is None
+    assert page.evaluate("localStorage.getItem('morse.panels')") is None
+
+
+def test_what_the_user_has_closed_stays_closed(running, open_page) -> None:
+    driver, url = running
+    scene, moving = playground()
+    scene.settings.view.display.plots = ((("robot1.lidar", "x"),),)
+    driver.server.set_scene(scene, moving)
+    page = open_page(url, width=1200, height=700)
+    until(lambda: page.evaluate("morse.panels.plots.plots.length") == 1)
+    page.evaluate("morse.panels.plots.plots[0].onEmpty()")
+    page.reload()
+    until(lambda: page.evaluate("!!window.morse?.world.value"))
+    assert page.evaluate("morse.panels.plots.plots.length") == 0
+
+
+def test_a_layout_opens_these_panels_alone(running, open_page) -> None:
+    driver, url = running
+    scene, moving = playground()
+    scene.settings.view.display.panels = ("plots",)
+    driver.server.set_scene(scene, moving)
+    page = open_page(url, width=1200, height=700)
+    until(lambda: page.locator("section.bottom").is_visible())
+    assert page.locator("aside.left").is_hidden()
+    assert page.locator("aside.right").is_hidden()
