@@ -269,7 +269,7 @@ def test_rays_are_asked_for_and_drawn_where_they_are(shown) -> None:
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     # every second ray has a hit
     assert lengths[1::2] == pytest.approx(3.0 + np.sin(np.arange(61) * 0.7)[1::2], abs=1e-3)
-    assert lengths[::2].max() < 1.0
+    assert lengths[::2].max() <= 5.0
     assert np.hypot(ends[0, 0, 0], ends[0, 0, 1]) == pytest.approx(3.0, abs=1e-3)
     assert page.evaluate(f"{rays}.hits.geometry.attributes.position.count") == 30
     page.get_by_label("rays and points").uncheck()

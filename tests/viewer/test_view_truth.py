@@ -280,16 +280,20 @@ def test_of_many_robots_the_nearest_show_rays_and_the_page_says_so(scenes) -> No
     until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in (*range(7), 19)})
 
 
-def test_a_ray_that_meets_nothing_is_drawn_short(shown) -> None:
+def test_a_ray_that_meets_nothing_fades_out(shown) -> None:
     driver, page = shown
     page.evaluate("morse.panels.layers.switch('rays', true)")
     rays = np.array([[0, 0, 1, 30, 0, 1, 0], [0, 0, 1, 0, 5, 1, 1], [0, 0, 1, 0.1, 0, 1, 0]], "<f4")
-    page.evaluate("morse.panels.layers.rays.keep = () => {}")  # of sensors that the page does not know
+    # of sensors that the page does not know
+    page.evaluate("morse.panels.layers.rays.keep(['other']); morse.panels.layers.rays.keep = () => {}")
     driver.server.send(Rays(component="other", payload=rays.tobytes()))
     drawn = "morse.panels.layers.rays.drawn.get('other')"
     until(lambda: page.evaluate(f"!!{drawn}"))
     ends = np.array(page.evaluate(f"[...{drawn}.beams.geometry.attributes.position.array]")).reshape(3, 2, 3)
-    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) == pytest.approx([0.6, 5.0, 0.1], abs=1e-5)
+    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) == pytest.approx([5.0, 5.0, 0.1], abs=1e-5)
+    colors = np.array(page.evaluate(f"[...{drawn}.beams.geometry.attributes.color.array]")).reshape(3, 2, 4)
+    assert (colors[:, 1, 3] > 0).tolist() == [False, True, False]
+    assert (colors[:, 0, 3] > 0).all()
     assert page.evaluate(f"{drawn}.hits.geometry.attributes.position.count") == 1
     page.evaluate("delete morse.panels.layers.rays.keep")
 

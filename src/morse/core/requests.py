@@ -96,14 +96,25 @@ def serve(components: Sequence[Any], guard: Guard) -> None:
     guard.run(lambda: _serve(components), lambda _: guard.each(components, _serve_one, guard.deactivate))
 
 
+def prepare(components: Iterable[Any]) -> None:
+    """Let the servers do now what would delay the first tick; a server may have a method ``prepare`` for this."""
+    for server, requests in _by_server(components).items():
+        if (do := getattr(server, "prepare", None)) is not None:
+            do(requests)
+
+
 def _serve(components: Iterable[Any]) -> None:
+    for server, requests in _by_server(components).items():
+        server.serve(requests)
+
+
+def _by_server(components: Iterable[Any]) -> dict[Server, list[Request]]:
     by_server: dict[Server, list[Request]] = {}
     for component in components:
         if component.active:
             for request in component.requests:
                 by_server.setdefault(request.server, []).append(request)
-    for server, requests in by_server.items():
-        server.serve(requests)
+    return by_server
 
 
 def _serve_one(component: Any) -> None:

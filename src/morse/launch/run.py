@@ -19,6 +19,7 @@ from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
 from morse.core.reports.faults import describe
 from morse.core.reports.log import endsection, section, set_level
+from morse.core.requests import prepare
 from morse.launch.ending_signals import ending_signals
 from morse.launch.load import review_settings
 from morse.launch.stamps import script_stamp, source_stamps
@@ -164,8 +165,11 @@ def _start(scene: Scene, options: RunOptions, leave: Leave = None) -> Simulation
         return None
     finally:
         stuck.close()
-    managers = list(simulation.context.stream_managers)
-    for line in summary(simulation.context, simulation.loaded.modifiers, managers):
+    context = simulation.context
+    # an error is reported in the first tick, with the component
+    context.guard.run(lambda: prepare(context.components.values()), lambda _: None)
+    managers = list(context.stream_managers)
+    for line in summary(context, simulation.loaded.modifiers, managers):
         logger.info("%s", line)
     for recorder in simulation.recorders:
         logger.info("the run is recorded in %s", recorder.path)

@@ -67,11 +67,7 @@ class Renderer:
         active_requests = [request for request in requests if request.wanted()]
         if not active_requests:
             return
-        if not self._simplified and any(request.screen_space_error > 0.0 for request in active_requests):
-            # levels of detail take time and memory: they are made for the first camera that allows an error
-            self._simplified, self._stage = True, None
-            self._meshes = MeshStore(simplified=True)
-        stage = self._present_stage()
+        stage = self._stage_for(active_requests)
         now = [request for request in active_requests if not request.beside]
         if now:
             orders = [order_of(request) for request in now]
@@ -81,6 +77,23 @@ class Renderer:
             orders = [order_of(request) for request in later]
             for request, shot in zip(later, self._beside.begin(stage, stage.note(orders), orders), strict=True):
                 request.shot = shot
+
+    def prepare(self, requests: Sequence[CameraRequest]) -> None:
+        """Render images and discard them: the first ones read meshes and textures, and take much longer than others."""
+        active_requests = [request for request in requests if request.wanted()]
+        if not active_requests:
+            return
+        stage = self._stage_for(active_requests)
+        orders = [order_of(request) for request in active_requests]
+        stage.draw(stage.note(orders), orders)
+
+    def _stage_for(self, requests: Sequence[CameraRequest]) -> Stage:
+        """The present objects, with levels of detail if an image allows an error."""
+        if not self._simplified and any(request.screen_space_error > 0.0 for request in requests):
+            # levels of detail take time and memory: they are made for the first camera that allows an error
+            self._simplified, self._stage = True, None
+            self._meshes = MeshStore(simplified=True)
+        return self._present_stage()
 
     def _present_stage(self) -> Stage:
         """The present objects; the world is read again if objects were added or removed, or a colour has changed."""

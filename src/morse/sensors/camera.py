@@ -16,7 +16,7 @@ from morse.helpers.components import add_property, add_state
 from morse.sensors.delayed_pictures import DelayedPictures, Exposure
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -72,6 +72,7 @@ class Camera(Sensor):
     Attributes:
         image_width, image_height: pixels.
         capturing: whether it captures images at present.
+        watched: whether the live view shows its images.
         color: whether its images contain colours, not only depth.
         normals: whether its images contain normals.
         uses: the fields of `morse.rendering.Picture` that `take` uses, if `take` only depends on the image, ``noted``
@@ -142,6 +143,7 @@ class Camera(Sensor):
     normals = False
     uses: ClassVar[tuple[str, ...] | None] = None
     noted: Any = None
+    watched = False
     _taken_from: Pose | None = None
 
     image_width: int
@@ -243,6 +245,7 @@ class Camera(Sensor):
     def _wants(self) -> bool:
         # asked before each image
         self.request.screen_space_error = self.screen_space_error
+        self.request.color = self.color or (self.watched and "image" not in self.local_data)
         return self.capturing and self._left != 0
 
     def watched_space(self) -> WatchedSpace | None:
@@ -312,6 +315,10 @@ class Camera(Sensor):
 
     def take(self, picture: Picture) -> None:
         """Fill ``local_data`` from an image."""
+
+    def shown(self) -> Mapping[str, Any]:
+        """The fields ``image``, ``timestamp`` and ``objects`` as the live view shows them."""
+        return self.local_data
 
     def note(self) -> Any:
         """Return the data of the world for `take` at the tick of an image, as plain data; see ``noted``."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +14,14 @@ from morse.scene.frames import rigid_frame
 from morse.sensors.camera import Camera
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from morse.rendering import Picture
 
 #: minimum number of visible pixels of an object
 _FEWEST = 1
+#: maximum number of objects with a colour in the image of the live view
+_MOST_SHOWN = 200
 #: property with the kind of an object
 _TYPE = "Type"
 
@@ -65,6 +68,8 @@ class SemanticCamera(Camera):
 
     add_kind("detections", records=_records)
 
+    _picture: Picture | None = None
+    _shown: Mapping[str, Any] = MappingProxyType({})
     color = False
     uses = ("ids", "names")
     relative: bool
@@ -81,6 +86,7 @@ class SemanticCamera(Camera):
     def take(self, picture: Picture) -> None:
         """Find the objects in an image."""
         numbers, counts = np.unique(picture.ids, return_counts=True)
+        self._picture = picture
         names_in_picture = {
             picture.names[n]
             for n, count in zip(numbers.tolist(), counts.tolist(), strict=True)
@@ -95,6 +101,33 @@ class SemanticCamera(Camera):
         else:
             descriptions = [described for described, names in self.noted if is_seen(names)]
         self.local_data["visible_objects"] = descriptions
+
+    def shown(self) -> Mapping[str, Any]:
+        """A picture in colour, which is rendered while the live view shows it, with the visible objects in boxes."""
+        picture = self._picture
+        if picture is None or picture.rgba is None:
+            return {}
+        if self._shown.get("source") is not picture:
+            visible = {record["name"] for record in self.local_data["visible_objects"]}
+            things = [thing for thing, _ in self._candidates() if str(thing.get("Label", thing.name)) in visible]
+            boxes = [self._box(number, thing, picture) for number, thing in enumerate(things[:_MOST_SHOWN], 1)]
+            self._shown = {
+                "source": picture,
+                "image": picture.rgba if self.vertical_flip else picture.rgba[::-1],
+                "objects": [box for box in boxes if box is not None],
+            }
+        return {**self._shown, "timestamp": self.local_data.get("timestamp", 0.0)}
+
+    def _box(self, number: int, thing: Any, picture: Picture) -> dict[str, Any] | None:
+        """The border of an object in the image, px; None if it is not in the image."""
+        parts = {node.name for node in thing.node.walk()}
+        mask = np.isin(picture.ids, [n for n, name in enumerate(picture.names) if name in parts])
+        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+        if not len(rows):
+            return None
+        label, kind = str(thing.get("Label", thing.name)), str(thing.get(_TYPE, ""))
+        box = (columns[0], rows[0], columns[-1] + 1, rows[-1] + 1)
+        return {"id": number, "name": label, "class": kind, "box": box}
 
     def _candidates(self) -> Iterator[tuple[Any, list[str] | None]]:
         """The objects that may be visible, and the names of their meshes; None if no mesh has to be in the image."""

@@ -1,14 +1,17 @@
-import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Points, PointsMaterial } from "three";
+import { BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments, Points, PointsMaterial } from "three";
 import type { Connection } from "../connection/connection";
 import { Layer, discard } from "./layer";
 
-const BEAM = new LineBasicMaterial({ color: 0x16a863, transparent: true, opacity: 0.25, depthWrite: false, toneMapped: false });
+const GREEN = new Color(0x16a863);
+const BEAM = new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false, toneMapped: false });
 const HIT = new PointsMaterial({ color: 0xff5a2a, size: 4, sizeAttenuation: false, toneMapped: false });
 /** The points of a cloud are many and dense. */
 const POINT = new PointsMaterial({ color: 0xff5a2a, size: 2, sizeAttenuation: false, toneMapped: false });
 
-/** Drawn length of a ray without a hit, m: its full length would hide the world behind it. */
-const MISS = 0.6;
+/** Opacity of rays. */
+const OPAQUE = 0.3;
+/** Length on which a ray without a hit fades out, m: its full length would hide the world behind it. */
+const MISS = 5;
 
 interface Drawn {
   beams: LineSegments;
@@ -58,16 +61,19 @@ export class Rays extends Layer {
   private show(component: string, numbers: Float32Array): void {
     const count = Math.floor(numbers.length / 7);
     const ends = new Float32Array(count * 6);
+    const colors = new Float32Array(count * 8);
     const hits: number[] = [];
     for (let i = 0; i < count; i++) {
       const [x, y, z, toX, toY, toZ, hit] = numbers.subarray(i * 7, i * 7 + 7) as unknown as [number, number, number, number, number, number, number];
       const length = Math.hypot(toX - x, toY - y, toZ - z);
       const part = hit || length <= MISS ? 1 : MISS / length;
       ends.set([x, y, z, x + part * (toX - x), y + part * (toY - y), z + part * (toZ - z)], i * 6);
+      colors.set([GREEN.r, GREEN.g, GREEN.b, OPAQUE, GREEN.r, GREEN.g, GREEN.b, hit ? OPAQUE : 0], i * 8);
       if (hit) hits.push(toX, toY, toZ);
     }
     const drawn = this.drawn.get(component) ?? this.make(component);
     drawn.beams.geometry.setAttribute("position", new BufferAttribute(ends, 3));
+    drawn.beams.geometry.setAttribute("color", new BufferAttribute(colors, 4));
     drawn.hits.geometry.setAttribute("position", new BufferAttribute(new Float32Array(hits), 3));
   }
 

@@ -60,14 +60,12 @@ export class Components {
 
   /** The sensors that capture images. */
   get cameras(): ComponentDescription[] {
-    return this.all.value.filter(({ kind, data }) => kind === "sensor" && data.some(({ name }) => name === "image"));
+    return this.all.value.filter(isCamera);
   }
 
   /** The colour of a camera on the whole page. */
   colorOf(camera: string): string {
-    const sensors = this.all.value.filter(({ kind, properties }) => kind === "sensor" && properties.some(({ name }) => name === "cam_width"));
-    const known = sensors.length > 0 ? sensors : this.cameras;
-    return colorOf(Math.max(known.findIndex(({ name }) => name === camera), 0));
+    return colorOf(Math.max(this.cameras.findIndex(({ name }) => name === camera), 0));
   }
 
   valuesOf(name: string): Live | null {
@@ -99,4 +97,9 @@ export class Components {
     this.all.value[index] = changed;
     for (const listener of this.changed) listener(changed);
   }
+}
+
+/** Whether a component captures images; those of some cameras are not in their data. */
+export function isCamera({ kind, data, properties }: ComponentDescription): boolean {
+  return kind === "sensor" && (data.some(({ name }) => name === "image") || properties.some(({ name }) => name === "cam_width"));
 }

@@ -3,6 +3,7 @@ import type { DisplayDescription } from "../generated/protocol";
 import { Layers } from "../layers/layers";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
+import { isCamera } from "../model/components";
 import { Sounds } from "../sound/sounds";
 import { theme, toggleTheme } from "../ui/theme";
 import { Highlight } from "../view/highlight";
@@ -61,7 +62,7 @@ export class Panels {
       components,
       watching,
       app.seat.drives,
-      (name) => this.object.show(name, components.find(name)?.data.some((field) => field.name === "image") ?? false),
+      (name) => this.object.show(name, components.cameras.some((camera) => camera.name === name)),
       (component, field) => this.plots.plot(component, field),
     );
     shell.left.append(tree.element);
@@ -192,7 +193,7 @@ export class Panels {
 
   private toggleImage(): void {
     const selected = this.app.components.find(this.app.components.selected.value);
-    const camera = selected?.data.some(({ name }) => name === "image") ? selected.name : null;
+    const camera = selected && isCamera(selected) ? selected.name : null;
     if (this.images.toggle(camera) === null) this.app.tell("No robot has a camera.");
   }
 

@@ -55,17 +55,27 @@ class PicturesFeed:
         wished = self._server.wishes.images
         for name in self._sent.keys() - wished:
             del self._sent[name]
+            self._watch(name, False)
         for name in sorted(wished):
             component = self._context.components.get(name)
+            self._watch(name, True)
             shot = None if component is None else self.shot(name, component)
             if shot is None or shot.source is self._sent.get(name):
                 continue
             self._sent[name] = shot.source
             self._server.send(picture_of(name, component, shot))
 
+    def _watch(self, name: str, on: bool) -> None:
+        """A camera without an image in its data renders one only while a page shows it."""
+        component = self._context.components.get(name)
+        if hasattr(component, "shown"):
+            component.watched = on
+            self._sent.setdefault(name, None)
+
     def shot(self, _name: str, component: Any) -> Shot | None:
         """The last image of a camera."""
-        return shot_of(component, component.local_data)
+        shown = getattr(component, "shown", None)
+        return shot_of(component, component.local_data if shown is None else shown())
 
 
 def shot_of(component: object, data: Mapping[str, object]) -> Shot | None:
@@ -92,7 +102,8 @@ def picture_of(name: str, component: object, shot: Shot) -> Picture:
         jpeg = as_jpeg(levels.grey)
         meaning: Literal["depth", "temperature"] = "temperature" if is_temperature(component) else "depth"
         return Picture(jpeg, name, width, height, "image/jpeg", shot.time, meaning, levels.low, levels.high, unit)
-    return Picture(as_jpeg(as_pixels(image)), name, width, height, "image/jpeg", shot.time)
+    boxes = list(sightings(shot.objects))
+    return Picture(as_jpeg(as_pixels(image)), name, width, height, "image/jpeg", shot.time, sightings=boxes)
 
 
 def sightings(objects: object) -> Iterator[Sighting]:

@@ -63,6 +63,8 @@ class RecordedPicturesFeed(PicturesFeed):
         known = self._known.get(name)
         if known is None or known[0] != fields.time:
             known = self._known[name] = fields.time, shot_of(component, fields.values)
+        if "image" not in fields.values:  # such as a semantic camera
+            return self._present(name, component)
         return known[1]
 
     def _present(self, name: str, component: object) -> Shot | None:

@@ -23,6 +23,6 @@ robot.append(pose)
 robot.add_default_interface("socket")
 
 env = Environment("indoors-1/boxes")
-env.set_camera_location([0.0, -12.0, 14.0])
+env.set_camera_location([0.0, -8.0, 9.0])
 env.set_camera_rotation([0.7, 0.0, 0.0])
 env.show(rays=[laser], overlays=["trails"], follow=robot)
