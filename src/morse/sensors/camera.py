@@ -318,7 +318,8 @@ class Camera(Sensor):
 
     def shown(self) -> Mapping[str, Any]:
         """The fields ``image``, ``timestamp`` and ``objects`` as the live view shows them."""
-        return self.local_data
+        data: dict[str, Any] = self.local_data
+        return data
 
     def note(self) -> Any:
         """Return the data of the world for `take` at the tick of an image, as plain data; see ``noted``."""

@@ -67,7 +67,7 @@ class PicturesFeed:
 
     def _watch(self, name: str, on: bool) -> None:
         """A camera without an image in its data renders one only while a page shows it."""
-        component = self._context.components.get(name)
+        component: Any = self._context.components.get(name)
         if hasattr(component, "shown"):
             component.watched = on
             self._sent.setdefault(name, None)
