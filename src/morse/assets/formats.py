@@ -22,8 +22,10 @@ _READERS = {
     ".mjcf": "morse.assets.mjcf:read_mjcf",
     ".obj": "morse.assets.meshfiles:read_meshes",
     ".ply": "morse.assets.meshfiles:read_meshes",
+    ".sdf": "morse.assets.sdf:read_sdf",
     ".stl": "morse.assets.meshfiles:read_meshes",
     ".urdf": "morse.assets.urdf:read_urdf",
+    ".world": "morse.assets.sdf:read_sdf",
     ".xml": "morse.assets.mjcf:read_mjcf",
 }
 

@@ -7,12 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets import search
+from morse.system import variables
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
 #: files that mark the folder of a package
 _MARKS = ("package.xml", "model.config", "manifest.xml")
+#: variables of ROS and Gazebo that list folders of packages and models
+_VARIABLES = ("ROS_PACKAGE_PATH", *search.MODEL_PATHS)
 #: maximum number of folders above a model that are searched for its package
 _LEVELS = 4
 
@@ -24,18 +27,32 @@ class FileRefusedError(ValueError):
 def find_near(name: str, model: Path) -> Path:
     """Return the file that a model refers to: ``package://robot/meshes/arm.stl``, ``file:///...`` or a path.
 
-    A package is a folder above the model, a folder beside one of these folders, or a folder in ROS_PACKAGE_PATH or
-    directly below one of them. After symbolic links are resolved, a file must be in the package of the model, or in a
-    folder of ROS_PACKAGE_PATH, MORSE_RESOURCE_PATH or of the project. If no file marks the package of the model, the
-    folder of the model and its parent are used.
+    A package is a folder above the model, a folder beside one of these folders, or a folder in ROS_PACKAGE_PATH,
+    GZ_SIM_RESOURCE_PATH and the like, or directly below one of them. After symbolic links are resolved, a file must be
+    in the package of the model, or in a folder of these variables, of MORSE_RESOURCE_PATH or of the project. If no file
+    marks the package of the model, the folder of the model and its parent are used. The models of a world may also be
+    in a folder ``models`` beside its own.
 
     Raises:
         FileRefusedError: the file does not exist, or is in another folder.
     """
+    return _find(name, model, os.path.isfile)
+
+
+def find_folder_near(name: str, model: Path) -> Path:
+    """Return the folder that a model refers to; see `find_near`.
+
+    Raises:
+        FileRefusedError: the folder does not exist, or is in another folder.
+    """
+    return _find(name, model, os.path.isdir)
+
+
+def _find(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
     is_package = name.startswith(("package://", "model://"))
     elsewhere = None
     for candidate, own in _candidates(name, model):
-        if not os.path.isfile(candidate):
+        if not exists(candidate):
             continue
         real = Path(os.path.realpath(candidate))
         if any(real.is_relative_to(os.path.realpath(folder)) for folder in (*own, *_folders(model))):
@@ -46,7 +63,8 @@ def find_near(name: str, model: Path) -> Path:
             f"it is at {elsewhere}, outside of the package of the model; "
             "to allow it, add the folder to MORSE_RESOURCE_PATH"
         )
-    hint = "; add more folders with ROS_PACKAGE_PATH" if is_package else ""
+    path = "GZ_SIM_RESOURCE_PATH" if name.startswith("model://") else "ROS_PACKAGE_PATH"
+    hint = f"; add more folders with {path}" if is_package else ""
     raise FileRefusedError(f"the file does not exist{hint}")
 
 
@@ -65,7 +83,7 @@ def _folders(model: Path) -> Iterator[Path]:
 
 
 def _listed() -> list[Path]:
-    return [Path(entry) for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if entry]
+    return [Path(entry) for variable in _VARIABLES for entry in variables.paths(variable)]
 
 
 def _candidates(name: str, model: Path) -> Iterator[tuple[Path, tuple[Path, ...]]]:
@@ -74,7 +92,9 @@ def _candidates(name: str, model: Path) -> Iterator[tuple[Path, tuple[Path, ...]
         return
     scheme, separator, rest = name.partition("://")
     if not separator:
-        yield model.parent / name.replace("\\", "/"), ()
+        plain = name.replace("\\", "/")
+        yield model.parent / plain, ()
+        yield model.parent / plain.lstrip("/"), ()
         return
     if scheme == "file":
         yield Path(rest), ()
@@ -88,7 +108,9 @@ def _candidates(name: str, model: Path) -> Iterator[tuple[Path, tuple[Path, ...]
             yield folder / inside, (folder,)
         if folder != Path(folder.anchor):
             yield folder / package / inside, (folder / package,)
-    for folder in _listed():
+            if scheme == "model":
+                yield folder / "models" / package / inside, (folder / "models" / package,)
+    for folder in [*_listed(), *search.resource_dirs()]:
         yield folder / package / inside, ()
         if folder.name == package:
             yield folder / inside, ()

@@ -24,6 +24,11 @@ logger = logging.getLogger(__name__)
 #: directory of the models that are part of MORSE: ``robots``, ``environments``, ``props``, ...
 MORSE_COMPONENTS = str(Path(__file__).resolve().parents[1] / "data")
 
+#: variables of Gazebo that list folders of models
+MODEL_PATHS = (
+    "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH", "SDF_PATH",
+)  # fmt: skip
+
 _project_dirs: list[Path] = []
 
 _MAX_ENTRIES = 20_000
@@ -87,7 +92,8 @@ def find(name: str, category: str = "") -> Path:
 
     A name with the suffix of a model file is a path: absolute, below the current directory, below
     a resource directory or below a component directory. Any other name is looked for as
-    ``<component directory>/<category>/<name>.blend``, then in the resource directories.
+    ``<component directory>/<category>/<name>.blend``, then in the resource directories, then as a folder with
+    ``model.config``, the form of models of Gazebo.
 
     Raises:
         AssetNotFoundError: the file does not exist.
@@ -99,6 +105,13 @@ def find(name: str, category: str = "") -> Path:
         # unlike Path.is_file, this treats a name that is too long for the file system as missing
         if os.path.isfile(candidate):
             return candidate.absolute()
+    for folder in _folders(name):
+        if os.path.isdir(folder):
+            from morse.assets.sdf.files import model_file
+
+            file = model_file(folder)
+            if file is not None:
+                return file.absolute()
     raise AssetNotFoundError(_not_found(name, category))
 
 
@@ -116,6 +129,14 @@ def _candidates(name: str, category: str) -> Iterator[Path]:
             yield from (directory / category / full for full in names)
     if has_suffix:
         yield from (directory / part / name for directory in component_dirs() for part in {"", category})
+
+
+def _folders(name: str) -> Iterator[Path]:
+    """The folders that may be a model of Gazebo."""
+    plain = name.removeprefix("model://")
+    yield Path(plain).expanduser()
+    listed = [Path(entry) for variable in MODEL_PATHS for entry in variables.paths(variable)]
+    yield from (directory / plain for directory in [*resource_dirs(), *listed])
 
 
 def _not_found(name: str, category: str) -> str:

@@ -84,6 +84,16 @@ def sphere() -> Mesh:
     return polyhedron("Sphere", points, faces, smooth=True)
 
 
+def capsule(radius: float, half: float) -> Mesh:
+    """A sphere that is elongated along Z by a half length."""
+    import numpy as np
+
+    ball = sphere()
+    vertices = ball.vertices * radius
+    vertices[:, 2] += np.where(ball.vertices[:, 2] > 1e-6, half, -half)
+    return Mesh("Capsule", vertices.astype(np.float32), ball.triangles, ball.material_index, normals=ball.normals)
+
+
 @cache
 def ico_sphere(subdivisions: int = 2) -> Mesh:
     """A sphere of radius 1 m, of triangles of nearly equal size: an icosahedron, its faces repeatedly cut in four."""

@@ -20,11 +20,14 @@ class Library:
         roots: the nodes without a parent.
         collections: name to the names of the nodes in it (Blender's groups and collections).
         world: properties of the world the file describes: ``horizon_color`` (linear RGB), ``ambient_color``,
-            ``gravity`` (m/s^2), ``mist``; only those that the file contains.
+            ``gravity`` (m/s^2), ``mist``, ``properties`` (of the environment); only those that the file contains.
         outside_scene: names of nodes that are in the file but not in its scene: templates, which are shown only by
             instances of their collection.
         images: images by name, for textures that no material uses.
         sensors: the sensors that the file declares.
+        robot: name of the root that is the robot if a robot is loaded from the file of a world; empty if all objects of
+            the file belong to one robot.
+        has_free_joints: whether joints move freely until a robot drives them.
         warnings: warnings for the user about what could not be read, one sentence each.
     """
 
@@ -35,6 +38,8 @@ class Library:
     outside_scene: set[str] = field(default_factory=set)
     images: dict[str, Image] = field(default_factory=dict)
     sensors: list[DeclaredSensor] = field(default_factory=list)
+    robot: str = ""
+    has_free_joints: bool = False
     warnings: list[str] = field(default_factory=list)
 
     def nodes(self) -> list[Node]:

@@ -65,12 +65,4 @@ def _mesh(geom: GeomData) -> tuple[Mesh, tuple[float, ...]]:
         return solids.sphere(), (size[0],) * 3
     if geom.kind == "cylinder":
         return solids.cylinder(), (size[0], size[0], size[1])
-    return _capsule(*size), (1.0, 1.0, 1.0)
-
-
-def _capsule(radius: float, half: float) -> Mesh:
-    """A sphere that is elongated along Z."""
-    ball = solids.sphere()
-    vertices = ball.vertices * radius
-    vertices[:, 2] += np.where(ball.vertices[:, 2] > 1e-6, half, -half)
-    return Mesh("Capsule", vertices.astype(np.float32), ball.triangles, ball.material_index, normals=ball.normals)
+    return solids.capsule(*size), (1.0, 1.0, 1.0)

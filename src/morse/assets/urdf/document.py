@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from pathlib import Path
     from xml.etree import ElementTree
 
-    from morse.scene import Inertial
+    from morse.scene import Inertial, Node
+    from morse.scene.couplings import Constraint
     from morse.scene.declared_sensor import DeclaredSensor
 
 _FARTHEST = 1e6
@@ -63,12 +64,14 @@ class Link:
 
     Attributes:
         inertial: None if the file does not contain it.
+        parts: shapes that are nodes already, from formats with more shapes than URDF.
     """
 
     name: str
     inertial: Inertial | None = None
     visuals: list[Shape] = field(default_factory=list)
     collisions: list[Shape] = field(default_factory=list)
+    parts: list[Node] = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -77,9 +80,10 @@ class Joint:
 
     Attributes:
         origin: 4x4 pose of the child in the frame of the parent, at joint value 0.
-        axis: unit vector in the frame of the child.
+        axis: unit vector in the frame of the joint.
         dynamics: damping, friction, and limits of the motor.
         mimic: name of the joint that this one follows, factor and offset; or None.
+        anchor: 4x4 pose of the joint in the frame of the child; None for the frame of the child itself.
     """
 
     name: str
@@ -92,6 +96,7 @@ class Joint:
     high: float
     dynamics: JointDynamics
     mimic: tuple[str, float, float] | None = None
+    anchor: Matrix | None = None
 
     @property
     def has_value(self) -> bool:
@@ -107,6 +112,9 @@ class Document:
         joints: each joint after the one that moves its parent.
         root: the link without a parent.
         warnings: ignored elements, one sentence each.
+        fixed: whether the robot is fixed to the world; None if its masses decide.
+        constraints: joints that close a loop.
+        self_collision: whether its links collide with each other.
     """
 
     name: str
@@ -115,6 +123,9 @@ class Document:
     root: str
     warnings: list[str]
     sensors: list[DeclaredSensor]
+    fixed: bool | None = None
+    constraints: tuple[Constraint, ...] = ()
+    self_collision: bool = False
 
 
 class _Parser:

@@ -25,6 +25,7 @@ from morse.scene import (
     NodeKind,
     PhysicsType,
 )
+from morse.scene.couplings import Couplings
 
 if TYPE_CHECKING:
     from morse.assets.urdf.document import Document
@@ -57,14 +58,20 @@ def read_urdf(path: str | Path) -> Library:
         AssetError: the file is broken or contradicts itself.
         OSError: it cannot be opened.
     """
-    return _Reader(Path(path)).library()
+    path = Path(path)
+    return robot_library(path, parse(path))
+
+
+def robot_library(path: Path, document: Document) -> Library:
+    """Return the nodes of a robot."""
+    return _Reader(path, document).library()
 
 
 class _Reader:
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, document: Document) -> None:
         self.path = path
-        self.document: Document = parse(path)
-        self.warnings = list(self.document.warnings)
+        self.document = document
+        self.warnings = list(document.warnings)
         self._libraries: dict[Path, Library] = {}
         self._told: set[str] = set()
         self._parts = 0
@@ -80,7 +87,9 @@ class _Reader:
         root = Node(document.name, body=body, source_name=document.name)
         armature = Node(f"{document.name}_joints", NodeKind.ARMATURE, source_name=f"{document.name}_joints")
         armature.bones = tuple(self._bones())
-        root.articulation = armature.articulation = Articulation(mass=mass)
+        root.articulation = Articulation(mass=mass)
+        couplings = Couplings(constraints=document.constraints)
+        armature.articulation = Articulation(mass=mass, self_collision=document.self_collision, couplings=couplings)
         root.attach(armature)
         frames, rotations = self._start(armature.bones), {joint.child: _turn(joint) for joint in document.joints}
         joint_names = {joint.child: joint.name for joint in document.joints}
@@ -96,6 +105,8 @@ class _Reader:
     def _is_fixed(self, mass: float) -> bool:
         """Whether the robot is fixed to the world: the links that move with the first one have no mass."""
         document = self.document
+        if document.fixed is not None:
+            return document.fixed
         if document.root == WORLD:
             return True
         if not any(link.inertial is not None for link in document.links.values()):
@@ -168,6 +179,8 @@ class _Reader:
             self._add(node, f"{link.name}_visual{number}", shape, is_solid=False)
         for number, shape in enumerate(link.collisions, 1):
             self._add(node, f"{link.name}_collision{number}", shape, is_solid=True)
+        for part in link.parts:
+            node.attach(part)
         return node
 
     def _add(self, link: Node, name: str, shape: Shape, *, is_solid: bool) -> None:
@@ -217,8 +230,9 @@ def _primitive(shape: Shape) -> tuple[Mesh, tuple[float, ...]]:
 
 
 def _turn(joint: Joint) -> Matrix:
-    """4x4 rotation from the Z axis, about which bones rotate here, to the axis of a joint."""
+    """4x4 pose of a bone, which rotates about its Z axis here, in the frame of the child of its joint."""
+    anchor = joint.anchor or Matrix.Identity(4)
     if not joint.has_value and joint.kind != "planar":
-        return Matrix.Identity(4)
+        return anchor
     rotation: Matrix = Vector((0.0, 0.0, 1.0)).rotation_difference(joint.axis).to_matrix().to_4x4()
-    return rotation
+    return anchor @ rotation

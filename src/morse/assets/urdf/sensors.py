@@ -13,7 +13,7 @@ from morse.mathutils.rotations import nine
 from morse.scene.declared_sensor import DeclaredSensor
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator
+    from collections.abc import Container, Iterable, Iterator
     from xml.etree import ElementTree
 
 _PRODUCTS = {
@@ -39,10 +39,17 @@ _FARTHEST = 1e6
 
 def sensors_of(robot: ElementTree.Element, links: Container[str]) -> tuple[list[DeclaredSensor], list[str]]:
     """Return the sensors of a robot, and warnings about those that are left out."""
+    return declared_sensors(_elements(robot), links)
+
+
+def declared_sensors(
+    elements: Iterable[tuple[ElementTree.Element, str]], links: Container[str]
+) -> tuple[list[DeclaredSensor], list[str]]:
+    """Return the sensors of some elements, each with the name of its link, and warnings about those left out."""
     sensors: list[DeclaredSensor] = []
     unknown: list[str] = []
     wrong: list[str] = []
-    for element, link in _elements(robot):
+    for element, link in elements:
         name = element.get("name") or f"sensor{len(sensors)}"
         kind = _kind(element)
         if kind not in _PRODUCTS or link not in links:

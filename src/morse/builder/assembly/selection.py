@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from morse.assets import instantiate
 from morse.mathutils import Matrix
-from morse.scene import Choice, ModelUse, PhysicsType
+from morse.scene import Choice, Control, ModelUse, PhysicsType
+from morse.scene.articulation import CONTROL
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -29,18 +30,27 @@ def take(library: Library, choice: Choice) -> tuple[list[Node], ModelUse]:
     """Return copies of objects of a library, and the record of their origin.
 
     Returns:
-        The copies without a parent, empty if nothing matches; and their `ModelUse`.
+        The copies without a parent, a whole component first, empty if nothing matches; and their `ModelUse`.
 
     Raises:
         AssetError: a whole component is wanted, and the file contains no object.
     """
     if choice.whole:
-        roots = [whole_component(library, choice.role)]
+        roots = [whole_component(library, choice.role), *_beside_the_robot(library)]
     else:
         roots = pick(library, choice.role, choice.names, choice.prefix)
+        if library.has_free_joints:
+            for node in (node for root in roots for node in root.walk() if node.bones):
+                node.properties.setdefault(CONTROL, str(Control.EFFORT))
     originals = {node.name: node for root in roots for node in instantiate(root).walk()}
     nodes = {node.name: node for root in roots for node in root.walk()}
     return roots, ModelUse(str(Path(library.path).absolute()), choice, nodes, originals)
+
+
+def _beside_the_robot(library: Library) -> list[Node]:
+    """Copies of the other objects of the world in which a robot is, if they move: scenes have a floor of their own."""
+    others = [root for root in library.roots if library.robot and root.name != library.robot and root.body.moves]
+    return [instantiate(root) for root in others]
 
 
 def whole_component(library: Library, role: Role = "component") -> Node:
@@ -51,7 +61,8 @@ def whole_component(library: Library, role: Role = "component") -> Node:
     """
     from morse.assets.rules import gather_under_root
 
-    root = gather_under_root(replace(library, roots=[instantiate(root) for root in library.roots]))
+    roots = [root for root in library.roots if not library.robot or root.name == library.robot]
+    root = gather_under_root(replace(library, roots=[instantiate(root) for root in roots]))
     _settle_physics([root], role)
     return root
 

@@ -79,8 +79,8 @@ class Models:
             FileNotFoundError: there is no such model.
             AssetError: the model contains no object.
         """
-        (root,) = _into_scene(self._library(component), Choice(self._role, whole=True))
-        return SceneObject(root)
+        roots = _into_scene(self._library(component), Choice(self._role, whole=True))
+        return SceneObject(roots[0])
 
     def append_collada(self, component: str | None = None) -> list[SceneObject]:
         """Add all objects of a COLLADA file to the scene, and return those without a parent.

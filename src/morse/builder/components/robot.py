@@ -28,7 +28,7 @@ class Robot(Component):
             without a body.
         name: its name, if it differs from the name of the variable that refers to it.
         blender_object_name: the object of the file that is the body; None for the object without a parent.
-        sensors: whether the sensors that the file declares (URDF, MJCF) are created.
+        sensors: whether the sensors that the file declares (URDF, SDF, MJCF) are created.
 
     Attributes:
         sensors: the sensors that the file declares, by name.

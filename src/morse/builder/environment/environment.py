@@ -110,6 +110,9 @@ class Environment(ViewMethods, TimeMethods):
         for name in ("horizon_color", "ambient_color"):
             if name in library.world:
                 setattr(view, name, library.world[name])
+        properties = library.world.get("properties")
+        if isinstance(properties, dict):
+            self.environment_properties.update(properties)
         mist, gravity = library.world.get("mist"), library.world.get("gravity")
         if isinstance(mist, Mist):
             view.mist = replace(mist)

@@ -109,7 +109,8 @@ class Articulated:
         """Set mass and inertia of a body from its links; return False if the model of the frame has no links."""
         links = [node for node in frame.members if node.inertial is not None]
         is_root = frame.motion is not Motion.JOINT
-        if is_root and (frame.motion is not Motion.FREE or frame.node.articulation is None or not frame.carries):
+        has_links = frame.node.articulation is not None and (frame.carries or is_single_link(frame))
+        if is_root and (frame.motion is not Motion.FREE or not has_links):
             self._groups[frame] = Group(frame, body, frame.node.body.mass, np.array(pose.position))
             return False
         scale = _scale(frame)
@@ -313,6 +314,13 @@ class Articulated:
             joint = model.joint(entry.joint.name).id
             entry.slot.qpos, entry.slot.dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
             entry.slot.actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, entry.joint.name)
+
+
+def is_single_link(frame: Frame) -> bool:
+    """Whether a body is a model with the mass of a link, and without joints."""
+    if frame.motion is not Motion.FREE or frame.carries or frame.node.articulation is None:
+        return False
+    return any(node.inertial is not None and node.inertial.mass > 0.0 for node in frame.members)
 
 
 def _has_masses(frame: Frame) -> bool:

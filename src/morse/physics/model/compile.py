@@ -16,7 +16,7 @@ from morse.physics.driving.calibration import FREE_DAMPING, friction_of
 from morse.physics.driving.wheel_casters import caster_floor, is_caster, rise
 from morse.physics.gliding.feet import Stance, stance, trimmed
 from morse.physics.gliding.plane_builder import PlaneBuilder
-from morse.physics.model.articulated import Articulated, JointSlot
+from morse.physics.model.articulated import Articulated, JointSlot, is_single_link
 from morse.physics.model.couplings import CouplingBuilder, TendonSlot
 from morse.physics.model.inertia import bounding_box, robot_inertia, volume
 from morse.physics.model.layout import Frame, Motion, frames_of
@@ -221,7 +221,8 @@ class _Builder:
             return slot
         body = self._add_body(frame, slot)
         self._bodies[frame] = body
-        has_links = self.articulated.set_inertia(frame, slot.pose, body) if frame.carries or frame.joints else False
+        is_linked = frame.carries or frame.joints or is_single_link(frame)
+        has_links = self.articulated.set_inertia(frame, slot.pose, body) if is_linked else False
         if frame.joints:
             slot.joints = self.articulated.add_joints(frame, slot.pose, body)
         if frame.motion is Motion.HINGE:

@@ -1,0 +1,103 @@
+"""The files of SDF models: URIs, folders with ``model.config``, and XML that is not quite XML."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets.errors import AssetError
+from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.assets.xml_files import MOST_BYTES, parse_xml, read_xml
+from morse.system.regular_files import read_regular
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+CONFIG = "model.config"
+_MOST_PREFIXES = 50
+_ROOTS = ("sdf", "gazebo")
+_PREFIX = re.compile(rb"[<\s/]([A-Za-z_][\w.-]{0,40}):[A-Za-z_]")
+_OPENING = re.compile(rb"<(sdf|gazebo)\b")
+
+
+def model_file(folder: Path) -> Path | None:
+    """The SDF file of a model: the newest one that its ``model.config`` names, or ``model.sdf``; None without any."""
+    config = folder / CONFIG
+    elements = read_xml(config).iter("sdf") if config.is_file() else ()
+    names = [(version_of(element), (element.text or "").strip()) for element in elements]
+    for _, name in sorted(names, reverse=True):
+        if name and "\0" not in name and (folder / name).is_file():
+            return folder / name
+    usual = folder / "model.sdf"
+    return usual if usual.is_file() else None
+
+
+def find_model(uri: str, model: Path) -> Path:
+    """Return the SDF file that ``<include><uri>`` names: a file, or the folder of a model.
+
+    Args:
+        model: the file that contains the element.
+
+    Raises:
+        FileRefusedError: it does not exist, is on a server, or is outside of the folders that may be read.
+    """
+    uri = uri.strip()
+    if uri.startswith(("http://", "https://")):
+        raise FileRefusedError("nothing is downloaded: download the model, and list its folder in GZ_SIM_RESOURCE_PATH")
+    if Path(uri).suffix.lower() in (".sdf", ".world", ".urdf"):
+        return find_near(uri, model)
+    stem = uri.rstrip("/")
+    try:
+        folder = find_near(f"{stem}/{CONFIG}", model).parent
+    except FileRefusedError:
+        return find_near(f"{stem}/model.sdf", model)
+    file = model_file(folder)
+    if file is None:
+        raise FileRefusedError(f"{folder / CONFIG} names no file that exists")
+    return file
+
+
+def version_of(element: Element) -> tuple[int, ...]:
+    """The version of SDF in an element: (1, 6)."""
+    words = re.findall(r"\d{1,6}", element.get("version") or "")
+    return tuple(int(word) for word in words[:2]) or (1, 4)
+
+
+def read_root(path: Path) -> Element:
+    """Return the element ``sdf`` of a file.
+
+    Gazebo also accepts comments with double dashes and prefixes without a namespace, which are no XML.
+
+    Raises:
+        AssetError: it is no SDF file, or is refused by `read_xml`.
+        OSError: it cannot be opened.
+    """
+    try:
+        root = read_xml(path)
+    except AssetError as error:
+        mended = _mended(path) if "it is not XML" in error.message else None
+        if mended is None:
+            raise
+        root = parse_xml(mended, path)
+    if root.tag not in _ROOTS:
+        raise AssetError(path, f"it is not SDF: it begins with <{str(root.tag)[:60]}>, expected <sdf>")
+    return root
+
+
+def _mended(path: Path) -> bytes | None:
+    data = _without_comments(read_regular(path, MOST_BYTES))
+    opening = _OPENING.search(data)
+    prefixes = {prefix for prefix in _PREFIX.findall(data) if prefix not in (b"xml", b"xmlns")}
+    if opening is None or len(prefixes) > _MOST_PREFIXES:
+        return None
+    names = b"".join(b' xmlns:%s="%s"' % (name, name) for name in sorted(prefixes) if b"xmlns:" + name not in data)
+    return data[: opening.end()] + names + data[opening.end() :]
+
+
+def _without_comments(data: bytes) -> bytes:
+    parts, position = [], 0
+    while (begin := data.find(b"<!--", position)) >= 0 and (end := data.find(b"-->", begin)) >= 0:
+        parts.append(data[position:begin])
+        position = end + 3
+    return b"".join([*parts, data[position:]])

@@ -1,0 +1,214 @@
+"""The shapes of links as nodes: what is seen, and what collides."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING
+
+from morse.assets import solids
+from morse.assets.errors import AssetError
+from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.assets.sdf.heights import height_node
+from morse.assets.sdf.polylines import extruded
+from morse.assets.sdf.surfaces import settings_of
+from morse.assets.sdf.textures import with_texture_coordinates
+from morse.assets.sdf.values import ValueMistakeError, boolean, number, text_of, vector
+from morse.assets.urdf.meshes import MeshError, mesh_nodes
+from morse.mathutils import Vector
+from morse.scene import BodySettings, Bounds, CollisionShape, Material, Node, NodeKind, ShapeKind
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from xml.etree.ElementTree import Element
+
+    from morse.assets.sdf.materials import Materials
+    from morse.mathutils import Matrix
+    from morse.scene import Library
+
+_GREY = (0.448, 0.448, 0.448, 1.0)
+#: half size and thickness of the solid below an endless plane, m
+_WIDE, _THICK = 1000.0, 10.0
+_KINDS = (
+    "box",
+    "sphere",
+    "cylinder",
+    "capsule",
+    "ellipsoid",
+    "cone",
+    "plane",
+    "mesh",
+    "polyline",
+    "heightmap",
+    "empty",
+)
+
+
+class Geometry:
+    """Converts visuals and collisions; each mesh is read once.
+
+    Args:
+        warn: receives what is left out.
+    """
+
+    def __init__(self, materials: Materials, warn: Callable[[str], None]) -> None:
+        self._materials, self._warn = materials, warn
+        self._libraries: dict[Path, Library] = {}
+
+    def node(self, element: Element, path: Path, name: str, pose: Matrix, *, is_static: bool) -> Node | None:
+        """The node of an element ``visual`` or ``collision``; None, with a warning, if it is left out.
+
+        Args:
+            path: the file that contains the element.
+            pose: 4x4, in the frame of the link.
+            is_static: whether the link never moves.
+        """
+        is_solid = element.tag == "collision"
+        geometry = element.find("geometry")
+        kinds = [] if geometry is None else [child for child in geometry if isinstance(child.tag, str)]
+        shape = next((child for child in kinds if child.tag in _KINDS), None)
+        if shape is None or shape.tag == "empty":
+            if shape is None:
+                what = f"the shape <{kinds[0].tag}>" if kinds else "no shape"
+                self._warn(f"'{name:.80}' has {what}; it is left out")
+            return None
+        try:
+            node = self._shape(shape, path, name, is_solid=is_solid, is_static=is_static)
+        except (AssetError, FileRefusedError, MeshError, OSError, ValueMistakeError) as error:
+            reason = error.message if isinstance(error, AssetError) else str(error)
+            what = text_of(shape, "uri") or name
+            self._warn(f"the {shape.tag} '{what:.120}' is left out: {reason}")
+            return None
+        outer = Node(name, source_name=name, location=list(pose.translation), rotation_euler=list(pose.to_euler()))
+        outer.attach(node)
+        material = None if is_solid else self._materials.material(element, path, name)
+        for part in outer.walk():
+            part.visible = not is_solid
+            if part.mesh is None:
+                continue
+            if is_solid:
+                part.body = settings_of(element, part.body.bounds)
+            else:
+                part.body, part.shapes = BodySettings(), []
+                self._dress(part, material)
+        return outer
+
+    def _dress(self, part: Node, material: Material | None) -> None:
+        assert part.mesh is not None
+        if material is not None:
+            if material.image is not None and part.mesh.uvs is None:
+                part.mesh = with_texture_coordinates(part.mesh)
+            part.materials = [material] * max(len(part.materials), 1)
+        elif not part.materials:
+            part.materials = [Material(part.name, _GREY)]
+
+    # -- shapes ------------------------------------------------------------------------------
+
+    def _shape(self, shape: Element, path: Path, name: str, *, is_solid: bool, is_static: bool) -> Node:
+        if shape.tag == "mesh":
+            return self._mesh(shape, path, name, is_static=is_static)
+        if shape.tag == "heightmap":
+            return height_node(shape, path, name, self._materials, is_solid=is_solid)
+        node = Node(f"{name}_shape", NodeKind.MESH, source_name=f"{name}_shape")
+        if shape.tag == "polyline":
+            node.mesh = extruded(shape, node.name)
+            node.body.bounds = None if is_static else Bounds.CONVEX_HULL
+            return node
+        if shape.tag == "plane":
+            return _plane(node, shape, is_solid=is_solid)
+        if shape.tag == "cone":
+            radius, length = _sizes(shape, "radius", "length")
+            node.mesh, node.scale = solids.cone(), [radius, radius, 0.5 * length]
+            node.body.bounds = Bounds.CONE
+            return node
+        if shape.tag == "box":
+            size = tuple(0.5 * side for side in _positive(shape, "size", vector(shape, "size", (1.0, 1.0, 1.0))))
+            node.mesh, node.scale, kind = solids.cube(), list(size), ShapeKind.BOX
+        elif shape.tag == "sphere":
+            size = _sizes(shape, "radius")
+            node.mesh, node.scale, kind = solids.sphere(), list(size * 3), ShapeKind.SPHERE
+        elif shape.tag == "ellipsoid":
+            size = _positive(shape, "radii", vector(shape, "radii", (1.0, 1.0, 1.0)))
+            node.mesh, node.scale, kind = solids.sphere(), list(size), ShapeKind.ELLIPSOID
+        else:
+            radius, length = _sizes(shape, "radius", "length")
+            size = (radius, 0.5 * length)
+            kind = ShapeKind.CAPSULE if shape.tag == "capsule" else ShapeKind.CYLINDER
+            if kind is ShapeKind.CAPSULE:
+                node.mesh = solids.capsule(*size)
+            else:
+                node.mesh, node.scale = solids.cylinder(), [radius, radius, 0.5 * length]
+        node.shapes = [CollisionShape(kind, size)]
+        return node
+
+    def _mesh(self, shape: Element, path: Path, name: str, *, is_static: bool) -> Node:
+        uri = text_of(shape, "uri")
+        if not uri:
+            raise ValueMistakeError("<mesh> has no <uri>")
+        if uri.startswith(("http://", "https://")):
+            raise FileRefusedError("nothing is downloaded")
+        scale = vector(shape, "scale", (1.0, 1.0, 1.0))
+        if not all(scale):
+            raise ValueMistakeError("its scale is 0")
+        node = Node(f"{name}_mesh", source_name=f"{name}_mesh", scale=list(scale))
+        for part in mesh_nodes(find_near(uri, path), libraries=self._libraries):
+            node.attach(part)
+        submesh = shape.find("submesh")
+        if submesh is not None:
+            _only(node, text_of(submesh, "name"), is_centred=boolean(submesh, "center"))
+        for part in node.walk():
+            part.body = BodySettings(bounds=None if is_static else Bounds.CONVEX_HULL)
+        return node
+
+
+def _only(node: Node, name: str, *, is_centred: bool) -> None:
+    """Keep one of the meshes of a file, at its place or with the centre of its bounding box at the origin.
+
+    Raises:
+        ValueMistakeError: there is no such mesh.
+    """
+    meshes = [part for part in node.walk() if part.mesh is not None]
+    names = {part: {part.name, part.plain_name, part.mesh.name} for part in meshes if part.mesh is not None}
+    chosen = [part for part in meshes if name in names[part]]
+    chosen = chosen or [part for part in meshes if any(one.startswith(name) for one in names[part])]
+    if not chosen:
+        raise ValueMistakeError(f"it contains no mesh '{name:.60}'; it has {', '.join(p.name for p in meshes[:5])}")
+    low, high = [math.inf] * 3, [-math.inf] * 3
+    for part in meshes:
+        if part not in chosen:
+            part.kind, part.mesh, part.materials = NodeKind.EMPTY, None, []
+            continue
+        assert part.mesh is not None
+        place = node.world_matrix().inverted() @ part.world_matrix()
+        ranges = zip(part.mesh.vertices.min(axis=0).tolist(), part.mesh.vertices.max(axis=0).tolist(), strict=True)
+        for corner in itertools.product(*ranges):
+            point = place @ Vector(corner)
+            low, high = [min(p) for p in zip(low, point, strict=True)], [max(p) for p in zip(high, point, strict=True)]
+    if is_centred:
+        for part in node.children:
+            part.location = [v - 0.5 * (a + b) for v, a, b in zip(part.location, low, high, strict=True)]
+
+
+def _plane(node: Node, shape: Element, *, is_solid: bool) -> Node:
+    """A plane that is shown in its size; what collides is endless, and solid below."""
+    normal = Vector(vector(shape, "normal", (0.0, 0.0, 1.0)))
+    if normal.length < 1e-9:
+        raise ValueMistakeError("its normal is 0")
+    width, depth = _positive(shape, "size", vector(shape, "size", (1.0, 1.0)))
+    node.mesh = solids.plane()
+    node.scale = [_WIDE, _WIDE, 1.0] if is_solid else [0.5 * width, 0.5 * depth, 1.0]
+    node.rotation_euler = list(Vector((0.0, 0.0, 1.0)).rotation_difference(normal.normalized()).to_euler())
+    half = 0.5 * _THICK
+    node.shapes = [CollisionShape(ShapeKind.BOX, (_WIDE, _WIDE, half), (0.0, 0.0, -half))]
+    return node
+
+
+def _sizes(shape: Element, *tags: str) -> tuple[float, ...]:
+    return tuple(_positive(shape, tag, (number(shape, tag, 1.0),))[0] for tag in tags)
+
+
+def _positive(shape: Element, tag: str, values: tuple[float, ...]) -> tuple[float, ...]:
+    if min(values) <= 0.0:
+        raise ValueMistakeError(f"its {tag} is {text_of(shape, tag)[:60]!r}, expected positive numbers")
+    return values

@@ -1,0 +1,213 @@
+"""Builds the scopes of an SDF file, with the models that it includes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+from xml.etree.ElementTree import Element
+
+from morse.assets.errors import AssetError
+from morse.assets.nearby_files import FileRefusedError
+from morse.assets.sdf.files import find_model, read_root, version_of
+from morse.assets.sdf.scope import MODEL, Part, Scope
+from morse.assets.sdf.values import ValueMistakeError, boolean, pose_of, text_of
+from morse.assets.triangle_limit import check_parts
+
+if TYPE_CHECKING:
+    from morse.mathutils import Matrix
+
+#: models in models, and models that are included, each use counted
+_DEEPEST, _MOST_INCLUDES = 20, 2000
+#: links, joints, frames, shapes and sensors, those of each use of an included model counted
+_MOST_PARTS = 20_000
+_COUNTED = ("link", "joint", "frame", "visual", "collision", "sensor", "model", "light", "plugin", "waypoint")
+
+
+@dataclass(slots=True)
+class Includes:
+    """Reads files, each once, and counts what the whole model consists of.
+
+    Attributes:
+        path: the file that was asked for.
+        warnings: what is left out, one sentence each.
+    """
+
+    path: Path
+    warnings: list[str] = field(default_factory=list)
+    _roots: dict[Path, Element] = field(default_factory=dict)
+    _sizes: dict[Path, int] = field(default_factory=dict)
+    _places: dict[tuple[str, Path], Path | FileRefusedError] = field(default_factory=dict)
+    _includes: int = 0
+    _parts: int = 0
+    _stack: list[Path] = field(default_factory=list)
+
+    def root(self, path: Path) -> Element:
+        """The element ``sdf`` of a file, whose parts are counted each time.
+
+        Raises:
+            AssetError: it is no SDF file, or all files together have too many parts.
+            OSError: it cannot be opened.
+        """
+        if path not in self._roots:
+            self._roots[path] = read_root(path)
+            self._sizes[path] = sum(1 for element in self._roots[path].iter() if element.tag in _COUNTED)
+        self._parts += self._sizes[path]
+        check_parts(self.path, self._parts, "links, joints, shapes and other parts", _MOST_PARTS)
+        return self._roots[path]
+
+    def warn(self, text: str) -> None:
+        """Add a warning, once."""
+        if text not in self.warnings:
+            self.warnings.append(text)
+
+    def world(self, element: Element, path: Path, version: tuple[int, ...]) -> Scope:
+        """The content of an element ``world`` of the file that was asked for; see `scope`."""
+        self._stack.append(path.resolve())
+        return self.scope(element, path, version)
+
+    # -- scopes ------------------------------------------------------------------------------
+
+    def scope(self, element: Element, path: Path, version: tuple[int, ...], depth: int = 0) -> Scope:
+        """The content of an element ``model`` or ``world``.
+
+        Raises:
+            AssetError: models are nested too deeply, include each other, or are too many.
+        """
+        if depth > _DEEPEST:
+            raise AssetError(self.path, f"its models are nested more than {_DEEPEST} deep, at '{_name(element)}'")
+        scope = Scope(
+            _name(element),
+            path,
+            static=boolean(element, "static"),
+            self_collide=boolean(element, "self_collide"),
+            canonical=element.get("canonical_link", ""),
+            placement=element.get("placement_frame", ""),
+        )
+        scope.pose, scope.base = self._pose(element, f"the model '{scope.name}'")
+        for kind, parts in (("link", scope.links), ("joint", scope.joints), ("frame", scope.frames)):
+            for child in element.findall(kind):
+                part = self._part(child, path, version)
+                part.name = self._unique(part.name, parts, f"the model '{scope.name}' has two elements <{kind}>")
+                parts[part.name] = part
+        for child in element.findall("model"):
+            self._add(scope, self.scope(child, path, version, depth + 1))
+        for child in element.findall("include"):
+            self._include(scope, child, path, depth)
+        scope.plugins += [(child, path) for child in element.findall("plugin")]
+        return scope
+
+    def _part(self, element: Element, path: Path, version: tuple[int, ...]) -> Part:
+        part = Part(_name(element), element, path, version, attached=element.get("attached_to", ""))
+        part.pose, part.base = self._pose(element, f"<{element.tag} name='{part.name}'>")
+        return part
+
+    def _pose(self, element: Element, what: str) -> tuple[Matrix, str]:
+        pose = element.find("pose")
+        base = "" if pose is None else pose.get("relative_to") or ""
+        try:
+            return pose_of(pose), base
+        except ValueMistakeError as error:
+            self.warn(f"{what}: {error}; it stands at the origin of its frame")
+            return pose_of(None), base
+
+    def _unique(self, name: str, names: object, what: str) -> str:
+        unique, number = name, 1
+        while unique in names:  # type: ignore[operator]
+            number += 1
+            unique = f"{name}_{number}"
+        if unique != name:
+            self.warn(f"{what} '{name:.60}'; one is called '{unique:.60}'")
+        return unique
+
+    def _add(self, scope: Scope, model: Scope) -> None:
+        model.name = self._unique(model.name, scope.models, f"'{scope.name}' has two models")
+        scope.models[model.name] = model
+
+    # -- include -----------------------------------------------------------------------------
+
+    def _include(self, scope: Scope, element: Element, path: Path, depth: int) -> None:
+        uri = text_of(element, "uri")
+        self._includes += 1
+        if self._includes > _MOST_INCLUDES:
+            raise AssetError(self.path, f"it includes more than {_MOST_INCLUDES} models, the last one is '{uri:.80}'")
+        try:
+            file = self._place(uri, path)
+            if file in self._stack:
+                raise AssetError(self.path, f"{file.name} includes itself, by '{uri:.80}'")
+            if len(self._stack) >= _DEEPEST:
+                raise AssetError(self.path, f"its includes are nested more than {_DEEPEST} deep, at '{uri:.80}'")
+            model = self._included(file, depth)
+        except (FileRefusedError, OSError) as error:
+            reason = str(error) if isinstance(error, FileRefusedError) else error.strerror
+            self.warn(f"the model '{uri:.120}' is left out: {reason}")
+            return
+        except AssetError as error:
+            if error.path == self.path:
+                raise
+            self.warn(f"the model '{uri:.120}' is left out: {error.message}")
+            return
+        model.name = text_of(element, "name", model.name)
+        if element.find("pose") is not None:
+            model.pose, model.base = self._pose(element, f"the include '{uri:.80}'")
+            model.placement = text_of(element, "placement_frame", "")
+        if element.find("placement_frame") is not None:
+            model.placement = text_of(element, "placement_frame")
+        model.static = boolean(element, "static", model.static)
+        model.plugins += [(child, path) for child in element.findall("plugin")]
+        if (element.get("merge") or "").lower() in ("true", "1"):
+            self._merge(scope, model)
+        else:
+            self._add(scope, model)
+
+    def _place(self, uri: str, path: Path) -> Path:
+        key = (uri, path)
+        if key not in self._places:
+            try:
+                self._places[key] = Path(find_model(uri, path)).resolve()
+            except FileRefusedError as error:
+                self._places[key] = error
+        place = self._places[key]
+        if isinstance(place, FileRefusedError):
+            raise place
+        return place
+
+    def _included(self, file: Path, depth: int) -> Scope:
+        root = self.root(file)
+        model = root.find("model")
+        if model is None:
+            what = "lights and actors of included files are not read" if len(root) else "it is empty"
+            raise FileRefusedError(f"{file.name} contains no <model>; {what}")
+        self._stack.append(file)
+        try:
+            return self.scope(model, file, version_of(root), depth + 1)
+        finally:
+            self._stack.pop()
+
+    def _merge(self, scope: Scope, model: Scope) -> None:
+        """Move the parts of a model into the scope that includes it; its frame gets a name of its own."""
+        home = f"_merged__{model.name}__model__"
+        pose = model.pose
+        if model.placement:
+            pose = pose @ model.pose_of(model.placement).inverted()
+        frame = Part(home, Element("frame"), model.path, (1, 12), pose=pose, base=model.base)
+        scope.frames[self._unique(home, scope.frames, f"'{scope.name}' has two frames")] = frame
+        for kind in ("links", "joints", "frames"):
+            target = getattr(scope, kind)
+            for name, part in getattr(model, kind).items():
+                unique = self._unique(name, target, f"'{scope.name}' has two {kind}")
+                target[unique] = replace(
+                    part,
+                    name=unique,
+                    home=home if part.home == MODEL else part.home,
+                    base=home if part.base == MODEL else part.base,
+                    attached=home if part.attached == MODEL else part.attached,
+                )
+        for nested in model.models.values():
+            nested.base = nested.base if nested.base not in ("", MODEL) else home
+            self._add(scope, nested)
+        scope.plugins += model.plugins
+
+
+def _name(element: Element) -> str:
+    return (element.get("name") or "").strip()[:200] or str(element.tag)

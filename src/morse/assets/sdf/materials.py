@@ -1,0 +1,184 @@
+"""The materials of shapes: colours, pictures, and scripts of OGRE."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+from morse.assets.meshfiles.pictures import Pictures, mistake_in
+from morse.assets.nearby_files import FileRefusedError, find_folder_near, find_near
+from morse.assets.sdf.colors import color_of
+from morse.assets.sdf.scripts import Script, scripts_in
+from morse.assets.sdf.values import ValueMistakeError, number, text_of, vector
+from morse.mathutils.light import linear_light
+from morse.scene import Image, Material
+from morse.system.regular_files import read_regular
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from xml.etree.ElementTree import Element
+
+_GREY = (0.7, 0.7, 0.7, 1.0)
+#: bytes of a picture
+_MOST_BYTES = 128 << 20
+
+
+class Materials:
+    """Converts the materials of a file; each picture and each script is read once.
+
+    Args:
+        warn: receives what is left out.
+    """
+
+    def __init__(self, warn: Callable[[str], None]) -> None:
+        self._warn = warn
+        self._pictures = Pictures()
+        self._images: dict[Path, Image | None] = {}
+        self._scripts: dict[Path, dict[str, Script]] = {}
+
+    def material(self, visual: Element, path: Path, name: str) -> Material | None:
+        """The material of a visual, or None for that of its mesh.
+
+        Args:
+            path: the file that contains the element.
+            name: name of the result.
+        """
+        element = visual.find("material")
+        opacity = 1.0 - self._share(visual, "transparency", 0.0)
+        if element is None:
+            return None if opacity == 1.0 else Material(name, _linear((*_GREY[:3], opacity)))
+        color = self._color(element, "diffuse") or self._color(element, "ambient")
+        light = self._color(element, "emissive")
+        glow = light[:3] if light is not None and max(light[:3]) > 0.0 else None
+        image, has_color = None, color is not None
+        if element.find("script") is not None:
+            script = self._script(element, path)
+            if script is not None:
+                color, glow = color or script.diffuse, glow or script.emissive
+                image = self._image(script.texture, path, self._uris(element)) if script.texture else image
+        metal, roughness = 0.0, 0.6
+        work = element.find("pbr/metal")
+        if work is None:
+            work = element.find("pbr/specular")
+        if work is not None:
+            metal, roughness = self._share(work, "metalness", 0.0), self._share(work, "roughness", 0.6)
+            if texture := text_of(work, "albedo_map"):
+                image = self._image(texture, path, []) or image
+        if color is None and image is None and glow is None and work is None:
+            return None
+        if image is not None and not has_color:
+            color = (1.0, 1.0, 1.0, 1.0 if color is None else color[3])
+        r, g, b, alpha = color or (_GREY if glow is None else (*glow, 1.0))
+        return Material(
+            name,
+            _linear((r, g, b, alpha * opacity)),
+            metallic=metal,
+            roughness=roughness,
+            emission=_linear((*(glow or (0.0, 0.0, 0.0)), 1.0))[:3],
+            image=image,
+            shadeless=text_of(element, "lighting").lower() in ("false", "0"),
+        )
+
+    def picture(self, uri: str, path: Path) -> Image | None:
+        """The picture of a URI; None, with a warning, if it cannot be used."""
+        return self._image(uri, path, [])
+
+    # -- parts -------------------------------------------------------------------------------
+
+    def _color(self, element: Element, tag: str) -> tuple[float, float, float, float] | None:
+        """A colour and its opacity, or None."""
+        if not text_of(element, tag):
+            return None
+        try:
+            words = vector(element, tag, (0.0, 0.0, 0.0))
+            if len(text_of(element, tag).split()) > 3:
+                words = vector(element, tag, (0.0, 0.0, 0.0, 1.0))
+        except ValueMistakeError as error:
+            self._warn(f"the colour of a material is left out: {error}")
+            return None
+        r, g, b, alpha = (min(max(value, 0.0), 1.0) for value in (*words, 1.0)[:4])
+        return r, g, b, alpha
+
+    def _share(self, element: Element, tag: str, default: float) -> float:
+        try:
+            return min(max(number(element, tag, default), 0.0), 1.0)
+        except ValueMistakeError as error:
+            self._warn(f"{error}; {default:g} is used")
+            return default
+
+    def _uris(self, element: Element) -> list[str]:
+        return [(uri.text or "").strip() for uri in element.findall("script/uri")]
+
+    def _script(self, element: Element, path: Path) -> Script | None:
+        name = text_of(element, "script/name")
+        for uri in self._uris(element):
+            place = _place(uri, path)
+            if place is not None and name in (script := self._scripts_in(place)):
+                return script[name]
+        color = color_of(name)
+        if color is not None:
+            return Script(diffuse=(*color, 0.5 if name.endswith("Transparent") else 1.0))
+        if name:
+            self._warn(f"the material '{name:.80}' is left out: no script of the model contains it")
+        return None
+
+    def _scripts_in(self, place: Path) -> dict[str, Script]:
+        if place not in self._scripts:
+            try:
+                self._scripts[place] = scripts_in(place)
+            except (OSError, ValueError) as error:
+                self._warn(f"the materials in {place} are left out: {error}")
+                self._scripts[place] = {}
+        return self._scripts[place]
+
+    def _image(self, name: str, path: Path, uris: list[str]) -> Image | None:
+        """The picture of a script or a URI."""
+        places = [place if place.is_dir() else place.parent for uri in uris if (place := _place(uri, path))]
+        candidates = [folder / part / name for folder in places for part in ("", "../textures")]
+        file = next((one for one in candidates if "\0" not in name and one.is_file()), None)
+        if file is None:
+            try:
+                file = find_near(name, path)
+            except FileRefusedError as error:
+                self._warn(f"the picture '{name:.120}' is left out: {error}")
+                return None
+        elif not any(file.resolve().is_relative_to(place.parent.resolve()) for place in places):
+            self._warn(f"the picture '{name:.120}' is left out: it is outside of the model")
+            return None
+        file = file.resolve()
+        if file not in self._images:
+            self._images[file] = self._read(file)
+        return self._images[file]
+
+    def _read(self, file: Path) -> Image | None:
+        from PIL import Image as Pillow
+
+        try:
+            data = read_regular(file, _MOST_BYTES)
+        except (OSError, ValueError) as error:
+            self._warn(f"the picture {file.name:.80} is left out: {error}")
+            return None
+        mistake = mistake_in(data)
+        if mistake:
+            self._warn(f"the picture {file.name:.80} is left out: {mistake}")
+            return None
+        image = self._pictures.image(file.stem, Pillow.open(io.BytesIO(data)))
+        for warning in self._pictures.warnings:
+            self._warn(warning)
+        return image
+
+
+def _place(uri: str, path: Path) -> Path | None:
+    """The file or folder of a URI of a script; None if it does not exist, or is part of Gazebo itself."""
+    if uri.startswith("file://media"):
+        return None
+    try:
+        return find_near(uri, path) if uri.endswith(".material") else find_folder_near(uri, path)
+    except FileRefusedError:
+        return None
+
+
+def _linear(color: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    r, g, b = linear_light(color[:3]).tolist()
+    return r, g, b, color[3]

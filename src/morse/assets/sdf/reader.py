@@ -1,0 +1,81 @@
+"""SDF files as libraries of nodes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets.errors import AssetError
+from morse.assets.sdf.files import version_of
+from morse.assets.sdf.flat import joints_of
+from morse.assets.sdf.geometry import Geometry
+from morse.assets.sdf.includes import Includes
+from morse.assets.sdf.materials import Materials
+from morse.assets.sdf.robots import Models
+from morse.assets.sdf.scope import FrameMistakeError
+from morse.assets.sdf.worlds import add_world
+from morse.scene import Library
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+    from morse.assets.sdf.scope import Scope
+
+
+def read_sdf(path: str | Path) -> Library:
+    """Read a model or a world.
+
+    The links of a model become nodes with the same names below the armature ``<model>_joints``, whose bones are the
+    joints, as those of URDF files. Links of nested models are called ``<model>::<link>``.
+
+    Raises:
+        AssetError: the file is broken or contradicts itself.
+        OSError: it cannot be opened.
+    """
+    path = Path(path)
+    includes = Includes(path)
+    try:
+        return _read(path, includes)
+    except FrameMistakeError as error:
+        raise AssetError(path, str(error)) from None
+    except RecursionError:
+        raise AssetError(path, "its frames depend on each other in a chain that is too long") from None
+
+
+def _read(path: Path, includes: Includes) -> Library:
+    root = includes.root(path)
+    models = Models(path, includes, Geometry(Materials(includes.warn), includes.warn))
+    library = Library(str(path), warnings=includes.warnings, has_free_joints=True)
+    world = root.find("world")
+    if world is None and root.find("model") is None and root.find("light") is None:
+        raise AssetError(path, "it contains no <model> and no <world>")
+    scope = includes.world(world if world is not None else _as_world(root), path, version_of(root))
+    main = _robot_of(scope)
+    for model in scope.models.values():
+        node = models.node(model, scope.pose_of(model.name), prefix="" if model is main else f"{model.name}::")
+        if node is None:
+            continue
+        library.roots.append(node)
+        if model is main:
+            library.robot, library.sensors = node.name, models.sensors
+    add_world(library, scope, world if world is not None else root, includes)
+    if not library.roots:
+        raise AssetError(path, "it contains no link")
+    return library
+
+
+def _robot_of(scope: Scope) -> Scope | None:
+    """The model that is the robot: the one with the most joints of those that move."""
+    joints = {id(model): sum(1 for _ in joints_of(model, _ignore)) for model in scope.models.values()}
+    return max(scope.models.values(), key=lambda one: (not one.static, joints[id(one)]), default=None)
+
+
+def _ignore(warning: str) -> None:
+    del warning
+
+
+def _as_world(root: Element) -> Element:
+    """The world around the models of a file without one."""
+    element = root.makeelement("world", {"name": "world"})
+    element.extend(child for child in root if child.tag in ("model", "include"))
+    return element

@@ -1,0 +1,156 @@
+"""A model as robots: its links and joints in the description that URDF files have, and the nodes of these."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.assets.sdf.flat import FlatLink, joints_of, links_of
+from morse.assets.sdf.inertials import inertial_in
+from morse.assets.sdf.joints import JointTree
+from morse.assets.sdf.scope import WORLD
+from morse.assets.sdf.values import ValueMistakeError
+from morse.assets.urdf.document import Document, Link
+from morse.assets.urdf.reader import robot_library
+from morse.assets.urdf.sensors import declared_sensors
+from morse.mathutils import Matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+    from xml.etree.ElementTree import Element
+
+    from morse.assets.sdf.flat import FlatJoint
+    from morse.assets.sdf.geometry import Geometry
+    from morse.assets.sdf.includes import Includes
+    from morse.assets.sdf.scope import Scope
+    from morse.scene import Node
+    from morse.scene.declared_sensor import DeclaredSensor
+
+
+class Models:
+    """Converts models to nodes.
+
+    Attributes:
+        sensors: those of the last model.
+    """
+
+    def __init__(self, path: Path, includes: Includes, geometry: Geometry) -> None:
+        self._path, self._includes, self._geometry = path, includes, geometry
+        self._warn = includes.warn
+        self.sensors: list[DeclaredSensor] = []
+
+    def node(self, model: Scope, pose: Matrix, *, prefix: str = "") -> Node | None:
+        """The node of a model and everything below it; None if it has no links.
+
+        Links that no joints connect with the first one move freely.
+
+        Args:
+            pose: 4x4 of the model in the world.
+            prefix: what the names of its links begin with.
+        """
+        links = {link.name: link for link in links_of(model)}
+        if not links:
+            return None
+        joints = list(joints_of(model, self._warn))
+        document = self._document(model, links, joints, prefix)
+        library = robot_library(self._path, document)
+        for warning in library.warnings:
+            self._warn(warning)
+        self.sensors = document.sensors
+        root = library.roots[0]
+        root.location, root.rotation_euler = list(pose.translation), list(pose.to_euler())
+        armature = root.children[0]
+        if document.root != f"{prefix}{WORLD}":
+            base = links[document.root.removeprefix(prefix)].pose
+            armature.location, armature.rotation_euler = list(base.translation), list(base.to_euler())
+        return root
+
+    def _document(self, model: Scope, links: dict[str, FlatLink], joints: list[FlatJoint], prefix: str) -> Document:
+        poses = {name: link.pose for name, link in links.items()} | {WORLD: Matrix.Identity(4)}
+        tree = JointTree(poses, self._warn)
+        is_static = all(link.is_static for link in links.values())
+        root = WORLD if any(WORLD in (joint.parent, joint.child) for joint in joints) else model.first_link()
+        left = tree.grow(root, joints)
+        for name in links:
+            if name != root and not any(joint.child == name for joint in tree.joints):
+                if is_static:
+                    tree.fix(root, name)
+                else:
+                    tree.float(root, name)
+                left = tree.grow(name, left)
+        tree.settle_mimics()
+        names = ([WORLD] if root == WORLD else []) + list(links)
+        # the link that carries the others comes first
+        parts = {
+            f"{prefix}{name}": self._link(links.get(name), f"{prefix}{name}", is_static=is_static) for name in names
+        }
+        parts |= {f"{prefix}{link.name}": Link(f"{prefix}{link.name}") for link in tree.extra}
+        for joint in tree.joints:
+            joint.parent, joint.child = f"{prefix}{joint.parent}", f"{prefix}{joint.child}"
+            if is_static:
+                joint.kind, joint.mimic = "fixed", None
+        sensors, remarks = self._sensors(links, prefix)
+        for remark in remarks:
+            self._warn(remark)
+        return Document(
+            model.name,
+            parts,
+            tree.joints,
+            f"{prefix}{root}",
+            [],
+            sensors,
+            fixed=is_static or root == WORLD,
+            constraints=tuple(tree.constraints),
+            self_collision=model.self_collide,
+        )
+
+    def _link(self, link: FlatLink | None, name: str, *, is_static: bool) -> Link:
+        if link is None:
+            return Link(name)
+        result = Link(name)
+        try:
+            result.inertial, remark = inertial_in(link)
+            if remark and not is_static:
+                self._warn(f"the link '{name:.80}': {remark}")
+        except ValueMistakeError as error:
+            self._warn(f"the mass of the link '{name:.80}' is left out: {error}")
+        element = link.part.element
+        for number, child in enumerate([*element.findall("visual"), *element.findall("collision")], 1):
+            try:
+                pose = link.place(child, child.get("name", ""))
+            except ValueMistakeError as error:
+                self._warn(f"a <{child.tag}> of the link '{name:.80}' is left out: {error}")
+                continue
+            part = self._geometry.node(
+                child, link.part.path, f"{name}_{child.get('name') or number}", pose, is_static=is_static
+            )
+            if part is not None:
+                result.parts.append(part)
+        return result
+
+    def _sensors(self, links: dict[str, FlatLink], prefix: str) -> tuple[list[DeclaredSensor], list[str]]:
+        wrong: list[str] = []
+
+        def elements() -> Iterator[tuple[Element, str]]:
+            for link in links.values():
+                for element in link.part.element.findall("sensor"):
+                    try:
+                        yield _in_link(element, link), f"{prefix}{link.name}"
+                    except ValueMistakeError as error:
+                        wrong.append(f"the sensor '{element.get('name', '')[:60]}' is left out: {error}")
+
+        sensors, remarks = declared_sensors(elements(), {f"{prefix}{name}" for name in links})
+        return sensors, [*wrong, *remarks]
+
+
+def _in_link(element: Element, link: FlatLink) -> Element:
+    """A sensor whose pose is in the frame of its link, as six numbers."""
+    pose = element.find("pose")
+    if pose is None or not (pose.text or "").strip():
+        return element
+    place = link.place(element, element.get("name", ""))
+    copy = element.makeelement(element.tag, dict(element.attrib))
+    own = copy.makeelement("pose", {})
+    own.text = " ".join(repr(value) for value in (*place.translation, *place.to_euler()))
+    copy.extend([own, *(child for child in element if child is not pose)])
+    return copy

@@ -1,0 +1,170 @@
+"""A model as a scope: its links, joints, frames and nested models, and the poses of all of them.
+
+Each pose is relative to a frame that is named. Without a name, it is relative to the frame of the model, that of a
+joint to its child, and that of a frame to the frame to which it is attached. See
+http://sdformat.org/tutorials?tut=pose_frame_semantics.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from morse.mathutils import Matrix
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from xml.etree.ElementTree import Element
+
+#: the frame of a model, and of the world
+MODEL, WORLD = "__model__", "world"
+#: names between the names of nested models
+SEPARATOR = "::"
+
+
+class FrameMistakeError(ValueError):
+    """A frame does not exist, or depends on itself; the message contains its name."""
+
+
+@dataclass(slots=True, eq=False)
+class Part:
+    """A link, joint or frame of a model.
+
+    Attributes:
+        path: the file that contains it.
+        version: version of this file.
+        home: the frame of the model in which the file declares it: `MODEL`, unless it was merged into another one.
+        pose: 4x4, relative to the frame ``base``.
+        base: name of a frame, or empty for the usual one.
+        attached: of a frame: the name to which it is attached.
+    """
+
+    name: str
+    element: Element
+    path: Path
+    version: tuple[int, ...]
+    home: str = MODEL
+    pose: Matrix = field(default_factory=lambda: Matrix.Identity(4))
+    base: str = ""
+    attached: str = ""
+
+
+@dataclass(slots=True, eq=False)
+class Scope:
+    """A model or a world.
+
+    Attributes:
+        path: the file that declares it.
+        pose: 4x4 of the model, or of its frame ``placement``, relative to the frame ``base`` of the scope above.
+        static: whether it cannot move.
+        canonical: name of the link whose motion the frame of the model follows; empty for the first one.
+        placement: the frame whose pose is ``pose``; empty for that of the model.
+        models: nested models.
+        plugins: elements with the files that contain them.
+    """
+
+    name: str
+    path: Path
+    pose: Matrix = field(default_factory=lambda: Matrix.Identity(4))
+    base: str = ""
+    static: bool = False
+    self_collide: bool = False
+    canonical: str = ""
+    placement: str = ""
+    links: dict[str, Part] = field(default_factory=dict)
+    joints: dict[str, Part] = field(default_factory=dict)
+    frames: dict[str, Part] = field(default_factory=dict)
+    models: dict[str, Scope] = field(default_factory=dict)
+    plugins: list[tuple[Element, Path]] = field(default_factory=list)
+    _poses: dict[str, Matrix] = field(default_factory=dict)
+    _asked: set[str] = field(default_factory=set)
+
+    # -- poses -------------------------------------------------------------------------------
+
+    def pose_of(self, name: str) -> Matrix:
+        """The 4x4 pose of a link, joint, frame or nested model in the frame of this scope.
+
+        Raises:
+            FrameMistakeError: it does not exist, or depends on itself.
+        """
+        if name in (MODEL, WORLD, "__root__", ""):
+            return Matrix.Identity(4)
+        if name in self._poses:
+            return self._poses[name]
+        if name in self._asked:
+            raise FrameMistakeError(f"the pose of '{name:.60}' depends on itself")
+        self._asked.add(name)
+        try:
+            self._poses[name] = self._computed(name)
+        finally:
+            self._asked.discard(name)
+        return self._poses[name]
+
+    def _computed(self, name: str) -> Matrix:
+        part = self.links.get(name) or self.frames.get(name) or self.joints.get(name)
+        if part is not None:
+            return self.pose_of(self._base_of(part)) @ part.pose
+        model = self.models.get(name)
+        if model is not None:
+            placed = self.pose_of(model.base) @ model.pose
+            return placed @ model.pose_of(model.placement).inverted() if model.placement else placed
+        head, separator, rest = name.partition(SEPARATOR)
+        if separator and head in self.models:
+            return self.pose_of(head) @ self.models[head].pose_of(rest)
+        raise FrameMistakeError(f"'{self.name:.60}' has no link, joint, frame or model '{name:.60}'")
+
+    def _base_of(self, part: Part) -> str:
+        if part.base:
+            return part.base
+        if part.name in self.joints and self.joints[part.name] is part:
+            return child_of(part)
+        return part.attached or part.home
+
+    # -- links -------------------------------------------------------------------------------
+
+    def link_of(self, name: str, *, depth: int = 0) -> str:
+        """The link to which a frame, a joint or a model is attached, as a name in this scope; or `WORLD`.
+
+        Raises:
+            FrameMistakeError: there is no such frame, or it is attached to itself.
+        """
+        if depth > len(self.frames) + len(self.joints) + 2:
+            raise FrameMistakeError(f"the frame '{name:.60}' is attached to itself")
+        if name in self.links or name == WORLD:
+            return name
+        if name in self.frames:
+            frame = self.frames[name]
+            return self.link_of(frame.attached or frame.home, depth=depth + 1)
+        if name in self.joints:
+            return self.link_of(child_of(self.joints[name]), depth=depth + 1)
+        if name in (MODEL, ""):
+            return self.first_link()
+        head, separator, rest = name.partition(SEPARATOR)
+        if head in self.models:
+            inner = self.models[head].link_of(rest if separator else MODEL)
+            return inner if inner == WORLD else f"{head}{SEPARATOR}{inner}"
+        raise FrameMistakeError(f"'{self.name:.60}' has no link, joint, frame or model '{name:.60}'")
+
+    def first_link(self) -> str:
+        """The canonical link.
+
+        Raises:
+            FrameMistakeError: the model has no link.
+        """
+        if self.canonical and self.canonical != MODEL:
+            return self.link_of(self.canonical)
+        if self.links:
+            return next(iter(self.links))
+        for name, model in self.models.items():
+            if model.has_links():
+                return f"{name}{SEPARATOR}{model.first_link()}"
+        raise FrameMistakeError(f"'{self.name:.60}' has no link")
+
+    def has_links(self) -> bool:
+        """Whether the model or a nested one has a link."""
+        return bool(self.links) or any(model.has_links() for model in self.models.values())
+
+
+def child_of(joint: Part) -> str:
+    """The name of the child of a joint."""
+    return (joint.element.findtext("child") or "").strip()

@@ -1,0 +1,107 @@
+"""What a world has besides its models: lights, gravity, its place on the Earth, the colours of the sky."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from morse.assets.sdf.values import ValueMistakeError, boolean, number, pose_of, text_of, vector
+from morse.mathutils import Vector
+from morse.mathutils.light import linear_light
+from morse.scene import Light, Node, NodeKind
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+    from morse.assets.sdf.includes import Includes
+    from morse.assets.sdf.scope import Scope
+    from morse.scene import Library
+
+_LIGHTS = {"point": "POINT", "spot": "SPOT", "directional": "SUN"}
+#: distance at which lights have half of their intensity, if the file does not say, m
+_DISTANCE = 25.0
+
+
+def add_world(library: Library, scope: Scope, element: Element, includes: Includes) -> None:
+    """Add the content of an element ``world`` to a library."""
+    for light in element.findall("light"):
+        try:
+            library.roots.append(_light(light, scope))
+        except (ValueMistakeError, ValueError) as error:
+            includes.warn(f"the light '{(light.get('name') or '')[:80]}' is left out: {error}")
+    if element.tag != "world":
+        return
+    for add in (_add_gravity, _add_place, _add_sky):
+        try:
+            add(library, element, includes)
+        except ValueMistakeError as error:
+            includes.warn(f"the world: {error}; it is left out")
+
+
+def _light(element: Element, scope: Scope) -> Node:
+    kind = _LIGHTS.get(element.get("type") or "point", "POINT")
+    pose = element.find("pose")
+    base = "" if pose is None else pose.get("relative_to") or ""
+    place = scope.pose_of(base) @ pose_of(pose)
+    red, green, blue = (min(max(value, 0.0), 1.0) for value in vector(element, "diffuse", (1.0, 1.0, 1.0)))
+    color = linear_light((red, green, blue)).tolist()
+    direction = Vector(vector(element, "direction", (0.0, 0.0, -1.0)))
+    if direction.length > 1e-9:
+        place = place @ Vector((0.0, 0.0, -1.0)).rotation_difference(direction.normalized()).to_matrix().to_4x4()
+    name = element.get("name") or "light"
+    node = Node(name, NodeKind.LIGHT, source_name=name)
+    node.location, node.rotation_euler = list(place.translation), list(place.to_euler())
+    outer = number(element, "spot/outer_angle", 1.3)
+    node.light = Light(
+        kind,
+        (color[0], color[1], color[2]),
+        energy=min(max(number(element, "intensity", 1.0), 0.0), 100.0),
+        distance=_half_distance(element),
+        spot_size=min(max(outer, 0.01), math.pi),
+        casts_shadow=boolean(element, "cast_shadows"),
+    )
+    return node
+
+
+def _half_distance(element: Element) -> float:
+    """The distance at which 1 / (constant + linear d + quadratic d^2) has fallen to half, m."""
+    a = number(element, "attenuation/constant", 1.0)
+    b, c = number(element, "attenuation/linear", 0.0), number(element, "attenuation/quadratic", 0.0)
+    rest = a - 2.0 * max(a, 1e-3)
+    if c > 1e-9:
+        return min(max((-b + math.sqrt(max(b * b - 4.0 * c * rest, 0.0))) / (2.0 * c), 0.01), 1000.0)
+    return min(max(-rest / b, 0.01), 1000.0) if b > 1e-9 else _DISTANCE
+
+
+def _add_gravity(library: Library, element: Element, includes: Includes) -> None:
+    path = "gravity" if element.find("gravity") is not None else "physics/gravity"
+    x, y, z = vector(element, path, (0.0, 0.0, -9.8))
+    if max(abs(x), abs(y)) > 1e-9:
+        includes.warn(f"gravity is {x:g} {y:g} {z:g}; only its vertical part acts")
+    library.world["gravity"] = -z
+
+
+def _add_place(library: Library, element: Element, includes: Includes) -> None:
+    place = element.find("spherical_coordinates")
+    if place is None:
+        return
+    names = {"latitude": "latitude_deg", "longitude": "longitude_deg", "altitude": "elevation"}
+    properties = {name: number(place, tag, 0.0) for name, tag in names.items()}
+    library.world["properties"] = properties
+    heading = number(place, "heading_deg", 0.0)
+    if heading:
+        properties["angle_against_north"] = math.radians(heading)
+    if text_of(place, "world_frame_orientation", "ENU") != "ENU":
+        includes.warn("the axes of the world are read as east, north, up")
+
+
+def _add_sky(library: Library, element: Element, includes: Includes) -> None:
+    del includes
+    scene = element.find("scene")
+    if scene is None:
+        return
+    for tag, name in (("ambient", "ambient_color"), ("background", "horizon_color")):
+        if text_of(scene, tag):
+            color = [min(max(value, 0.0), 1.0) for value in vector(scene, tag, (0.0, 0.0, 0.0))]
+            red, green, blue = linear_light(color).tolist()
+            library.world[name] = (red, green, blue)

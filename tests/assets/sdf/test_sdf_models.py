@@ -1,0 +1,277 @@
+"""Models from SDF files: poses of links against kinematics of the test, joints, masses."""
+
+from __future__ import annotations
+
+import math
+from xml.etree import ElementTree
+
+import kinematics
+import mujoco
+import numpy as np
+import pytest
+
+import morse
+from morse.assets import load
+from morse.assets.sdf import read_sdf
+from morse.mathutils import Vector
+from morse.physics import World
+from morse.scene import JointKind, PhysicsType, Scene, ShapeKind
+from morse.scene.couplings import ConstraintKind
+
+LINK = "<inertial><mass>1</mass></inertial>"
+FRAMES = """<sdf version="1.9"><model name="tower" canonical_link="b">
+  <pose>1 2 3 0.1 0.2 0.3</pose>
+  <frame name="stand"><pose degrees="true">0.1 0 0.2 30 -20 75</pose></frame>
+  <frame name="shelf" attached_to="a"><pose>0 0.3 0 0 1.5707963267948966 0.4</pose></frame>
+  <frame name="far" attached_to="inner::tip"><pose relative_to="elbow">0 0 1 0.5 0 0</pose></frame>
+  <link name="a"><pose relative_to="stand">0.5 0.4 0.3 0.2 0.1 -3</pose></link>
+  <link name="b"><pose relative_to="shelf">0 0 0.25 1 2 3</pose></link>
+  <link name="c"><pose relative_to="far">0.1 0.1 0.1 0 -1.5707963 0</pose></link>
+  <link name="d"><pose relative_to="inner::tip">0.1 0 0 0 0 0</pose></link>
+  <model name="inner" placement_frame="grip">
+    <pose relative_to="b">0.2 0.2 0.2 0.3 0.3 0.3</pose>
+    <frame name="grip" attached_to="root"><pose>0.05 0 0 0 0 1</pose></frame>
+    <link name="root"><pose>0 0 0.1 0 0.7 0</pose></link>
+    <link name="tip"><pose relative_to="root">0.3 0 0 -0.4 0 0</pose></link>
+    <joint name="wrist" type="revolute"><pose>0 0.02 0 0.3 0 0</pose><parent>root</parent><child>tip</child>
+      <axis><xyz expressed_in="__model__">0 1 1</xyz><limit><lower>-1</lower><upper>2</upper></limit></axis></joint>
+  </model>
+  <joint name="shoulder" type="prismatic"><parent>a</parent><child>b</child>
+    <axis><xyz>1 0 0</xyz><limit><lower>-0.5</lower><upper>0.5</upper></limit></axis></joint>
+  <joint name="elbow" type="revolute"><pose relative_to="shelf">0 0.1 0 0 0 0.2</pose>
+    <parent>b</parent><child>inner::grip</child><axis><xyz expressed_in="stand">0 0 -1</xyz></axis></joint>
+  <joint name="weld" type="fixed"><parent>inner</parent><child>c</child></joint>
+  <joint name="ball" type="ball"><parent>c</parent><child>d</child></joint>
+</model></sdf>"""
+
+
+def read(tmp_path, text, name="model.sdf"):
+    path = tmp_path / name
+    path.write_text(text)
+    return read_sdf(path)
+
+
+def nodes_of(library):
+    return {node.name: node for node in library.nodes()}
+
+
+def bones_of(library):
+    return {bone.name: bone for node in library.nodes() for bone in node.bones}
+
+
+def test_links_are_where_independent_kinematics_puts_them(tmp_path) -> None:
+    library = read(tmp_path, FRAMES)
+    model = ElementTree.fromstring(FRAMES).find("model")
+    outer, nodes = kinematics.pose(model.find("pose")), nodes_of(library)
+    wanted = kinematics.link_poses(model)
+    assert set(wanted) == {"a", "b", "c", "d", "inner::root", "inner::tip"}
+    for name, place in wanted.items():
+        assert np.array(nodes[name].world_matrix()) == pytest.approx(outer @ place, abs=1e-12), name
+    kinds = {name: bone.kind for name, bone in bones_of(library).items()}
+    assert kinds == {
+        "shoulder": JointKind.PRISMATIC, "elbow": JointKind.REVOLUTE, "inner::wrist": JointKind.REVOLUTE,
+        "weld": JointKind.FIXED, "ball": JointKind.BALL,
+    }  # fmt: skip
+
+
+def test_joints_move_about_their_axes(tmp_path) -> None:
+    library = read(tmp_path, FRAMES)
+    (root,) = library.roots
+    model = ElementTree.fromstring(FRAMES).find("model")
+    world = World(Scene(roots=[root]))
+    joints = world.object_of(root.children[0]).joints()
+    for name, value in {"shoulder": 0.3, "elbow": 0.7, "inner::wrist": -0.6}.items():
+        joints.positions((name,))
+        world.data.qpos[joints._qpos[0]] = value
+    mujoco.mj_kinematics(world.model, world.data)
+    world.sync()
+    # the canonical link stays, and with it the frame of the model; all is computed relative to it
+    axis = kinematics.frame(model, "stand")[:3, :3] @ [0.0, 0.0, -1.0]
+    elbow = _turned(kinematics.frame(model, "elbow")[:3, 3], axis, 0.7)
+    inner = kinematics.frame(model, "inner")
+    place = inner @ kinematics.frame(model.find("model"), "wrist")
+    wrist = _turned(place[:3, 3], inner[:3, :3] @ [0.0, math.sqrt(0.5), math.sqrt(0.5)], -0.6)
+    links = kinematics.link_poses(model)
+    slid = np.eye(4)
+    slid[:3, 3] = -0.3 * links["b"][:3, 0]
+    wanted = {"b": links["b"], "a": slid @ links["a"], "inner::root": elbow @ links["inner::root"],
+              "c": elbow @ links["c"], "inner::tip": elbow @ wrist @ links["inner::tip"]}  # fmt: skip
+    outer = kinematics.pose(model.find("pose"))
+    nodes = nodes_of(library)
+    for name, pose in wanted.items():
+        position, rotation = world.object_of(nodes[name]).world_pose()
+        assert position == pytest.approx((outer @ pose)[:3, 3], abs=1e-12), name
+        assert rotation == pytest.approx((outer @ pose)[:3, :3].ravel(), abs=1e-12), name
+
+
+def _turned(point, axis, angle):
+    """4x4 rotation about a line (Rodrigues)."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    result = np.eye(4)
+    result[:3, :3] += math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+    result[:3, 3] = point - result[:3, :3] @ point
+    return result
+
+
+@pytest.mark.parametrize(
+    ("version", "attributes", "frame"),
+    [
+        ("1.4", "", "model"),
+        ("1.5", "", "joint"),
+        ("1.6", "<use_parent_model_frame>true</use_parent_model_frame>", "model"),
+        ("1.6", "<use_parent_model_frame>0</use_parent_model_frame>", "joint"),
+        ("1.8", "", "joint"),
+    ],
+)
+def test_the_frame_of_axes_depends_on_the_version(tmp_path, version, attributes, frame) -> None:
+    quarter = math.pi / 2
+    text = f"""<sdf version="{version}"><model name="m"><link name="a">{LINK}</link>
+      <link name="b"><pose>0 0 1 0 0 {quarter}</pose>{LINK}</link>
+      <joint name="j" type="revolute"><parent>a</parent><child>b</child>
+        <axis><xyz>1 0 0</xyz>{attributes}</axis></joint></model></sdf>"""
+    bone = bones_of(read(tmp_path, text))["j"]
+    axis = [bone.rotation[2], bone.rotation[5], bone.rotation[8]]  # the Z axis of the bone, in the model
+    assert axis == pytest.approx([1, 0, 0] if frame == "model" else [0, 1, 0], abs=1e-12)
+
+
+def test_masses_and_inertias(tmp_path) -> None:
+    text = """<sdf version="1.7"><model name="m"><link name="a"><inertial><pose>0.1 0 0 0 0 1.5707963267948966</pose>
+      <mass>2</mass><inertia><ixx>0.1</ixx><iyy>0.2</iyy><izz>0.25</izz></inertia></inertial>
+      <collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision></link></model></sdf>"""
+    (root,) = read(tmp_path, text).roots
+    model = World(Scene(roots=[root])).model
+    body = model.body("m")
+    assert body.mass[0] == 2.0
+    assert body.ipos == pytest.approx([0.1, 0, 0], abs=1e-12)
+    # turned by a quarter, X and Y are exchanged
+    matrix = np.zeros(9)
+    mujoco.mju_quat2Mat(matrix, body.iquat)
+    axes = matrix.reshape(3, 3)
+    assert axes @ np.diag(body.inertia) @ axes.T == pytest.approx(np.diag([0.2, 0.1, 0.25]), abs=1e-9)
+
+
+def test_a_link_without_a_mass_has_that_of_the_specification(tmp_path) -> None:
+    text = '<sdf version="1.7"><model name="m"><link name="a"/></model></sdf>'
+    inertial = nodes_of(read(tmp_path, text))["a"].inertial
+    assert inertial.mass == 1.0
+    assert inertial.inertia == pytest.approx((1, 0, 0, 0, 1, 0, 0, 0, 1))
+
+
+def test_all_kinds_of_joints(tmp_path) -> None:
+    kinds = ["revolute", "continuous", "prismatic", "fixed", "ball", "universal", "revolute2", "screw"]
+    links = "".join(f'<link name="{kind}">{LINK}</link>' for kind in kinds)
+    joints = "".join(
+        f"""<joint name="j_{kind}" type="{kind}"><parent>base</parent><child>{kind}</child>
+        <axis><xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper><effort>5</effort></limit>
+        <dynamics><damping>0.5</damping><friction>0.1</friction></dynamics></axis><axis2><xyz>0 1 0</xyz></axis2>
+        <screw_thread_pitch>0.01</screw_thread_pitch></joint>"""
+        for kind in kinds
+    )
+    library = read(
+        tmp_path, f'<sdf version="1.10"><model name="m"><link name="base">{LINK}</link>{links}{joints}</model></sdf>'
+    )
+    bones = bones_of(library)
+    found = {name: bone.kind.value for name, bone in bones.items()}
+    assert found == {
+        "j_revolute": "revolute", "j_continuous": "revolute", "j_prismatic": "prismatic", "j_fixed": "fixed",
+        "j_ball": "ball", "j_universal": "revolute", "j_universal_axis2": "revolute", "j_revolute2": "revolute",
+        "j_revolute2_axis2": "revolute", "j_screw": "revolute", "j_screw_axis2": "prismatic",
+    }  # fmt: skip
+    assert (bones["j_revolute"].low, bones["j_revolute"].high) == (-1.0, 1.0)
+    assert not bones["j_continuous"].dynamics.limited
+    dynamics = bones["j_revolute"].dynamics
+    assert (dynamics.effort, dynamics.damping, dynamics.friction) == (5.0, 0.5, 0.1)
+    slide = bones["j_screw_axis2"]
+    assert list(bones)[slide.leader] == "j_screw"
+    assert slide.factor == pytest.approx(0.01 / (2 * math.pi), rel=1e-12)
+    assert library.warnings == []
+
+
+def test_a_loop_is_closed_by_constraints(tmp_path) -> None:
+    joints = "".join(
+        f'<joint name="{a}{b}" type="revolute"><parent>{a}</parent><child>{b}</child>'
+        "<axis><xyz>0 1 0</xyz></axis></joint>"
+        for a, b in ("ab", "bc", "ad", "dc")
+    )
+    links = "".join(f'<link name="{name}">{LINK}</link>' for name in "abcd")
+    library = read(tmp_path, f'<sdf version="1.7"><model name="m">{links}{joints}</model></sdf>')
+    assert len(bones_of(library)) == 3
+    constraints = library.roots[0].children[0].articulation.couplings.constraints
+    assert [one.kind for one in constraints] == [ConstraintKind.CONNECT] * 2
+    assert all({one.one, one.other} == {"d", "c"} for one in constraints)
+
+
+def test_links_without_joints_move_freely(tmp_path) -> None:
+    text = f"""<sdf version="1.7"><model name="m"><link name="a">{LINK}</link>
+      <link name="b"><pose>0 0 1 0 0 0</pose>{LINK}</link></model></sdf>"""
+    library = read(tmp_path, text)
+    assert {name: bone.kind for name, bone in bones_of(library).items()} == {"b_free": JointKind.FLOATING}
+
+
+@pytest.mark.parametrize("how", ["static", "joint"])
+def test_fixed_models(tmp_path, how) -> None:
+    extra = "<static>true</static>" if how == "static" else (
+        '<joint name="w" type="fixed"><parent>world</parent><child>a</child></joint>'
+    )  # fmt: skip
+    library = read(
+        tmp_path,
+        f'<sdf version="1.7"><model name="m">{extra}<link name="a"><pose>0 0 1 0 0 0</pose>{LINK}</link></model></sdf>',
+    )
+    assert library.roots[0].body.type is PhysicsType.STATIC
+    assert list(nodes_of(library)["a"].world_matrix().translation) == pytest.approx([0, 0, 1])
+
+
+SHAPES = {
+    "<box><size>1 2 3</size></box>": (ShapeKind.BOX, (0.5, 1.0, 1.5)),
+    "<sphere><radius>0.5</radius></sphere>": (ShapeKind.SPHERE, (0.5,)),
+    "<cylinder><radius>0.5</radius><length>2</length></cylinder>": (ShapeKind.CYLINDER, (0.5, 1.0)),
+    "<capsule><radius>0.5</radius><length>2</length></capsule>": (ShapeKind.CAPSULE, (0.5, 1.0)),
+    "<ellipsoid><radii>1 2 3</radii></ellipsoid>": (ShapeKind.ELLIPSOID, (1.0, 2.0, 3.0)),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_primitives_collide_as_what_they_are(tmp_path, shape) -> None:
+    text = f"""<sdf version="1.9"><model name="m"><link name="a"><collision name="c"><geometry>{shape}</geometry>
+      </collision><visual name="v"><geometry>{shape}</geometry></visual></link></model></sdf>"""
+    library = read(tmp_path, text)
+    (solid,) = (node for node in library.nodes() if node.shapes)
+    assert [(one.kind, one.size) for one in solid.shapes] == [SHAPES[shape]]
+    assert not solid.visible
+    (seen,) = (node for node in library.nodes() if node.mesh is not None and node.visible)
+    points = np.array([list(seen.world_matrix() @ Vector(p)) for p in seen.mesh.vertices.tolist()])
+    kind, size = SHAPES[shape]
+    half = {"box": size, "ellipsoid": size, "sphere": size * 3}.get(kind.value)
+    half = half or (size[0], size[0], size[1] + (size[0] if kind is ShapeKind.CAPSULE else 0.0))
+    assert points.max(axis=0) == pytest.approx(half, rel=1e-6)
+
+
+def test_a_model_stands_and_its_sensors_measure(tmp_path) -> None:
+    path = tmp_path / "stool" / "model.sdf"
+    path.parent.mkdir()
+    path.write_text("""<sdf version="1.7"><model name="stool"><link name="seat"><pose>0 0 0.25 0 0 0</pose>
+      <inertial><mass>4</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>
+      <collision name="c"><geometry><box><size>0.4 0.4 0.5</size></box></geometry></collision>
+      <sensor name="imu" type="imu"><pose>0 0 0.1 0 0 0</pose><update_rate>60</update_rate></sensor></link>
+    </model></sdf>""")
+    (path.parent / "model.config").write_text('<model><name>stool</name><sdf version="1.7">model.sdf</sdf></model>')
+    scene = tmp_path / "scene.py"
+    scene.write_text(f"""from morse.builder import *
+robot = Robot({str(path.parent)!r})
+pose = Pose()
+robot.append(pose)
+env = Environment('empty')
+""")
+    with morse.load(scene) as simulation:
+        simulation.step(120)
+        assert simulation.robot.pose.get()["z"] == pytest.approx(0.0, abs=2e-3)
+        assert simulation.robot.imu.get()["linear_acceleration"][2] == pytest.approx(9.81, rel=1e-2)
+
+
+def test_models_of_a_world_are_loaded_once_each(tmp_path) -> None:
+    path = tmp_path / "world.sdf"
+    path.write_text(f"""<sdf version="1.7"><world name="w">
+      <model name="crate"><link name="l">{LINK}</link></model>
+      <model name="crate_2"><static>1</static><link name="l">{LINK}</link></model></world></sdf>""")
+    assert [root.name for root in load(path).roots] == ["crate", "crate_2"]
