@@ -20,12 +20,24 @@ COUNT = 4
 
 def scene(extra=""):
     def describe():
-        from morse.builder import Environment, FakeRobot, Morsy, MotionVW, MotionXYW, Odometry, Pose, Robot  # noqa: F401
+        from morse.builder import (  # noqa: F401
+            Environment,
+            FakeRobot,
+            Morsy,
+            MotionVW,
+            MotionVWDiff,
+            MotionXYW,
+            Odometry,
+            Pioneer3DX,
+            Pose,
+            Robot,
+        )
 
         for number in range(COUNT):
-            robot = Morsy(f"r{number}") if number % 2 else Robot(name=f"r{number}")
+            robot = Pioneer3DX() if extra == "wheels" else Morsy() if number % 2 else Robot()
+            robot.name = f"r{number}"
             robot.translate(3.0 * number, 0.5, 0.0)
-            robot.append(MotionXYW("motion") if extra == "sideways" else MotionVW("motion"))
+            robot.append({"sideways": MotionXYW, "wheels": MotionVWDiff}.get(extra, MotionVW)("motion"))
             pose, odometry = Pose("pose"), Odometry("odometry")
             pose.translate(0.1, 0.2, 0.3)
             pose.rotate(0.1, 0.0, 0.4)
@@ -78,13 +90,14 @@ def touch(sim):
 def restless(monkeypatch):
     """Let all actuators act in each tick."""
     from morse.actuators.v_omega import MotionVW
+    from morse.actuators.v_omega_diff_drive import MotionVWDiff
     from morse.actuators.xy_omega import MotionXYW
 
-    for cls in (MotionVW, MotionXYW):
+    for cls in (MotionVW, MotionVWDiff, MotionXYW):
         monkeypatch.setattr(cls, "may_wait", lambda self: False)
 
 
-@pytest.mark.parametrize("extra", ["", "sideways", "rates"])
+@pytest.mark.parametrize("extra", ["", "sideways", "rates", "wheels"])
 @pytest.mark.parametrize("kernel", ["", "off"])
 def test_bits_are_those_of_components_that_act_in_each_tick(monkeypatch, request, extra, kernel):
     with morse.load(scene(extra)) as simulation:
@@ -115,15 +128,63 @@ def test_readers_change_nothing():
         assert hashes(one, 100) == hashes(two, 100, read)
 
 
-def test_save_and_restore_in_the_middle(sim):
-    hashes(sim, 50)
-    state = sim.save()
-    expected = hashes(sim, 100)
-    sim.restore(state)
-    assert hashes(sim, 100) == expected
-    with morse.load(scene()) as other:
+@pytest.mark.parametrize("extra", ["", "wheels"])
+def test_save_and_restore_in_the_middle(extra):
+    with morse.load(scene(extra)) as sim, morse.load(scene(extra)) as other:
+        hashes(sim, 50)
+        state = sim.save()
+        expected = hashes(sim, 100)
+        sim.restore(state)
+        assert hashes(sim, 100) == expected
         other.restore(state)
         assert hashes(other, 100) == expected
+
+
+def test_wheels_keep_the_speed_of_the_last_command_whoever_else_sets_them(monkeypatch):
+    from morse.actuators.v_omega_diff_drive import MotionVWDiff
+
+    applied = count_calls(monkeypatch, MotionVWDiff, "default_action")
+    with morse.load(scene("wheels")) as sim:
+        robot, radius = sim.context.robots["r1"], sim.context.robots["r1"].wheel_radius
+        sim.r1.motion.publish({"v": 0.4})
+        sim.step(60)
+        assert len(applied) == COUNT
+        assert [wheel.speed * radius for wheel in robot.get_wheels()] == pytest.approx([0.4, 0.4], rel=0.02)
+        before = sim.save()
+        robot.apply_vw_wheels(-3.0, 0.0)
+        named(sim, "r1.motion").local_data["v"] = 0.2
+        state = sim.save()
+        sim.step(60)
+        assert [wheel.speed * radius for wheel in robot.get_wheels()] == pytest.approx([0.2, 0.2], rel=0.02)
+        for saved, speed in ((state, 0.2), (before, 0.4)):
+            sim.restore(saved)
+            sim.step(60)
+            assert [wheel.speed * radius for wheel in robot.get_wheels()] == pytest.approx([speed] * 2, rel=0.02)
+        robot.set_property("FixTurningSpeed", 1.0)
+        sim.r1.motion.publish({"v": 0.0, "w": 0.5})
+        sim.step(60)
+        assert [wheel.speed * radius for wheel in robot.get_wheels()] == pytest.approx([-0.25, 0.25], rel=0.02)
+        robot.set_property("FixTurningSpeed", 0.5)
+        sim.step(60)
+        assert [wheel.speed * radius for wheel in robot.get_wheels()] == pytest.approx([-0.125, 0.125], rel=0.02)
+
+
+def test_robots_that_turn_their_wheels_in_their_own_way_act_in_each_tick(monkeypatch):
+    from morse.actuators.v_omega_diff_drive import MotionVWDiff
+    from morse.core.wheeled_robot import PhysicsDifferentialRobot
+
+    applied = count_calls(monkeypatch, MotionVWDiff, "default_action")
+    turned = []
+    with morse.load(scene("wheels")) as sim:
+        robot = sim.context.robots["r1"]
+        robot.apply_vw_wheels = lambda v, w: (
+            turned.append((v, w)) or PhysicsDifferentialRobot.apply_vw_wheels(robot, v, w)
+        )
+        named(sim, "r1.motion").set_property("MaxSpeed", 0.0)
+        sim.step(10)
+        assert len(turned) == 10
+        assert applied.count("r1.motion") == 10
+        assert applied.count("r0.motion") <= 2
 
 
 # reading ----------------------------------------------------------------------------------------

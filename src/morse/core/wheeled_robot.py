@@ -90,4 +90,12 @@ class PhysicsDifferentialRobot(Robot):
         self.apply_vw_wheels(linear_speed[0], angular_speed[2])
 
 
-__all__ = ["PhysicsAckermannRobot", "PhysicsDifferentialRobot"]
+def drives_wheels(robot: Robot) -> bool:
+    """Whether a robot turns its wheels as `PhysicsDifferentialRobot` does, so that their speeds last."""
+    return all(
+        getattr(type(robot), name) is getattr(PhysicsDifferentialRobot, name) and name not in vars(robot)
+        for name in ("apply_vw_wheels", "track", "wheel_radius")
+    )
+
+
+__all__ = ["PhysicsAckermannRobot", "PhysicsDifferentialRobot", "drives_wheels"]

@@ -15,6 +15,7 @@ from morse.physics.crowding import Crowding
 from morse.physics.driving.drives import Drives
 from morse.physics.driving.fleet import Fleet
 from morse.physics.driving.traction import Traction
+from morse.physics.driving.wheel_fleet import WheelFleet
 from morse.physics.forward import forward, without_contacts
 from morse.physics.gliding.floor_planes import FloorPlanes
 from morse.physics.gliding.gliding import Gliding
@@ -315,16 +316,16 @@ class World(ObjectWorld):
         return Linkage(self, cast("GameObject", armature), bones, hanging)
 
     def fleet(self, objects: Sequence[Posed]) -> Fleet:
-        """Create a fleet of objects that are driven together with `drive_fleet`."""
+        """Create a fleet of objects that are driven as bodies by one call."""
         return Fleet(self.drives, [obj.slot for obj in objects])
+
+    def wheel_fleet(self, objects: Sequence[Posed]) -> WheelFleet:
+        """Create a fleet of robots whose wheels are turned by one call."""
+        return WheelFleet(self, [obj.slot for obj in objects])
 
     def snapshots(self, objects: Sequence[Posed]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""
         return Snapshots(self, cast("Sequence[GameObject]", objects))
-
-    def drive_fleet(self, fleet: Fleet) -> None:
-        """Drive the bodies of a fleet in the next tick."""
-        self.drives.command_fleet(fleet)
 
     def displaced_slots(self) -> list[int]:
         """Return the static slots that are not at their places in the scene."""

@@ -23,7 +23,7 @@ class ActuatorRows(Rows):
 
     def __init__(self, members: Sequence[Any], act: Any) -> None:
         self._fields = lasting_fields(type(members[0]))
-        #: members whose actions do not drive their robots as bodies
+        #: members whose actions do not drive their robots at speeds that last
         self._others: set[int] = set()
         super().__init__(members, act)
 
@@ -33,7 +33,9 @@ class ActuatorRows(Rows):
 
     def _take(self) -> None:
         self._values: list[list[Any]] = []
-        self._fleet = self._context.world.fleet([member.robot_parent.bge_object for member in self._rows])
+        robots = [member.robot_parent.bge_object for member in self._rows]
+        world = self._context.world
+        self._fleet = world.wheel_fleet(robots) if type(self.members[0]).turns_wheels else world.fleet(robots)
         # commands that end, and functions that do not tell whether they have something to do
         self._always = [
             member
@@ -74,7 +76,7 @@ class ActuatorRows(Rows):
             self._renew(values)
         if self.is_changed:
             return False
-        self._context.world.drive_fleet(self._fleet)
+        self._fleet.drive()
         return True
 
     def _renew(self, values: list[list[Any]]) -> None:

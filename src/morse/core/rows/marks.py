@@ -29,7 +29,9 @@ def on_read(action: _F) -> _F:
 
 
 def while_same(*fields: str) -> Callable[[_F], _F]:
-    """Mark ``default_action`` of an actuator that drives its robot by ``apply_speed``, by a speed that lasts.
+    """Mark ``default_action`` of an actuator that drives its robot at a speed that lasts, by ``apply_speed``.
+
+    If the action sets the speeds of the wheels instead, the class has ``turns_wheels = True``.
 
     Args:
         fields: the fields of ``local_data`` on which the speed depends, and nothing else but properties. While they

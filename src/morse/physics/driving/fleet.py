@@ -65,6 +65,10 @@ class Fleet:
         self._shifts[row], self._ground[row] = command.shift, command.ground
         return True
 
+    def drive(self) -> None:
+        """Drive the bodies in the next tick."""
+        self._drives.command_fleet(self)
+
     def renew(self) -> None:
         """Use the commands of all bodies again, also of those that `withdraw` removed."""
         self._withdrawn.clear()
