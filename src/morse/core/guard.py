@@ -73,17 +73,19 @@ class Guard:
         self, parts: Iterable[_P], call: Callable[[_P], object], off: Callable[[_P, BaseException], object]
     ) -> None:
         """Call a function with each part; ``off(part, error)`` switches off those for which it raises."""
-        failures: list[tuple[_P, BaseException]] = []
+        failures: list[tuple[_P, BaseException]] | None = None
         for part in parts:
             try:
                 call(part)
             except ENDINGS:
                 raise
             except BaseException as error:
+                failures = failures or []
                 failures.append((part, error))
-        # afterwards, because it may change the list of the parts
-        for part, failure in failures:
-            off(part, failure)
+        if failures is not None:
+            # afterwards, because it may change the list of the parts
+            for part, failure in failures:
+                off(part, failure)
 
     def those(
         self, parts: Iterable[_P], holds: Callable[[_P], object], off: Callable[[_P, BaseException], object]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 import uuid
 from abc import ABC, abstractmethod
+from itertools import count
+from operator import methodcaller
 from types import FunctionType, MethodType
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from weakref import WeakKeyDictionary
@@ -193,7 +195,7 @@ class RequestManager(ABC):
             self.context.journal.note(SERVICE, component, (service, arguments))
         if not entry.is_async:
             return True, (status.SUCCESS, _result(entry.callback, *arguments))
-        request_id = uuid.uuid4()
+        request_id = uuid.UUID(int=next(_numbers))
         owner = getattr(entry.callback, "__self__", None)
         self._running[request_id] = (owner if isinstance(owner, AbstractObject) else None, component, service)
         try:
@@ -271,6 +273,8 @@ class RequestManager(ABC):
 
 
 _GONE: Any = object()
+#: of all requests of this process
+_numbers = count(1)
 
 
 def _result(service: Callable[..., object], *arguments: object) -> Any:
@@ -281,7 +285,7 @@ def _result(service: Callable[..., object], *arguments: object) -> Any:
     """
     try:
         result = service(*arguments)
-        check_result(attribute(service, "__self__"), result)
+        check_result(service.__self__ if type(service) is MethodType else attribute(service, "__self__"), result)
         return result
     except (Exception, *ENDINGS):
         raise
@@ -289,12 +293,7 @@ def _result(service: Callable[..., object], *arguments: object) -> Any:
         raise RuntimeError(summary(error)).with_traceback(error.__traceback__) from error
 
 
-def _answer(manager: RequestManager) -> None:
-    manager.answer()
-
-
-def _update(manager: RequestManager) -> None:
-    manager.update()
+_answer, _update = methodcaller("answer"), methodcaller("update")
 
 
 class MorseServices:

@@ -21,7 +21,8 @@ class TimeShares:
     def part(self, share: TimeShare, now: float) -> float:
         """The part of a middleware that has requests."""
         self._active[share] = now
-        self._active = {one: last for one, last in self._active.items() if now - last < _ACTIVE}
+        if len(self._active) > 1:
+            self._active = {one: last for one, last in self._active.items() if now - last < _ACTIVE}
         return _SHARE / len(self._active)
 
 

@@ -114,7 +114,7 @@ class SocketRequestManager(RequestManager):
 
     def finalization(self) -> bool:
         """Send the remaining replies and close."""
-        self._hand_over()
+        self.answer()
         if self._server is not None:
             self._context.network.call(self._server.close())
             self._server = None
@@ -144,8 +144,10 @@ class SocketRequestManager(RequestManager):
 
     def answer(self) -> None:
         """Send the outcomes of ended calls: all replies at once to the network thread."""
-        super().answer()
-        self._hand_over()
+        if self._arrivals:
+            super().answer()
+        if self._consumed or self._outbox:
+            self._hand_over()
 
     def main(self) -> None:
         """Process the received requests within the time share of a tick."""
@@ -239,8 +241,6 @@ class SocketRequestManager(RequestManager):
             self.abort_request(call)
 
     def _hand_over(self) -> None:
-        if not self._consumed and not self._outbox:
-            return
         self._context.network.post(self._deliver, self._outbox, self._consumed)
         self._outbox = []
         self._outbox_size = 0

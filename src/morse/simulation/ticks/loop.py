@@ -67,7 +67,7 @@ class Loop:
         self._context.settling = clock.tick == 0 and not stepping.paused and last > _SETTLING
         try:
             while not self.stopping:
-                if stepping.paused:
+                if stepping.paused and self._context.settling:
                     self._context.settling = False
                 if stepping.halted:
                     self._wait_paused()
@@ -104,13 +104,14 @@ class Loop:
         return any(body.is_dynamic and abs(body.velocity()[0][2]) > _STILL for body in bodies)
 
     def _wait_paused(self) -> None:
-        """While paused, process requests of clients and pages, and wait for further requests."""
-        self._ticker.look()
-        if self._stepping.halted and not self.stopping:
-            if self._context.network is None:
-                raise RuntimeError("the simulation is paused and has no clients that could resume it")
+        """While paused, wait for requests of clients and pages, and process them."""
+        if self._context.network is not None:
+            self._context.services.answer()  # who has requested the last tick
             self._context.wait(self._context.clock.period)
             self.pacer.restart()
+        self._ticker.look()
+        if self._context.network is None and self._stepping.halted and not self.stopping:
+            raise RuntimeError("the simulation is paused and has no clients that could resume it")
 
     def _look_around(self) -> bool:
         """Process requests between ticks if simulated time runs slowly; return False if a request has paused it."""

@@ -165,14 +165,17 @@ class Ticker:
     def look(self) -> None:
         """Process input and services while the simulation is paused."""
         with self._acting:
-            self._guard.tell(self.observers, before_tick)
+            self._guard.each(self.observers, before_tick, self._dismiss)
             self._context.services.process()
-            self._guard.tell(self.observers, after_tick)
+            self._guard.each(self.observers, after_tick, self._dismiss)
 
     # -- the phases ------------------------------------------------------------------------
 
+    def _dismiss(self, observer: Observer, error: BaseException) -> None:
+        self._guard.dismiss(self.observers, observer, error)
+
     def _take_input(self) -> None:
-        self._guard.tell(self.observers, before_tick)
+        self._guard.each(self.observers, before_tick, self._dismiss)
         self._clock.observe()
 
     def _serve(self) -> None:
@@ -225,7 +228,7 @@ class Ticker:
         self._delayed = [one for one in self._delayed if one is not realism]
 
     def _show(self) -> None:
-        self._guard.tell(self.observers, after_tick)
+        self._guard.each(self.observers, after_tick, self._dismiss)
         if self._clock.tick >= self._review_at:
             self._review(self._clock.tick)
 
