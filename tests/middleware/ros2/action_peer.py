@@ -8,7 +8,6 @@ import sys
 import time
 from typing import Any
 
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_DOMAIN_ID"] = sys.argv[1]
 
 import rclpy

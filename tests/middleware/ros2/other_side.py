@@ -32,6 +32,8 @@ PYTHON = (
 #: domains with ports below the ephemeral ports of the system
 _DOMAINS = range(1, 100)
 _kept: list[Any] = []
+#: variables that change how peers discover each other; tests with a value of a user prove nothing
+SETTINGS = ("CYCLONEDDS_URI", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")
 
 
 def _own_domain() -> int:
@@ -58,8 +60,8 @@ DOMAIN = _own_domain()
 
 
 def environment(python: str) -> dict[str, str]:
-    """The environment variables of a peer process."""
-    kept = {name: value for name, value in os.environ.items() if name != "CYCLONEDDS_URI"}
+    """The environment variables of a peer process: those of a user who has set none for ROS."""
+    kept = {name: value for name, value in os.environ.items() if name not in SETTINGS}
     if python != sys.executable:
         kept.pop("PYTHONPATH", None)
     return kept

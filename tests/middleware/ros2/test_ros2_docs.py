@@ -25,11 +25,12 @@ def test_the_node_of_the_documentation_drives_the_robot(tmp_path: Path, monkeypa
     monkeypatch.delenv("CYCLONEDDS_URI", raising=False)
     (tmp_path / "default.py").write_text(scene)
     (tmp_path / "client.py").write_text(client)
-    variables = {**environment(PYTHON), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     with (
         morse.load(tmp_path / "default.py", sockets=True) as sim,
         (tmp_path / "said").open("w+") as said,
-        subprocess.Popen([PYTHON, str(tmp_path / "client.py")], stdout=said, stderr=said, env=variables) as node,
+        subprocess.Popen(
+            [PYTHON, str(tmp_path / "client.py")], stdout=said, stderr=said, env=environment(PYTHON)
+        ) as node,
     ):
         end = time.monotonic() + LIMIT
         while node.poll() is None and time.monotonic() < end:

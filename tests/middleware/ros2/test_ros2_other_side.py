@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from other_side import DOMAIN, PYTHON, has, lent, need, talk
+from other_side import DOMAIN, PYTHON, SETTINGS, has, lent, need, talk
 
 import morse
 
@@ -46,7 +46,7 @@ BACKENDS = [backend for backend in ("cyclonedds", "rclpy") if has(sys.executable
 
 @pytest.fixture(params=BACKENDS)
 def simulation(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    for name in ("CYCLONEDDS_URI", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"):
+    for name in SETTINGS:
         monkeypatch.delenv(name, raising=False)
     scene = tmp_path / "scene.py"
     scene.write_text("import math\n" + SCENE.format(domain=DOMAIN, backend=request.param))

@@ -1,12 +1,11 @@
-"""Detections, and compressed images."""
+"""Detections."""
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING, Any
 
 from morse.rosmsgs.json_text import as_json
-from morse.rosmsgs.outlets import LARGE, Outlet
+from morse.rosmsgs.outlets import Outlet
 from morse.rosmsgs.parts import header, quaternion, xyz
 from morse.rosmsgs.table import TopicTable, topics
 
@@ -22,10 +21,6 @@ _CUBE, _TEXT, _ADD, _DELETE_ALL = 1, 9, 0, 3
 _SIZE = (0.3, 0.3, 0.3)
 _GREEN = {"r": 0.2, "g": 0.9, "b": 0.3, "a": 0.5}
 _WHITE = {"r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
-#: JPEG quality, 0 to 100
-_QUALITY = 85
-#: encodings of images that are compressed, and their modes in Pillow
-_MODES = {"rgb8": "RGB", "rgba8": "RGBA", "mono8": "L"}
 
 
 class DetectingKinds(TopicTable):
@@ -72,21 +67,3 @@ def _markers(message: Message, frame: str) -> dict[str, Any]:
         text = {"ns": "names", "type": _TEXT, "scale": {"z": 0.2}, "color": _WHITE, "text": str(record.get("id", ""))}
         made.append({**common, **text})
     return {"markers": made}
-
-
-def _compressed(message: Message, frame: str) -> dict[str, Any] | None:
-    from PIL import Image
-
-    mode = _MODES.get(message.encoding)
-    if mode is None:
-        return None
-    picture = Image.fromarray(message.pixels.squeeze() if mode == "L" else message.pixels, mode)
-    file = io.BytesIO()
-    (picture.convert("RGB") if mode == "RGBA" else picture).save(file, "JPEG", quality=_QUALITY)
-    return {"header": header(message, frame), "format": f"{message.encoding}; jpeg compressed", "data": file.getvalue()}
-
-
-#: an image as JPEG; depth images and others without a JPEG format are not sent
-COMPRESSED = Outlet(
-    "sensor_msgs/msg/CompressedImage", _compressed, "image/compressed", LARGE, or_none=True, takes_long=True
-)

@@ -36,8 +36,7 @@ def form_of(stream: Carrier, bound: BoundKind) -> Form | None:
     encoding, depth16 = options.get("encoding"), options.get("depth16", False)
     if not encoding and not depth16:
         return None
-    given = {slot.name: source.get(bound.component) for slot, source in bound.sources if slot.name != "pixels"}
-    own, unit = given.get("encoding"), given.get("unit")
+    own, unit = _own(bound)
     if encoding and own not in _COLOURS:
         raise MorseMiddlewareError(
             f"{stream.component_name}: encoding='{encoding}' converts colours, and these images are {own}"
@@ -50,6 +49,18 @@ def form_of(stream: Carrier, bound: BoundKind) -> Form | None:
     if depth16:
         return _millimetres
     return lambda pixels, own: (_coloured(pixels, own, str(encoding)), str(encoding))
+
+
+def encoding_of(stream: Carrier, bound: BoundKind) -> tuple[str, str | None]:
+    """The encoding of the images of a stream after their conversion, and the unit of the component's pixels."""
+    (own, unit), options = _own(bound), stream.kwargs
+    return "16UC1" if options.get("depth16") else str(options.get("encoding") or own), unit
+
+
+def _own(bound: BoundKind) -> tuple[Any, Any]:
+    """The encoding and the unit of the images of a component."""
+    words = {slot.name: source.get(bound.component) for slot, source in bound.sources if slot.name != "pixels"}
+    return words.get("encoding"), words.get("unit")
 
 
 def _millimetres(pixels: Any, _encoding: str) -> tuple[Any, str]:

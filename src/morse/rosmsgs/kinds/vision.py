@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.rosmsgs.kinds.detecting import COMPRESSED
-from morse.rosmsgs.kinds.image_forms import form_of
+from morse.rosmsgs.kinds.compression import compressed_outlet
+from morse.rosmsgs.kinds.image_forms import encoding_of, form_of
 from morse.rosmsgs.outlets import LARGE, Inlet, Outlet
 from morse.rosmsgs.parts import header
 from morse.rosmsgs.table import TopicTable, topics
@@ -45,12 +45,13 @@ class VisionKinds(TopicTable):
 
     @topics("image")
     def image(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
-        """On ``image``, and as JPEG."""
+        """On ``image``, and as the plug-ins of image_transport compress it."""
         form = form_of(stream, bound)
         make = _image if form is None else partial(_image, form=form)
+        small = compressed_outlet(*encoding_of(stream, bound), form)
         return [
             Outlet("sensor_msgs/msg/Image", make, "image", LARGE, takes_long=True),
-            COMPRESSED,
+            *([] if small is None else [small]),
         ]
 
     @topics("camera_info")

@@ -39,9 +39,13 @@ _NO_TIME = 0.0
 _MOST = 64
 #: number of publishers of a domain that are inspected at once: to read the description of one takes 0.2 ms
 _ENDPOINTS = 16
+#: Fast DDS and Cyclone DDS announce themselves by multicast, which nodes with default settings also send to `lo`, and
+#: with the discovery range LOCALHOST to the ports of 127.0.0.1. Few systems mark `lo` as an interface with multicast,
+#: but all of them deliver it there.
 _LOOPBACK = """<CycloneDDS><Domain><General>
-<Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces><AllowMulticast>false</AllowMulticast>
-</General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>
+<Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces><AllowMulticast>spdp</AllowMulticast>
+</General><Discovery><SPDPInterval>3s</SPDPInterval>
+<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>
 <Peers><Peer Address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
 _INTERFACE = """<CycloneDDS><Domain><General>
 <Interfaces><NetworkInterface {} multicast="default"/></Interfaces>
