@@ -75,6 +75,17 @@ def _large_json(numbers: dict[str, Any]) -> None:
     _send_forever(_websocket(numbers), _frame(1, message))
 
 
+def _files(numbers: dict[str, Any]) -> None:
+    request = (
+        f"GET /worlds/1.json HTTP/1.1\r\nHost: 127.0.0.1:{numbers['web']}\r\nAccept-Encoding: gzip\r\n\r\n".encode()
+    )
+    while True:
+        with socket.create_connection(("127.0.0.1", numbers["web"])) as sock:
+            sock.sendall(request)
+            while sock.recv(1 << 16):
+                pass
+
+
 # lines ----------------------------------------------------------------------------------------
 
 
@@ -147,11 +158,20 @@ def _ros2_topics(numbers: dict[str, Any]) -> None:
 # others ---------------------------------------------------------------------------------------
 
 
-def _mavlink(numbers: dict[str, Any]) -> None:
-    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    data = bytes([0xFD, 9, 0, 0, 0, 1, 1, 84, 0, 0]) * 140
-    while True:
-        sock.sendto(data, ("127.0.0.1", numbers["own"]))
+def _packets(data: bytes) -> Callable[[dict[str, Any]], None]:
+    def run(numbers: dict[str, Any]) -> None:
+        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        while True:
+            sock.sendto(data, ("127.0.0.1", numbers["own"]))
+
+    return run
+
+
+def _mavlink_commands(numbers: dict[str, Any]) -> None:
+    from pymavlink.dialects.v20 import common
+
+    message = common.MAVLink(None).command_long_encode(0, 0, 400, 0, *[0.0] * 7)
+    _packets(message.pack(common.MAVLink(None)) * 30)(numbers)
 
 
 def _served(numbers: dict[str, Any], greeting: bytes) -> socket.socket:
@@ -167,10 +187,12 @@ def _served(numbers: dict[str, Any], greeting: bytes) -> socket.socket:
     return sock
 
 
-def _mqtt(numbers: dict[str, Any]) -> None:
-    topic, text = b"morse/robot/motion/set", b'{"v": 0.1, "w": 0.1}'
-    packet = bytes((0x30, 2 + len(topic) + len(text), 0, len(topic))) + topic + text
-    _send_forever(_served(numbers, b"\x20\x02\0\0"), packet * 1000)
+def _mqtt(packet: bytes) -> Callable[[dict[str, Any]], None]:
+    return lambda numbers: _send_forever(_served(numbers, b"\x20\x02\0\0"), packet * 1000)
+
+
+def _mqtt_message(topic: bytes, text: bytes) -> bytes:
+    return bytes((0x30, 2 + len(topic) + len(text), 0, len(topic))) + topic + text
 
 
 def _multinode(numbers: dict[str, Any]) -> None:
@@ -183,6 +205,7 @@ def _multinode(numbers: dict[str, Any]) -> None:
 
 ATTACKS: dict[str, tuple[str, Callable[[dict[str, Any]], None]]] = {
     "pings to the live view": ("view", _pings()),
+    "files of the live view": ("view", _files),
     "pings to rosbridge": ("rosbridge", _pings()),
     "pings to Foxglove": ("foxglove", _pings("foxglove.websocket.v1")),
     "subscriptions of rosbridge": ("rosbridge", _subscriptions),
@@ -196,9 +219,12 @@ ATTACKS: dict[str, tuple[str, Callable[[dict[str, Any]], None]]] = {
     "Twist of ROS 2": ("ros2", _ros2(0)),
     "8 MB of ROS 2": ("ros2", _ros2(8 << 20)),
     "1500 topics of ROS 2": ("ros2", _ros2_topics),
-    "messages of MQTT": ("mqtt", _mqtt),
+    "messages of MQTT": ("mqtt", _mqtt(_mqtt_message(b"morse/robot/motion/set", b'{"v": 0.1, "w": 0.1}'))),
+    "heartbeats of MQTT": ("mqtt", _mqtt(b"\xd0\0")),
     "robots of a multi-node server": ("multinode", _multinode),
-    "messages of MAVLink": ("mavlink", _mavlink),
+    "messages of MAVLink": ("mavlink", _packets(bytes([0xFD, 9, 0, 0, 0, 1, 1, 84, 0, 0]) * 140)),
+    "beginnings of MAVLink": ("mavlink", _packets(b"\xfe" * 1400)),
+    "commands of MAVLink": ("mavlink", _mavlink_commands),
 }
 """The middleware of the simulation, and the program, by the name of each case."""
 

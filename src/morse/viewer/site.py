@@ -11,10 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from websockets.datastructures import Headers
-from websockets.http11 import Response
+
+from morse.core.clients.web_connection import FileResponse
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
+
+    from websockets.http11 import Response
 
 STATIC = Path(__file__).parent / "static"
 
@@ -120,4 +123,4 @@ def refuse(status: HTTPStatus, why: str) -> Response:
 
 def _response(status: HTTPStatus, body: bytes, fields: Mapping[str, str]) -> Response:
     headers = Headers({"Content-Length": str(len(body)), "Connection": "close", **_SECURITY, **fields})
-    return Response(status.value, status.phrase, headers, body)
+    return FileResponse(status.value, status.phrase, headers, body)

@@ -1,7 +1,8 @@
 """A WebSocket connection whose bytes are processed within the share of the time for what clients send.
 
 The library of WebSockets answers pings itself and collects fragments: neither becomes a message. Therefore the time is
-measured where bytes arrive.
+measured where bytes arrive. It also copies the body of an HTTP response for each client: files are sent piece by piece
+instead, and clients that do not read them take no memory.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from websockets.http11 import Response
 from websockets.protocol import State
 
 from morse.core.clients.web_crowd import Connection
@@ -30,6 +32,20 @@ _TURN = 0.002
 _MOST_UNSENT = 1 << 16
 #: wall-clock seconds between two checks whether it has read them
 _LOOK = 0.05
+#: bytes of a file that are passed on at once, if the client has read the former ones
+_FILE_PIECE = 1 << 16
+
+
+class FileResponse(Response):
+    """A response whose body, `body`, all clients share."""
+
+    def serialize(self) -> bytes:
+        """The head only; a `PacedConnection` sends the body."""
+        body, self.body = self.body, b""
+        try:
+            return super().serialize()
+        finally:
+            self.body = body
 
 
 class _Valve:
@@ -41,6 +57,14 @@ class _Valve:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._transport, name)
+
+    def write_eof(self) -> None:
+        response = self._owner.response
+        self._owner.send_file(response.body if isinstance(response, FileResponse) else b"")
+
+    def close(self) -> None:
+        if not self._owner.sends_file:
+            self._transport.close()
 
     def pause_reading(self) -> None:
         self.is_full = True
@@ -65,6 +89,7 @@ class PacedConnection(Connection):
         self.sender = arrivals.sender()
         self._newcomers = arrivals.newcomers
         self._unprocessed = bytearray()
+        self._file = memoryview(b"")
         self._answers = 0
         self._has_ended = self._is_busy = False
         self._resting: asyncio.TimerHandle | None = None
@@ -85,11 +110,12 @@ class PacedConnection(Connection):
         if self._unprocessed:
             return True  # type: ignore[return-value] # keeps the connection open
         super().eof_received()
-        return None
+        return True if self._file else None  # type: ignore[return-value]
 
     def connection_lost(self, exc: Exception | None) -> None:
         """See `asyncio.Protocol`."""
         self._unprocessed.clear()
+        self._file = memoryview(b"")
         if self._resting is not None:
             self._resting.cancel()
         super().connection_lost(exc)
@@ -116,6 +142,32 @@ class PacedConnection(Connection):
             self._valve.close()
         elif not self._valve.is_full:
             self._valve._transport.resume_reading()
+
+    @property
+    def sends_file(self) -> bool:
+        """Whether a part of a file is not sent."""
+        return bool(self._file)
+
+    def send_file(self, content: bytes | bytearray) -> None:
+        """Send a file, and the end of the data."""
+        self._file = memoryview(content)
+        self._send_more()
+
+    def resume_writing(self) -> None:
+        """See `asyncio.Protocol`."""
+        super().resume_writing()
+        if self._file:
+            self._send_more()
+
+    def _send_more(self) -> None:
+        transport = self._valve._transport
+        while self._file and not self.paused and not transport.is_closing():
+            piece, self._file = self._file[:_FILE_PIECE], self._file[_FILE_PIECE:]
+            transport.write(piece)
+        if not self._file and not transport.is_closing():
+            transport.write_eof()
+            if self._has_ended:
+                transport.close()
 
     def _must_wait(self) -> bool:
         """Whether those who connect have used their time; the connection is processed later."""

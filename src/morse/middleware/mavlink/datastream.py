@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import logging
 import math
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 from morse.core.clients.complaints import Complaints
+from morse.core.clients.time_share import TimeShare
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.helpers.geodesy import angle_against_north
@@ -62,6 +64,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         self._framers: dict[str, dict[object, Framer]] = {}
         self._vehicles: dict[tuple[str, str], Vehicle] = {}
         self._parser = common.MAVLink(None)
+        self._share = TimeShare(context.time_shares)
         self._complaints = Complaints(logger)
 
     # -- streams -----------------------------------------------------------------------------
@@ -126,18 +129,29 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
     # -- the tick ----------------------------------------------------------------------------
 
     def action(self) -> None:
-        """Read received messages at the beginning of a tick."""
+        """Read received messages at the beginning of a tick, within its share of the time."""
+        is_paced = self.context.paced()
+        has_time = self._share.begin() or not is_paced
         for device, link in self._links.items():
             framers, intake = self._framers[device], Intake()
+            waiting: dict[object, list[tuple[object, bytes]]] = {}
             for sender, data in link.receive():
                 # the one that has not been used for longest comes first, and is forgotten first
                 framer = framers.pop(sender) if sender in framers else Framer(self._wanted)
                 framers[sender] = framer
                 if len(framers) > _MOST_FRAMERS:
                     del framers[next(iter(framers))]
-                for frame in intake.frames(sender, framer, data):
-                    if self._arrived(device, frame.data):
+                frames = [(sender, frame.data) for frame in intake.frames(sender, framer, data)]
+                waiting.setdefault(sender, []).extend(frames)
+            # in turns, so that the flood of one sender does not take the time of another; each of them has one
+            for turn in zip_longest(*waiting.values()):
+                for sender, data in filter(None, turn):
+                    if self._arrived(device, data):
                         link.understood(sender)
+                has_time = not (self._share.end_request() and is_paced) and has_time
+                if not has_time:
+                    intake.lost |= any(len(frames) > 1 for frames in waiting.values())
+                    break
             if intake.lost:
                 self._complaints.warn(device, f"mavlink: {device} receives more than a tick can process: some is lost")
 

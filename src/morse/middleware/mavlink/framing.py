@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator
+    from collections.abc import Collection, Iterator
 
 V1, V2 = 0xFE, 0xFD
 _HEADS = {V1: 6, V2: 10}
@@ -33,32 +35,31 @@ class Framer:
         wanted: ids of the message types to search for; the bytes of others are skipped.
     """
 
-    def __init__(self, wanted: Container[int]) -> None:
-        self._wanted = wanted
+    def __init__(self, wanted: Collection[int]) -> None:
+        self._starts = _starts(frozenset(wanted))
         self._rest = b""
 
     def feed(self, data: bytes) -> Iterator[Frame]:
-        """Candidates for messages in the received bytes; call `found` for those that are valid."""
+        """Candidates for messages in the received bytes; a candidate may be a part of another message."""
         data = self._rest + data
         self._rest = b""
-        at = 0
-        while True:
-            at = _next_start(data, at)
-            if at < 0:
-                return
+        for start in self._starts.finditer(data):
+            at = start.start()
             frame = _frame(data, at)
             if frame is None:
                 self._rest = data[at:]
                 return
-            if frame.number in self._wanted:
-                yield frame
-            # a candidate may be a part of another message
-            at += 1
+            yield frame
 
 
-def _next_start(data: bytes, at: int) -> int:
-    found = [place for place in (data.find(V1, at), data.find(V2, at)) if place >= 0]
-    return min(found, default=-1)
+@cache
+def _starts(wanted: frozenset[int]) -> re.Pattern[bytes]:
+    """Matches the first byte of a message of wanted types, also of one whose type has not arrived."""
+    ids = [number.to_bytes(3, "little") for number in sorted(wanted)]
+    first = b"|".join(re.escape(number[:1]) for number in ids if number[1:] == b"\0\0") or b"(?!)"
+    second = b"|".join(map(re.escape, ids)) or b"(?!)"
+    # fewer bytes than a head at the end of the data
+    return re.compile(rb"\xfe(?=.{4}(?:%b)|.{0,4}\Z)|\xfd(?=.{6}(?:%b)|.{0,8}\Z)" % (first, second), re.DOTALL)
 
 
 def _frame(data: bytes, at: int) -> Frame | None:

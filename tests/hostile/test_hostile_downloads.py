@@ -1,0 +1,92 @@
+"""Clients that fetch files of the live view and do not read them take no memory."""
+
+from __future__ import annotations
+
+import socket
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+import pytest
+from limited import connect, eventually, reset
+
+from morse.core.clients.network import Network
+from morse.viewer.server import ViewServer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+CONTENT = bytes(range(256)) * (8 << 12)
+#: bytes of a file that the simulation may hold for one client; the system holds more
+MOST = 1 << 18
+
+
+class Files:
+    """A live view with one file."""
+
+    def __init__(self) -> None:
+        self.network = Network()
+        self.view = ViewServer(self.network, port=0)
+        self.port = int(self.view.start().split(":")[2].split("/")[0])
+        self.url = self.view.offer("files", "image/png", CONTENT)
+
+    def ask(self) -> socket.socket:
+        sock = connect(self.port)
+        sock.sendall(f"GET {self.url} HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\n\r\n".encode())
+        return sock
+
+    def unsent(self) -> list[int]:
+        """The bytes that the transport of each connection holds."""
+
+        async def sizes() -> list[int]:
+            places = self.view._hub._acceptor.connections
+            return [place._transport.get_write_buffer_size() for place in places if place._transport is not None]
+
+        sizes_now: list[int] = self.network.call(sizes())
+        return sizes_now
+
+
+@pytest.fixture
+def files() -> Iterator[Files]:
+    made = Files()
+    yield made
+    made.view.stop()
+    made.network.stop()
+
+
+def read(sock: socket.socket) -> bytes:
+    """The body of a response."""
+    data = bytearray()
+    while part := sock.recv(1 << 20):
+        data += part
+    return bytes(data).partition(b"\r\n\r\n")[2]
+
+
+def test_files_that_clients_do_not_read_take_no_memory(files: Files) -> None:
+    with ExitStack() as stack:
+        for _ in range(30):
+            stack.enter_context(files.ask())
+        eventually(lambda: sum(size > 0 for size in files.unsent()) == 30)
+        assert max(files.unsent()) <= MOST
+        assert read(stack.enter_context(files.ask())) == CONTENT
+
+
+def test_a_slow_client_gets_the_whole_file(files: Files) -> None:
+    with files.ask() as slow:
+        eventually(lambda: any(files.unsent()))
+        assert read(slow) == CONTENT
+
+
+def test_a_client_that_ends_its_side_gets_the_whole_file(files: Files) -> None:
+    with files.ask() as sock:
+        sock.shutdown(socket.SHUT_WR)
+        eventually(lambda: any(files.unsent()))
+        assert read(sock) == CONTENT
+    eventually(lambda: not files.unsent())
+
+
+def test_clients_that_leave_in_the_middle_of_a_file_are_forgotten(files: Files) -> None:
+    leaving = [files.ask() for _ in range(10)]
+    eventually(lambda: sum(size > 0 for size in files.unsent()) == 10)
+    for sock in leaving:
+        reset(sock)
+    eventually(lambda: not files.unsent())
