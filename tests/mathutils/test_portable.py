@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -32,6 +32,9 @@ def _factors(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
 
 
 @given(_factors())
+@example((np.ones((2, 17)), np.ones((3, 17, 4))))
+@example((np.ones((3, 2, 17)), np.ones((17, 4))))
+@example((np.zeros((0, 0)), np.zeros((3, 0, 0))))
 def test_products_are_those_of_numpy(factors: tuple[np.ndarray, np.ndarray]) -> None:
     left, right = factors
     expected = np.matmul(left, right)

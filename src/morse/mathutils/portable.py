@@ -43,6 +43,10 @@ def matmul(a: ArrayLike, b: ArrayLike) -> Any:
     if right.ndim == 1:
         rows = right.reshape(-1, *(1,) * (left.ndim - 1))
     if not 0 < len(columns) <= _LONG:
+        # stacks of different depth: the axis of the sum is the first of both
+        missing = rows.ndim - columns.ndim
+        columns = columns.reshape(len(columns), *(1,) * missing, *columns.shape[1:])
+        rows = rows.reshape(len(rows), *(1,) * -missing, *rows.shape[1:])
         products = columns * rows
         return np.add.accumulate(products, axis=0)[-1] if len(products) else np.add.reduce(products, axis=0)
     result = columns[0] * rows[0]

@@ -1,0 +1,57 @@
+"""Files for other programs and for maintainers are valid, and say what holds."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from morse.middleware.socket.frames import VERSION as FRAMES
+from morse.physics.state.saved import VERSION as STATES
+from morse.recording.recorder import PRESENT as RECORDINGS
+from morse.version import __version__
+from morse.viewer.protocol import VERSION as PAGE
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize(
+    ("schema", "files"),
+    [
+        ("vendor.github-workflows", sorted((ROOT / ".github/workflows").glob("*.yml"))),
+        ("vendor.github-issue-forms", sorted((ROOT / ".github/ISSUE_TEMPLATE").glob("*.yml"))),
+        ("vendor.citation-file-format", [ROOT / "CITATION.cff"]),
+    ],
+)
+def test_files_of_the_forge_have_their_schemas(schema: str, files: list[Path]):
+    pytest.importorskip("check_jsonschema")
+    command = [sys.executable, "-m", "check_jsonschema", "--builtin-schema", schema, *map(str, files)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_workflows_run_scripts_that_exist():
+    text = "".join(path.read_text() for path in (ROOT / ".github/workflows").glob("*.yml"))
+    scripts = set(re.findall(r"run: (\.ci/\w+)", text))
+    assert {".ci/run", ".ci/nightly", ".ci/gate"} <= scripts
+    for script in scripts:
+        assert (ROOT / script).stat().st_mode & 0o111, f"{script} cannot be executed"
+
+
+def test_the_policy_names_the_present_formats():
+    text = (ROOT / "docs/policy.md").read_text(encoding="utf-8")
+    numbers = dict(re.findall(r"^\| ([a-z ]+) \| (\d+) \|", text, re.MULTILINE))
+    assert numbers == {
+        "recordings": str(RECORDINGS),
+        "saved states": str(STATES),
+        "protocol of the live view": str(PAGE),
+        "frames of pictures over the socket": str(FRAMES),
+    }
+
+
+def test_the_citation_has_the_version():
+    (version,) = re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
+    assert __version__.startswith(version)
