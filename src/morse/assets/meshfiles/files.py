@@ -1,4 +1,4 @@
-"""Access to the files that a model file refers to: only those in its folder and below."""
+"""Access to the files that a model file refers to: only those in its folder and below, or in its model of Gazebo."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: maximum size of a model, and of all files together that it refers to, bytes
 SIZE_LIMIT = 512 << 20
+#: folders of a model of Gazebo with pictures, and levels between it and its meshes
+_TEXTURES, _LEVELS = ("materials/textures", "meshes", "."), 3
 #: files of text whose encoding is not defined
 _TEXTS = (".mtl", ".obj")
 
@@ -29,6 +31,7 @@ class Below:
 
     def __init__(self, folder: Path) -> None:
         self._folder = Path(os.path.realpath(folder))
+        self._model = _model_of(self._folder)
         self.refused: list[str] = []
         self.unusable: dict[str, str] = {}
         self._files: dict[Path, bytes] = {}
@@ -43,9 +46,10 @@ class Below:
                 the files before.
         """
         try:
-            path = Path(os.path.realpath(self._folder / str(name).strip().replace("\\", "/")))
-            if path.is_relative_to(self._folder):
-                return self._checked(str(name), path, self._content(path))
+            for candidate in self._candidates(str(name).strip().replace("\\", "/")):
+                path = Path(os.path.realpath(candidate))
+                if path.is_relative_to(self._model or self._folder) and path.is_file():
+                    return self._checked(str(name), path, self._content(path))
         except (OSError, ValueError):
             pass
         if is_picture(str(name)):
@@ -53,6 +57,13 @@ class Below:
             return chequered()
         self.refused.append(str(name))
         raise FileNotFoundError(f"'{name!s:.200}' cannot be read from the folder of the model")
+
+    def _candidates(self, name: str) -> Iterator[Path]:
+        yield self._folder / name
+        if self._model is not None and is_picture(name):
+            # the pictures of a model of Gazebo are found by their names alone
+            for folder in _TEXTURES:
+                yield self._model / folder / name.rsplit("/", 1)[-1]
 
     def _content(self, path: Path) -> bytes:
         """The content of a file, which is read once."""
@@ -88,6 +99,11 @@ class Below:
     def namespaced(self, namespace: str) -> Below:
         """Access to the files of a subfolder."""
         return Below(self._folder / namespace)
+
+
+def _model_of(folder: Path) -> Path | None:
+    """The folder with ``model.config``, the one of a mesh or one above; None if it is no model of Gazebo."""
+    return next((one for one in (folder, *list(folder.parents)[:_LEVELS]) if (one / "model.config").is_file()), None)
 
 
 def readable(path: Path, data: bytes) -> bytes:

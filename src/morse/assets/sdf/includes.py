@@ -15,6 +15,8 @@ from morse.assets.sdf.values import ValueMistakeError, boolean, pose_of, text_of
 from morse.assets.triangle_limit import check_parts
 
 if TYPE_CHECKING:
+    from collections.abc import Container
+
     from morse.mathutils import Matrix
 
 #: models in models, and models that are included, each use counted
@@ -85,15 +87,16 @@ class Includes:
             placement=element.get("placement_frame", ""),
         )
         scope.pose, scope.base = self._pose(element, f"the model '{scope.name}'")
-        for kind, parts in (("link", scope.links), ("joint", scope.joints), ("frame", scope.frames)):
-            for child in element.findall(kind):
-                part = self._part(child, path, version)
-                part.name = self._unique(part.name, parts, f"the model '{scope.name}' has two elements <{kind}>")
+        kinds = {"link": scope.links, "joint": scope.joints, "frame": scope.frames}
+        for child in element:
+            if child.tag in kinds:
+                part, parts = self._part(child, path, version), kinds[child.tag]
+                part.name = self._unique(part.name, parts, f"the model '{scope.name}' has two elements <{child.tag}>")
                 parts[part.name] = part
-        for child in element.findall("model"):
-            self._add(scope, self.scope(child, path, version, depth + 1))
-        for child in element.findall("include"):
-            self._include(scope, child, path, depth)
+            elif child.tag == "model":
+                self._add(scope, self.scope(child, path, version, depth + 1))
+            elif child.tag == "include":
+                self._include(scope, child, path, depth)
         scope.plugins += [(child, path) for child in element.findall("plugin")]
         return scope
 
@@ -111,9 +114,9 @@ class Includes:
             self.warn(f"{what}: {error}; it stands at the origin of its frame")
             return pose_of(None), base
 
-    def _unique(self, name: str, names: object, what: str) -> str:
+    def _unique(self, name: str, names: Container[str], what: str) -> str:
         unique, number = name, 1
-        while unique in names:  # type: ignore[operator]
+        while unique in names:
             number += 1
             unique = f"{name}_{number}"
         if unique != name:

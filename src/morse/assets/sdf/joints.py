@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 from morse.assets.sdf.scope import SEPARATOR
 from morse.assets.sdf.values import FARTHEST, ValueMistakeError, number, unlimited
-from morse.assets.urdf.document import Joint, Link
+from morse.assets.urdf.document import Joint, Link, check_depth
 from morse.mathutils import Matrix, Vector
 from morse.scene import JointDynamics
 from morse.scene.couplings import Constraint, ConstraintKind
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
     from xml.etree.ElementTree import Element
 
     from morse.assets.sdf.flat import FlatJoint
@@ -43,6 +44,7 @@ class JointTree:
     """Orders the joints of a model from a root.
 
     Args:
+        path: the file, for messages.
         poses: 4x4 of the links in the frame of the model, by name; that of the world is the identity.
         warn: receives what is left out.
 
@@ -52,8 +54,8 @@ class JointTree:
         extra: links without mass between the axes of one joint.
     """
 
-    def __init__(self, poses: dict[str, Matrix], warn: Callable[[str], None]) -> None:
-        self._poses, self._warn = poses, warn
+    def __init__(self, path: Path, poses: dict[str, Matrix], warn: Callable[[str], None]) -> None:
+        self._path, self._poses, self._warn = path, poses, warn
         self.joints: list[Joint] = []
         self.constraints: list[Constraint] = []
         self.extra: list[Link] = []
@@ -65,7 +67,7 @@ class JointTree:
         for joint in joints:
             at.setdefault(joint.parent, []).append(joint)
             at.setdefault(joint.child, []).append(joint)
-        reached, done, queue = {root}, set[int](), [root]
+        depth, done, queue = {root: 0}, set[int](), [root]
         for name in queue:
             # joints away from the root first, so that only loops turn a joint round
             for joint in sorted(at.get(name, ()), key=lambda one: one.parent != name):
@@ -73,10 +75,11 @@ class JointTree:
                     continue
                 done.add(id(joint))
                 other = joint.child if joint.parent == name else joint.parent
-                if other in reached:
+                if other in depth:
                     self._close(joint)
                     continue
-                reached.add(other)
+                depth[other] = depth[name] + 1
+                check_depth(self._path, depth[other], other)
                 queue.append(other)
                 self._add(joint, name, other)
         return [joint for joint in joints if id(joint) not in done]

@@ -9,7 +9,7 @@ from morse.assets.sdf.inertials import inertial_in
 from morse.assets.sdf.joints import JointTree
 from morse.assets.sdf.scope import WORLD
 from morse.assets.sdf.values import ValueMistakeError
-from morse.assets.urdf.document import Document, Link
+from morse.assets.urdf.document import Document, Link, check_counts
 from morse.assets.urdf.reader import robot_library
 from morse.assets.urdf.sensors import declared_sensors
 from morse.mathutils import Matrix
@@ -38,6 +38,7 @@ class Models:
         self._path, self._includes, self._geometry = path, includes, geometry
         self._warn = includes.warn
         self.sensors: list[DeclaredSensor] = []
+        self._moving = 0
 
     def node(self, model: Scope, pose: Matrix, *, prefix: str = "") -> Node | None:
         """The node of a model and everything below it; None if it has no links.
@@ -67,7 +68,7 @@ class Models:
 
     def _document(self, model: Scope, links: dict[str, FlatLink], joints: list[FlatJoint], prefix: str) -> Document:
         poses = {name: link.pose for name, link in links.items()} | {WORLD: Matrix.Identity(4)}
-        tree = JointTree(poses, self._warn)
+        tree = JointTree(self._path, poses, self._warn)
         is_static = all(link.is_static for link in links.values())
         root = WORLD if any(WORLD in (joint.parent, joint.child) for joint in joints) else model.first_link()
         left = tree.grow(root, joints)
@@ -79,6 +80,8 @@ class Models:
                     tree.float(root, name)
                 left = tree.grow(name, left)
         tree.settle_mimics()
+        self._moving += 0 if is_static else sum(joint.kind != "fixed" for joint in tree.joints)
+        check_counts(self._path, len(links), self._moving)
         names = ([WORLD] if root == WORLD else []) + list(links)
         # the link that carries the others comes first
         parts = {

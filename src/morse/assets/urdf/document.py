@@ -313,16 +313,35 @@ def _let_float(parser: _Parser, links: dict[str, Link], root: str, ordered: list
     return first[0].child, [joint for joint in ordered if joint is not first[0]]
 
 
+def check_counts(path: Path, links: int, moving: int) -> None:
+    """Refuse a robot with too many links, or joints that move.
+
+    Raises:
+        AssetError: they exceed a limit.
+    """
+    if links > _MOST_LINKS:
+        raise AssetError(path, f"it has {links} links, more than {_MOST_LINKS}")
+    if moving > _MOST_MOVING:
+        raise AssetError(
+            path, f"it has {moving} joints that move, at most {_MOST_MOVING} can be simulated: fix some of them"
+        )
+
+
+def check_depth(path: Path, depth: int, link: str) -> None:
+    """Refuse a chain of too many joints.
+
+    Raises:
+        AssetError: it exceeds the limit.
+    """
+    if depth > _DEEPEST:
+        raise AssetError(path, f"there are more than {_DEEPEST} joints in a chain, up to the link '{link:.60}'")
+
+
 def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple[str, list[Joint]]:
     """The root, and the joints in an order in which the parent of each is known."""
     if not links:
         raise parser.fail("it has no links")
-    if len(links) > _MOST_LINKS:
-        raise parser.fail(f"it has {len(links)} links, more than {_MOST_LINKS}")
-    if (moving := sum(joint.kind != "fixed" for joint in joints)) > _MOST_MOVING:
-        raise parser.fail(
-            f"it has {moving} joints that move, at most {_MOST_MOVING} can be simulated: fix some of them"
-        )
+    check_counts(parser.path, len(links), sum(joint.kind != "fixed" for joint in joints))
     names: set[str] = set()
     above: dict[str, Joint] = {}
     below: dict[str, list[Joint]] = {}
@@ -344,8 +363,7 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
     ordered, queue, depth = [], [roots[0]], {roots[0]: 0}
     while queue:
         link = queue.pop(0)
-        if depth[link] > _DEEPEST:
-            raise parser.fail(f"there are more than {_DEEPEST} joints in a chain, up to the link '{link:.60}'")
+        check_depth(parser.path, depth[link], link)
         for joint in below.get(link, ()):
             ordered.append(joint)
             queue.append(joint.child)
