@@ -83,6 +83,18 @@ def test_the_newest_version_of_a_model_is_used(tmp_path) -> None:
     assert list(places(load(world(tmp_path, "<include><uri>model://crate</uri></include>")))) == ["newer"]
 
 
+def test_a_floor_and_a_sun_need_not_be_installed(tmp_path) -> None:
+    library = load(
+        world(tmp_path, "<include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include>")
+    )
+    assert {root.name: root.kind for root in library.roots} == {"ground_plane": NodeKind.EMPTY, "sun": NodeKind.LIGHT}
+    assert library.warnings == []
+
+
+def test_an_empty_world_is_a_world(tmp_path) -> None:
+    assert load(world(tmp_path, "")).roots == []
+
+
 def test_merged_models_give_their_links_to_the_one_around(tmp_path) -> None:
     model(tmp_path, "base", """<sdf version="1.9"><model name="base"><link name="base_link"/>
       <link name="arm"><pose>0 0 1 0 0 0</pose></link><frame name="f" attached_to="arm"><pose>1 0 0 0 0 0</pose></frame>
@@ -307,7 +319,6 @@ def test_one_large_file_that_is_included_often_is_refused(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("", "contains no link"),
         ('<model name="m"><link name="a"><pose relative_to="b"/></link>'
          '<link name="b"><pose relative_to="a"/></link></model>', "depends on itself"),
         ('<model name="m"><link name="a"><pose relative_to="nowhere"/></link></model>', "no link, joint, frame"),

@@ -44,7 +44,7 @@ def find_model(uri: str, model: Path) -> Path:
     """
     uri = uri.strip()
     if uri.startswith(("http://", "https://")):
-        raise FileRefusedError("nothing is downloaded: download the model, and list its folder in GZ_SIM_RESOURCE_PATH")
+        return _downloaded(uri, model)
     if Path(uri).suffix.lower() in (".sdf", ".world", ".urdf"):
         return find_near(uri, model)
     stem = uri.rstrip("/")
@@ -56,6 +56,26 @@ def find_model(uri: str, model: Path) -> Path:
     if file is None:
         raise FileRefusedError(f"{folder / CONFIG} names no file that exists")
     return file
+
+
+def _downloaded(uri: str, model: Path) -> Path:
+    """A model of a server of which the user has a copy, in the cache of Gazebo or in a folder of its name."""
+    parts = uri.rstrip("/").split("/")
+    name = parts[-2] if parts[-1].isdigit() or parts[-1] == "tip" else parts[-1]
+    if "models" in parts[:-1]:
+        index = parts.index("models")
+        owner, name = parts[index - 1], parts[index + 1]
+        for folder in (Path.home() / ".gz" / "fuel", Path.home() / ".ignition" / "fuel"):
+            versions = folder / parts[2] / owner.lower() / "models" / name.lower().replace("%20", " ")
+            for version in sorted(versions.glob("*"), key=lambda one: (len(one.name), one.name), reverse=True)[:1]:
+                if (file := model_file(version)) is not None:
+                    return file
+    try:
+        return find_model(f"model://{name}", model)
+    except FileRefusedError:
+        raise FileRefusedError(
+            f"nothing is downloaded: put the model into a folder '{name:.80}' in one of GZ_SIM_RESOURCE_PATH"
+        ) from None
 
 
 def version_of(element: Element) -> tuple[int, ...]:
@@ -87,6 +107,10 @@ def read_root(path: Path) -> Element:
 
 def _mended(path: Path) -> bytes | None:
     data = _without_comments(read_regular(path, MOST_BYTES))
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        data = data.decode("latin-1").encode()
     opening = _OPENING.search(data)
     prefixes = {prefix for prefix in _PREFIX.findall(data) if prefix not in (b"xml", b"xmlns")}
     if opening is None or len(prefixes) > _MOST_PREFIXES:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from morse.assets.sdf.scope import SEPARATOR, WORLD, FrameMistakeError, Part, child_of
-from morse.assets.sdf.values import ValueMistakeError, boolean, pose_of, text_of, vector
+from morse.assets.sdf.scope import SEPARATOR, WORLD, FrameMistakeError, Part, child_of, end_of
+from morse.assets.sdf.values import ValueMistakeError, boolean, pose_of, vector
 from morse.mathutils import Matrix, Vector
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ def joints_of(
 
 
 def _joint(model: Scope, part: Part, prefix: str, outer: Matrix) -> FlatJoint:
-    parent, child = (model.link_of(name) for name in (text_of(part.element, "parent"), child_of(part)))
+    parent, child = (model.link_of(name) for name in (end_of(part, "parent"), child_of(part)))
     axes = tuple(_axis(model, part, tag) for tag in ("axis", "axis2"))
     parent, child = (name if name == WORLD else f"{prefix}{name}" for name in (parent, child))
     pose = outer @ model.pose_of(part.name)

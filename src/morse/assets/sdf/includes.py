@@ -11,6 +11,7 @@ from morse.assets.errors import AssetError
 from morse.assets.nearby_files import FileRefusedError
 from morse.assets.sdf.files import find_model, read_root, version_of
 from morse.assets.sdf.scope import MODEL, Part, Scope
+from morse.assets.sdf.usual import usual_model
 from morse.assets.sdf.values import ValueMistakeError, boolean, pose_of, text_of
 from morse.assets.triangle_limit import check_parts
 
@@ -97,6 +98,10 @@ class Includes:
                 self._add(scope, self.scope(child, path, version, depth + 1))
             elif child.tag == "include":
                 self._include(scope, child, path, depth)
+            elif child.tag == "light":
+                self._add_light(scope, child)
+            elif child.tag == "actor":
+                scope.actors.append((child, path))
         scope.plugins += [(child, path) for child in element.findall("plugin")]
         return scope
 
@@ -135,12 +140,7 @@ class Includes:
         if self._includes > _MOST_INCLUDES:
             raise AssetError(self.path, f"it includes more than {_MOST_INCLUDES} models, the last one is '{uri:.80}'")
         try:
-            file = self._place(uri, path)
-            if file in self._stack:
-                raise AssetError(self.path, f"{file.name} includes itself, by '{uri:.80}'")
-            if len(self._stack) >= _DEEPEST:
-                raise AssetError(self.path, f"its includes are nested more than {_DEEPEST} deep, at '{uri:.80}'")
-            model = self._included(file, depth)
+            root, file = self._file(uri, path)
         except (FileRefusedError, OSError) as error:
             reason = str(error) if isinstance(error, FileRefusedError) else error.strerror
             self.warn(f"the model '{uri:.120}' is left out: {reason}")
@@ -150,6 +150,15 @@ class Includes:
                 raise
             self.warn(f"the model '{uri:.120}' is left out: {error.message}")
             return
+        for light in root.findall("light"):
+            self._add_light(scope, light)
+        scope.actors += [(actor, file) for actor in root.findall("actor")]
+        child = root.find("model")
+        if child is None:
+            return
+        self._stack.append(file)
+        model = self.scope(child, file, version_of(root), depth + 1)
+        self._stack.pop()
         model.name = text_of(element, "name", model.name)
         if element.find("pose") is not None:
             model.pose, model.base = self._pose(element, f"the include '{uri:.80}'")
@@ -175,17 +184,25 @@ class Includes:
             raise place
         return place
 
-    def _included(self, file: Path, depth: int) -> Scope:
-        root = self.root(file)
-        model = root.find("model")
-        if model is None:
-            what = "lights and actors of included files are not read" if len(root) else "it is empty"
-            raise FileRefusedError(f"{file.name} contains no <model>; {what}")
-        self._stack.append(file)
+    def _file(self, uri: str, path: Path) -> tuple[Element, Path]:
+        """The content of an included file, and the file."""
         try:
-            return self.scope(model, file, version_of(root), depth + 1)
-        finally:
-            self._stack.pop()
+            file = self._place(uri, path)
+        except FileRefusedError:
+            usual = usual_model(uri)
+            if usual is None:
+                raise
+            return usual, path
+        if file in self._stack:
+            raise AssetError(self.path, f"{file.name} includes itself, by '{uri:.80}'")
+        if len(self._stack) >= _DEEPEST:
+            raise AssetError(self.path, f"its includes are nested more than {_DEEPEST} deep, at '{uri:.80}'")
+        return self.root(file), file
+
+    def _add_light(self, scope: Scope, element: Element) -> None:
+        pose, base = self._pose(element, f"the light '{_name(element)}'")
+        frame = Part(f"light {len(scope.lights)}", element, self.path, (1, 12), pose=pose, base=base)
+        scope.lights.append((element, frame))
 
     def _merge(self, scope: Scope, model: Scope) -> None:
         """Move the parts of a model into the scope that includes it; its frame gets a name of its own."""
@@ -210,6 +227,7 @@ class Includes:
             nested.base = nested.base if nested.base not in ("", MODEL) else home
             self._add(scope, nested)
         scope.plugins += model.plugins
+        scope.lights += [(light, replace(frame, base=frame.base or home)) for light, frame in model.lights]
 
 
 def _name(element: Element) -> str:

@@ -124,6 +124,7 @@ class JointTree:
                 self._poses[below] = self._poses[child]
             one = self._joint(joint, names[number_], kind, tag, above, below)
             one.origin = origin if above == parent else Matrix.Identity(4)
+            one.start = 0.0  # the links start where the file has them, also beyond the limits
             one.anchor, one.axis = anchor, tuple(sign * value for value in axis)  # type: ignore[assignment]
             self.joints.append(one)
             above = below

@@ -47,20 +47,24 @@ def _read(path: Path, includes: Includes) -> Library:
     models = Models(path, includes, Geometry(Materials(includes.warn), includes.warn))
     library = Library(str(path), warnings=includes.warnings, has_free_joints=True)
     world = root.find("world")
-    if world is None and root.find("model") is None and root.find("light") is None:
-        raise AssetError(path, "it contains no <model> and no <world>")
     scope = includes.world(world if world is not None else _as_world(root), path, version_of(root))
     main = _robot_of(scope)
     for model in scope.models.values():
-        node = models.node(model, scope.pose_of(model.name), prefix="" if model is main else f"{model.name}::")
+        try:
+            node = models.node(model, scope.pose_of(model.name), prefix="" if model is main else f"{model.name}::")
+        except FrameMistakeError as error:
+            if len(scope.models) == 1:
+                raise
+            includes.warn(f"the model '{model.name:.80}' is left out: {error}")
+            continue
         if node is None:
             continue
         library.roots.append(node)
         if model is main:
             library.robot, library.sensors = node.name, models.sensors
     add_world(library, scope, world if world is not None else root, includes)
-    if not library.roots:
-        raise AssetError(path, "it contains no link")
+    if not library.roots and world is None:
+        raise AssetError(path, "it contains no <world>, and no <model> with a <link>")
     return library
 
 
@@ -77,5 +81,5 @@ def _ignore(warning: str) -> None:
 def _as_world(root: Element) -> Element:
     """The world around the models of a file without one."""
     element = root.makeelement("world", {"name": "world"})
-    element.extend(child for child in root if child.tag in ("model", "include"))
+    element.extend(child for child in root if child.tag in ("model", "include", "light", "actor"))
     return element

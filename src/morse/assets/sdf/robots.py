@@ -8,7 +8,8 @@ from morse.assets.sdf.flat import FlatLink, joints_of, links_of
 from morse.assets.sdf.inertials import inertial_in
 from morse.assets.sdf.joints import JointTree
 from morse.assets.sdf.scope import WORLD
-from morse.assets.sdf.values import ValueMistakeError
+from morse.assets.sdf.values import ValueMistakeError, boolean
+from morse.assets.sdf.worlds import light_node
 from morse.assets.urdf.document import Document, Link, check_counts
 from morse.assets.urdf.reader import robot_library
 from morse.assets.urdf.sensors import declared_sensors
@@ -60,6 +61,7 @@ class Models:
         self.sensors = document.sensors
         root = library.roots[0]
         root.location, root.rotation_euler = list(pose.translation), list(pose.to_euler())
+        root.body.gravity = any(boolean(link.part.element, "gravity", True) for link in links.values())
         armature = root.children[0]
         if document.root != f"{prefix}{WORLD}":
             base = links[document.root.removeprefix(prefix)].pose
@@ -129,6 +131,11 @@ class Models:
             )
             if part is not None:
                 result.parts.append(part)
+        for light in element.findall("light"):
+            try:
+                result.parts.append(light_node(light, link.place(light)))
+            except ValueMistakeError as error:
+                self._warn(f"the light '{(light.get('name') or '')[:80]}' is left out: {error}")
         return result
 
     def _sensors(self, links: dict[str, FlatLink], prefix: str) -> tuple[list[DeclaredSensor], list[str]]:

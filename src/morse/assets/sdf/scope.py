@@ -61,6 +61,8 @@ class Scope:
         placement: the frame whose pose is ``pose``; empty for that of the model.
         models: nested models.
         plugins: elements with the files that contain them.
+        lights: elements, with frames at their poses.
+        actors: elements with the files that contain them.
     """
 
     name: str
@@ -76,6 +78,8 @@ class Scope:
     frames: dict[str, Part] = field(default_factory=dict)
     models: dict[str, Scope] = field(default_factory=dict)
     plugins: list[tuple[Element, Path]] = field(default_factory=list)
+    lights: list[tuple[Element, Part]] = field(default_factory=list)
+    actors: list[tuple[Element, Path]] = field(default_factory=list)
     _poses: dict[str, Matrix] = field(default_factory=dict)
     _asked: set[str] = field(default_factory=set)
 
@@ -100,10 +104,15 @@ class Scope:
             self._asked.discard(name)
         return self._poses[name]
 
+    def place_of(self, part: Part) -> Matrix:
+        """The 4x4 pose of a part in the frame of this scope; see `pose_of`."""
+        result: Matrix = self.pose_of(self._base_of(part)) @ part.pose
+        return result
+
     def _computed(self, name: str) -> Matrix:
         part = self.links.get(name) or self.frames.get(name) or self.joints.get(name)
         if part is not None:
-            return self.pose_of(self._base_of(part)) @ part.pose
+            return self.place_of(part)
         model = self.models.get(name)
         if model is not None:
             placed = self.pose_of(model.base) @ model.pose
@@ -167,4 +176,10 @@ class Scope:
 
 def child_of(joint: Part) -> str:
     """The name of the child of a joint."""
-    return (joint.element.findtext("child") or "").strip()
+    return end_of(joint, "child")
+
+
+def end_of(joint: Part, tag: str) -> str:
+    """The name in the element ``parent`` or ``child`` of a joint; the oldest files have it in an attribute."""
+    element = joint.element.find(tag)
+    return "" if element is None else (element.text or "").strip() or (element.get("link") or "").strip()

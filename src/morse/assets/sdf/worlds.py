@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.assets.sdf.values import ValueMistakeError, boolean, number, pose_of, text_of, vector
+from morse.assets.sdf.values import ValueMistakeError, boolean, number, text_of, vector
 from morse.mathutils import Vector
 from morse.mathutils.light import linear_light
 from morse.scene import Light, Node, NodeKind
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from morse.assets.sdf.includes import Includes
     from morse.assets.sdf.scope import Scope
+    from morse.mathutils import Matrix
     from morse.scene import Library
 
 _LIGHTS = {"point": "POINT", "spot": "SPOT", "directional": "SUN"}
@@ -24,11 +25,15 @@ _DISTANCE = 25.0
 
 def add_world(library: Library, scope: Scope, element: Element, includes: Includes) -> None:
     """Add the content of an element ``world`` to a library."""
-    for light in element.findall("light"):
+    for light, frame in scope.lights:
         try:
-            library.roots.append(_light(light, scope))
-        except (ValueMistakeError, ValueError) as error:
+            library.roots.append(light_node(light, scope.place_of(frame)))
+        except ValueMistakeError as error:
             includes.warn(f"the light '{(light.get('name') or '')[:80]}' is left out: {error}")
+    for actor, _ in scope.actors:
+        includes.warn(f"the actor '{(actor.get('name') or '')[:80]}' is left out")
+    if scope.joints:
+        includes.warn(f"joints between the models of the world are left out: {', '.join(scope.joints)[:200]}")
     if element.tag != "world":
         return
     for add in (_add_gravity, _add_place, _add_sky):
@@ -38,11 +43,16 @@ def add_world(library: Library, scope: Scope, element: Element, includes: Includ
             includes.warn(f"the world: {error}; it is left out")
 
 
-def _light(element: Element, scope: Scope) -> Node:
+def light_node(element: Element, place: Matrix) -> Node:
+    """The node of an element ``light``.
+
+    Args:
+        place: its 4x4 pose.
+
+    Raises:
+        ValueMistakeError: a number is wrong.
+    """
     kind = _LIGHTS.get(element.get("type") or "point", "POINT")
-    pose = element.find("pose")
-    base = "" if pose is None else pose.get("relative_to") or ""
-    place = scope.pose_of(base) @ pose_of(pose)
     red, green, blue = (min(max(value, 0.0), 1.0) for value in vector(element, "diffuse", (1.0, 1.0, 1.0)))
     color = linear_light((red, green, blue)).tolist()
     direction = Vector(vector(element, "direction", (0.0, 0.0, -1.0)))

@@ -84,6 +84,7 @@ class Joint:
         dynamics: damping, friction, and limits of the motor.
         mimic: name of the joint that this one follows, factor and offset; or None.
         anchor: 4x4 pose of the joint in the frame of the child; None for the frame of the child itself.
+        start: initial value; None for the value next to 0 within the limits.
     """
 
     name: str
@@ -97,6 +98,7 @@ class Joint:
     dynamics: JointDynamics
     mimic: tuple[str, float, float] | None = None
     anchor: Matrix | None = None
+    start: float | None = None
 
     @property
     def has_value(self) -> bool:

@@ -148,7 +148,7 @@ class _Reader:
                     free=(False, False, turns),
                     low=joint.low,
                     high=joint.high,
-                    value=min(max(0.0, joint.low), joint.high),
+                    value=min(max(0.0, joint.low), joint.high) if joint.start is None else joint.start,
                     leader=index[leader] if leader else -1,
                     factor=factor,
                     offset=offset,
