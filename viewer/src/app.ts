@@ -1,6 +1,7 @@
 import { Connection } from "./connection/connection";
 import type { PoseFrame } from "./connection/frames";
 import { samePoses } from "./connection/frames";
+import { fetchFile } from "./connection/tape";
 import type { Appearance, SceneDescription, Viewpoint } from "./generated/protocol";
 import { Accidents } from "./input/accidents";
 import { Pad } from "./input/gamepad";
@@ -132,7 +133,7 @@ export class App {
   }
 
   private async load(url: string): Promise<void> {
-    const answer = await fetch(url);
+    const answer = await fetchFile(url);
     if (!answer.ok) throw new Error(`The world cannot be fetched: ${answer.status} ${answer.statusText}`);
     const description = (await answer.json()) as SceneDescription;
     const first = this.stage.world?.description.key !== description.key;

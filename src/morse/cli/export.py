@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from morse.cli.filming import Filmed
+from morse.cli.filming import Filmed, check_span
 from morse.cli.filming import film as write_film
 from morse.cli.messages import CommandError, say
+from morse.cli.paging import page as write_page
 from morse.cli.sites import registered
 from morse.cli.viewing import place_of, size_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.recording.recording import Recording
 
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
@@ -36,6 +42,10 @@ def command(
         bool, typer.Option("--mcap", help="As a complete file, if the recording was cut off, or with some topics only.")
     ] = False,
     film: Annotated[bool, typer.Option("--film", help="A film of the run.")] = False,
+    html: Annotated[
+        str | None,
+        typer.Option("--html", metavar="FILE", help="As a page that plays the run anywhere, without a server."),
+    ] = None,
     output: Annotated[
         str | None,
         typer.Option(
@@ -74,7 +84,7 @@ def command(
         ),
     ] = False,
 ) -> int:
-    """Write a table for each topic of a recording, a complete recording, or a film of the run.
+    """Write a table for each topic of a recording, a complete recording, a film or a page of the run.
 
     Each row is a message; the columns are simulated time and the fields of the message. A film shows the recorded
     poses in the recorded scene, rendered as by `morse render`; a recording of the inputs alone is simulated again,
@@ -84,8 +94,17 @@ def command(
     from morse.recording.export import export
     from morse.recording.mcap.reader import McapFile
 
-    if [csv, parquet, mcap, film].count(True) != 1:
-        raise CommandError("Give --csv or --parquet for tables, --mcap or --film.", 2)
+    if [csv, parquet, mcap, film, html is not None].count(True) != 1:
+        raise CommandError("Give --csv or --parquet for tables, --mcap, --film or --html.", 2)
+    if html is not None:
+        check_span(begin, length)
+        return _again(
+            lambda recording: write_page(
+                recording, Path(html), (begin, length), scene or "", trust=trust, projects=registered()
+            ),
+            file,
+            html,
+        )
     if film:
         what = Filmed(
             camera,
@@ -137,9 +156,6 @@ def _complete(file: str, path: Path, topics: list[str]) -> int:
 
 
 def _film(file: str, path: Path, what: Filmed, scene: str, trust: bool) -> int:
-    from morse.core.exceptions import MorseError
-    from morse.core.reports.faults import describe
-    from morse.recording.recording import Recording
     from morse.rendering import picture_files
 
     what.check()
@@ -147,9 +163,20 @@ def _film(file: str, path: Path, what: Filmed, scene: str, trust: bool) -> int:
         picture_files.check(path, film=True)
     except ValueError as error:
         raise CommandError(f"-o: {error}.", 2) from None
+    return _again(
+        lambda recording: write_film(recording, path, what, scene, trust=trust, projects=registered()), file, str(path)
+    )
+
+
+def _again(write: Callable[[Recording], object], file: str, path: str) -> int:
+    """Go through a recorded run."""
+    from morse.core.exceptions import MorseError
+    from morse.core.reports.faults import describe
+    from morse.recording.recording import Recording
+
     try:
         with Recording(file) as recording:
-            write_film(recording, path, what, scene, trust=trust, projects=registered())
+            write(recording)
     except MorseError as error:
         raise CommandError(str(error)) from None
     except OSError as error:

@@ -47,14 +47,23 @@ class Filmed(NamedTuple):
         """
         if not 0.0 < self.rate <= _FASTEST:
             raise CommandError(f"--rate is a number of frames per second up to {_FASTEST:g}, not {self.rate:g}.", 2)
-        if not 0.0 <= self.begin <= _LONGEST:
-            raise CommandError(f"--begin is a number of simulated seconds, 0 or more, not {self.begin:g}.", 2)
-        if self.length is not None and not 0.0 < self.length <= _LONGEST:
-            raise CommandError(f"--length is a number of simulated seconds, not {self.length:g}.", 2)
+        check_span(self.begin, self.length)
         if self.camera is not None and (self.places != (None, None) or self.fov is not None):
             raise CommandError(
                 "--camera shows the image of a camera: it cannot be combined with --from, --at and --fov.", 2
             )
+
+
+def check_span(begin: float, length: float | None) -> None:
+    """Validate the part of a run that is shown, in simulated seconds.
+
+    Raises:
+        CommandError: a number is out of range.
+    """
+    if not 0.0 <= begin <= _LONGEST:
+        raise CommandError(f"--begin is a number of simulated seconds, 0 or more, not {begin:g}.", 2)
+    if length is not None and not 0.0 < length <= _LONGEST:
+        raise CommandError(f"--length is a number of simulated seconds, not {length:g}.", 2)
 
 
 def film(
@@ -74,25 +83,12 @@ def film(
         MorseError: the run cannot be simulated again.
         OSError: the film cannot be written.
     """
-    from morse.launch.load import start
-    from morse.launch.recorded_run import complete, guard, inputs_of
-    from morse.launch.recorded_scenes import shown_scene
+    from morse.launch.timelines import timeline_of
     from morse.rendering import picture_files
     from morse.simulation.recordings.recorded_timeline import RecordedTimeline
-    from morse.simulation.recordings.timeline import Timeline
 
-    inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:
-        scene_view = shown_scene(recording, inputs, scene, trust, stack, say, projects)
-        simulation = stack.enter_context(start(scene_view.scene, scene_view.options))
-        guard(simulation, described=scene_view.is_described, trust=trust)
-        if RecordedTimeline.is_possible(recording, inputs):
-            timeline: RecordedTimeline | Timeline = RecordedTimeline(
-                simulation, recording, inputs, described=scene_view.is_described
-            )
-        else:
-            inputs = complete(recording, simulation, described=scene_view.is_described)
-            timeline = Timeline(simulation, inputs, recording.length())
+        simulation, timeline = timeline_of(recording, stack, scene, say, trust=trust, projects=projects)
         frequency = simulation.clock.frequency
         first = round(what.begin * frequency)
         last = timeline.length if what.length is None else first + round(what.length * frequency)

@@ -6,11 +6,10 @@ import logging
 import math
 import time
 import webbrowser
-from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.observer import Observer
 from morse.viewer import page_messages as page
-from morse.viewer.describe import describe_light
 from morse.viewer.display import has_display
 from morse.viewer.feeds.clouds import ViewClouds
 from morse.viewer.feeds.debug_properties import ViewDebug
@@ -28,11 +27,12 @@ from morse.viewer.inputs.commands import Commands
 from morse.viewer.inputs.history import Rewinder
 from morse.viewer.inputs.moving import Moving
 from morse.viewer.inputs.service_calls import ServiceCalls
+from morse.viewer.looks import appearances, moving_nodes
 from morse.viewer.notebook import Frame, frame
 from morse.viewer.requests import PageLeft
 from morse.viewer.server import ViewServer
-from morse.viewer.snapshot import MovingNode, Snapshot
-from morse.viewer.view_messages import Appearance, Listening, Pace, Tree, Viewpoint
+from morse.viewer.snapshot import Snapshot
+from morse.viewer.view_messages import Listening, Pace, Tree, Viewpoint
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -165,8 +165,7 @@ class View(Observer):
     def _describe(self) -> None:
         world = self._simulation.world
         self._layout = world.layout
-        moving = [MovingNode(node, cast('Literal["world", "parent"]', frame)) for node, frame in world.moving_nodes()]
-        self._server.set_scene(self._simulation.scene, moving)
+        self._server.set_scene(self._simulation.scene, moving_nodes(world))
 
     def before_tick(self) -> None:
         """Execute the requests of the driving page."""
@@ -198,10 +197,8 @@ class View(Observer):
         if world.layout != self._layout:
             self._describe()
         if world.repainted:
-            for obj in sorted(world.repainted, key=lambda o: o.name):
-                light = None if obj.node.light is None else describe_light(obj.node.light)
-                self._server.send(Appearance(obj.name, obj.visible, obj.node.color, light))
-            world.repainted.clear()
+            for look in appearances(world):
+                self._server.send(look)
         now = time.monotonic()
         pacer, is_running = simulation.pacer, not self._is_paused()
         quick, self._ticked = now - self._ticked < _LONG_TICK, now

@@ -11,7 +11,7 @@ from morse.simulation.recordings.recorded_timeline import RecordedTimeline
 from morse.viewer import page_messages as page
 from morse.viewer.feeds.recorded_pictures import RecordedPicturesFeed
 from morse.viewer.feeds.recorded_values import RecordedValuesFeed
-from morse.viewer.feeds.recorded_world import cast_rays
+from morse.viewer.feeds.recorded_world import cast_wished_rays
 from morse.viewer.live_view import View
 from morse.viewer.requests import PageLeft
 from morse.viewer.view_messages import History, Refused
@@ -131,10 +131,7 @@ class ReplayView(View):
         if position == self._looked:
             return
         self._looked = position
-        wished = self._server.wishes.overlays
-        for component in self._simulation.context.components.values():
-            if component.name() in wished or getattr(component, "visible_arc", False):
-                cast_rays(component)
+        cast_wished_rays(self._simulation.context, self._server.wishes.overlays)
 
     def _position(self, time_: float) -> int:
         return round(min(max(time_ - self._start, 0.0), 1e9) * self._simulation.clock.frequency)

@@ -2,6 +2,8 @@ import type { Answer, PageMessage, ServerMessage } from "../generated/protocol";
 import { Signal } from "../ui/signal";
 import type { PoseFrame } from "./frames";
 import { decodePoses } from "./frames";
+import { Player } from "./player";
+import { tape } from "./tape";
 import type { FromWorker, ToWorker } from "./worker";
 
 export interface LinkState {
@@ -18,7 +20,7 @@ type WithoutNumber<T> = T extends unknown ? Omit<T, "request"> : never;
 /** The connection to the simulator: typed messages in both directions. */
 export class Connection {
   readonly state = new Signal<LinkState>({ open: false, code: 0, reason: "" });
-  private readonly worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+  private readonly worker = tape ? new Player(tape) : new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
   private readonly handlers = new Map<Kind, ((message: ServerMessage) => void)[]>();
   private readonly waiting = new Map<number, (answer: Answer) => void>();
   private requests = 0;

@@ -17,7 +17,7 @@ export interface PoseFrame {
 
 export const POSES = 1;
 const PAYLOAD = 2;
-const HEADER = 40;
+export const HEADER = 40;
 
 export function kindOf(frame: ArrayBuffer): number {
   return new DataView(frame).getUint32(0, true);

@@ -1,6 +1,7 @@
 import { Vector3 } from "three";
 import type { Connection } from "../connection/connection";
 import type { PoseFrame } from "../connection/frames";
+import { fetchFile } from "../connection/tape";
 import type { SoundState } from "../generated/protocol";
 import { iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
@@ -119,7 +120,7 @@ export class Sounds {
     const { context } = this;
     const read = async (): Promise<AudioBuffer | null> => {
       try {
-        const answer = await fetch(url);
+        const answer = await fetchFile(url);
         return answer.ok && context ? await context.decodeAudioData(await answer.arrayBuffer()) : null;
       } catch {
         return null;

@@ -1,4 +1,5 @@
 import { BufferAttribute, BufferGeometry } from "three";
+import { fetchFile } from "../connection/tape";
 import type { MeshDescription } from "../generated/protocol";
 
 /** Fetches packed meshes; a file that several meshes share is fetched once. */
@@ -23,7 +24,7 @@ export class GeometryStore {
   private file(url: string): Promise<ArrayBuffer> {
     let file = this.files.get(url);
     if (!file) {
-      file = fetch(url).then((answer) => {
+      file = fetchFile(url).then((answer) => {
         if (!answer.ok) throw new Error(`the geometry cannot be fetched: ${answer.status} ${answer.statusText}`);
         return answer.arrayBuffer();
       });

@@ -1,12 +1,13 @@
-import type { Material, Texture } from "three";
-import { DoubleSide, FrontSide, MeshBasicMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, TextureLoader } from "three";
+import type { Material } from "three";
+import { DoubleSide, FrontSide, ImageLoader, MeshBasicMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture } from "three";
+import { addressOf } from "../connection/tape";
 import type { MaterialDescription } from "../generated/protocol";
 
 type Rgba = [number, number, number, number];
 
 /** Textures are kept from world to world, so that a reloaded world is complete at once. */
 const textures = new Map<string, Texture>();
-const loader = new TextureLoader();
+const images = new ImageLoader();
 
 /** The materials of one world, created on first use. */
 export class MaterialStore {
@@ -58,12 +59,23 @@ export class MaterialStore {
   private texture(url: string): Texture {
     let texture = textures.get(url);
     if (!texture) {
-      texture = loader.load(url, this.onLoad, undefined, () => console.error(`the texture ${url} cannot be shown`));
+      texture = this.load(url);
       texture.colorSpace = SRGBColorSpace;
       texture.wrapS = texture.wrapT = RepeatWrapping;
       texture.anisotropy = this.anisotropy;
       textures.set(url, texture);
     }
+    return texture;
+  }
+
+  private load(url: string): Texture {
+    const texture = new Texture();
+    const fill = async (): Promise<void> => {
+      texture.image = await images.loadAsync(await addressOf(url));
+      texture.needsUpdate = true;
+      this.onLoad();
+    };
+    fill().catch(() => console.error(`the texture ${url} cannot be shown`));
     return texture;
   }
 

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import logging
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.reports.faults import ENDINGS, describe, name_of
 from morse.core.requests import serve
 from morse.physics.rays.bundle import RayBundle
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from morse.core.context import Context
 
 logger = logging.getLogger("morse.viewer")
 
@@ -25,8 +30,10 @@ def look_around(camera: Any) -> None:
         logger.debug("%s cannot look at the recorded world: %s", name_of(camera), describe(error))
 
 
-def cast_rays(sensor: Any) -> None:
-    """Cast the rays of a sensor from its recorded pose."""
-    for request in sensor.requests:
-        if isinstance(request, RayBundle):
-            request.refresh()
+def cast_wished_rays(context: Context, wished: Collection[str]) -> None:
+    """Cast the rays of sensors from their recorded poses, and those with a visible arc."""
+    for sensor in context.components.values():
+        if sensor.name() in wished or getattr(sensor, "visible_arc", False):
+            for request in sensor.requests:
+                if isinstance(request, RayBundle):
+                    request.refresh()

@@ -1,0 +1,1 @@
+"""A recorded run as one file: a page that needs no server."""
