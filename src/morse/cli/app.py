@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 _MODULES = {
     "create": "morse.cli.create",
     "import": "morse.cli.import_environment",
+    "import-world": "morse.cli.import_world",
     "rm": "morse.cli.rm",
     "add": "morse.cli.add",
     "check": "morse.cli.check",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,7 +12,9 @@ from rich.table import Table
 from rich.text import Text
 
 from morse.assets import search
+from morse.assets.formats import suffixes
 from morse.cli.check_component import check_components
+from morse.cli.check_model import check_model
 from morse.cli.check_scene import check_scene
 from morse.cli.findings import Finding, findings
 from morse.cli.messages import CommandError, nearest, say
@@ -24,9 +27,9 @@ def command(
     what: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[SCENE | component FILE_OR_NAME...]",
-            help="A scene script or environment: list what needs a change, and whether it runs. Or components: classes "
-            "of scene scripts, or files with classes of your own.",
+            metavar="[SCENE | MODEL | component FILE_OR_NAME...]",
+            help="A scene script or environment: list what needs a change, and whether it runs. A model file: what is "
+            "read, and what is left out. Or components: classes of scene scripts, or files with classes of your own.",
             show_default=False,
         ),
     ] = None,
@@ -45,8 +48,8 @@ def command(
     """Check the requirements of MORSE and optional programs; or a scene script; or components.
 
     `morse check SCENE` executes a scene script, lists all lines that need a change, e.g. since MORSE 1.4, and ends with
-    "runs" or "does not run". `morse check component NAME` runs a component in small simulations and reports violated
-    rules of the contract.
+    "runs" or "does not run". `morse check MODEL` lists the content of a model file. `morse check component NAME` runs a
+    component in small simulations and reports violated rules of the contract.
     """
     if what and what[0] == "component":
         return check_components(what[1:], robot)
@@ -74,11 +77,24 @@ def command(
 
 
 def _check_scene(words: list[str], *, fix: bool) -> int:
+    model = _model(words[0])
+    if model is not None:
+        return check_model(model)
     try:
         return check_scene(words, fix=fix)
     except CommandError as error:
         hint = nearest(words[0], ["component"])
         raise CommandError(f"{error}{hint}", status=2) if hint else error from None
+
+
+def _model(name: str) -> Path | None:
+    """The model file of that name, or in a folder of that name; None for a script or an environment."""
+    path = Path(name).expanduser()
+    if path.is_dir():
+        from morse.assets.sdf.files import CONFIG, model_file
+
+        return model_file(path) if (path / CONFIG).is_file() else None
+    return path if path.suffix.lower() in suffixes() and path.is_file() else None
 
 
 def _table(results: list[Finding]) -> Table:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from morse.cli.messages import CommandError, say
+from morse.cli.messages import say
 from morse.cli.scenes import resolve
 from morse.core.exceptions import MorseError
 from morse.simulation.options import RunOptions
@@ -32,8 +32,6 @@ def check_scene(words: Sequence[str], *, fix: bool) -> int:
         CommandError: there is no such script.
     """
     resolved = resolve(words)
-    if resolved.script.suffix == ".blend":
-        raise CommandError(f"{resolved.script} is a model, not a script.", status=2)
     options = RunOptions(
         str(resolved.script),
         arguments=resolved.arguments,

@@ -60,8 +60,8 @@ def _read(path: Path, includes: Includes) -> Library:
         if node is None:
             continue
         library.roots.append(node)
-        if model is main:
-            library.robot, library.sensors = node.name, models.sensors
+        library.sensors += models.sensors
+        library.robot = node.name if model is main else library.robot
     add_world(library, scope, world if world is not None else root, includes)
     if not library.roots and world is None:
         raise AssetError(path, "it contains no <world>, and no <model> with a <link>")

@@ -25,17 +25,25 @@ class PassiveObject(AbstractComponent):
         filename: name of the model, e.g. ``props/objects`` (see `morse.assets.find`).
         prefix: only objects whose names begin with it, or the collection of that name; None for all.
         keep_pose: whether to keep the pose of the first object in the file; otherwise it is moved to the origin.
+        object_name: only the object with this name, and those below it; instead of ``prefix``.
 
     Raises:
         FileNotFoundError: there is no such model.
         MorseBuilderNoComponentError: no object in the model has such a name.
     """
 
-    def __init__(self, filename: str = "props/objects", prefix: str | None = None, keep_pose: bool = False) -> None:
+    def __init__(
+        self,
+        filename: str = "props/objects",
+        prefix: str | None = None,
+        keep_pose: bool = False,
+        object_name: str | None = None,
+    ) -> None:
         super().__init__(filename=checks.text(filename, "PassiveObject(filename)"))
         if prefix is not None:
             checks.text(prefix, "PassiveObject(prefix)")
-        self.set_blender_object(self.append_meshes(prefix=prefix)[0])
+        names = None if object_name is None else [checks.text(object_name, "PassiveObject(object_name)")]
+        self.set_blender_object(self.append_meshes(names, prefix=prefix)[0])
         if not checks.boolean(keep_pose, "PassiveObject(keep_pose)"):
             self.scene_node.parent_inverse = None
             self.location = (0.0, 0.0, 0.0)

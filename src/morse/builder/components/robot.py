@@ -56,7 +56,9 @@ class Robot(Component):
         if name is not None:
             self.name = name
         self.sensors: dict[str, AbstractComponent] = {}
-        declarations = self._library().sensors if filename and sensors and blender_object_name is None else ()
+        declarations = self._library().sensors if filename and sensors else []
+        names = {node.source_name for node in self.own_nodes()}
+        declarations = [one for one in declarations if one.link in names]
         if declarations:
             from morse.builder.components.file_sensors import add_sensors
 

@@ -1,0 +1,71 @@
+"""``morse import-world`` writes a scene script, and ``morse check`` reads model files."""
+
+from __future__ import annotations
+
+import pytest
+
+import morse as simulator
+
+WORLD = """<sdf version="1.9"><world name="yard"><gravity>0 0 -1.62</gravity>
+<spherical_coordinates><latitude_deg>47.5</latitude_deg><longitude_deg>8.5</longitude_deg><elevation>400</elevation>
+</spherical_coordinates><include><uri>model://ground_plane</uri></include>
+<include><uri>model://crate</uri><name>first crate</name><pose>3 1 0.25 0 0 0.5</pose></include>
+<model name="box"><pose>-2 0 0.5 0 0 0</pose><link name="l"><collision name="c"><geometry><box><size>1 1 1</size></box>
+</geometry></collision></link></model>
+<model name="box 2"><static>1</static><pose>-4 0 0.5 0 0 1</pose><link name="l"><collision name="c"><geometry><box>
+<size>1 1 1</size></box></geometry></collision></link></model>
+<model name="class"><pose>0 0 0.2 0 0 0.3</pose><link name="base"><collision name="c"><geometry><box>
+<size>1 1 0.4</size></box></geometry></collision><sensor name="imu" type="imu"/></link></model></world></sdf>"""
+CRATE = """<sdf version="1.6"><model name="crate">
+<link name="l"><collision name="c"><geometry><box>
+<size>0.5 0.5 0.5</size></box></geometry></collision></link></model></sdf>"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "world.sdf").write_text(WORLD)
+    (tmp_path / "crate").mkdir()
+    (tmp_path / "crate" / "model.sdf").write_text(CRATE)
+    return tmp_path
+
+
+def test_a_world_becomes_a_scene_script(morse, folder) -> None:
+    script = folder / "scene.py"
+    answer = morse("import-world", str(folder / "world.sdf"), "-o", str(script))
+    assert answer.status == 0, answer.err
+    text = script.read_text()
+    assert 'first_crate = PassiveObject("crate/model.sdf")' in text
+    assert 'box = PassiveObject("world.sdf", object_name="box")' in text
+    assert 'model_class = Robot("world.sdf", blender_object_name="class")' in text
+    with simulator.load(script) as simulation:
+        simulation.step(60)
+        # at rest, it measures the gravity of the moon
+        assert simulation.model_class.imu.get()["linear_acceleration"][2] == pytest.approx(1.62, rel=1e-2)
+
+
+def test_an_existing_script_is_not_replaced(morse, folder) -> None:
+    (folder / "scene.py").write_text("mine")
+    answer = morse("import-world", str(folder / "world.sdf"), "-o", str(folder / "scene.py"))
+    assert answer.status == 2
+    assert "exists" in answer.err
+    assert (folder / "scene.py").read_text() == "mine"
+
+
+def test_a_model_is_no_world(morse, folder) -> None:
+    answer = morse("import-world", str(folder / "crate" / "model.sdf"), "-o", str(folder / "scene.py"))
+    assert answer.status == 1
+    assert "contains no <world>" in answer.err
+
+
+def test_check_lists_the_content_of_a_model(morse, folder) -> None:
+    answer = morse("check", str(folder / "world.sdf"))
+    assert answer.status == 0
+    for part in ("first crate (free)", "box 2 (fixed)", "imu (IMU)", "gravity 1.62", "can be loaded"):
+        assert part in " ".join(answer.out.split()), part
+
+
+def test_check_names_what_is_wrong(morse, folder) -> None:
+    (folder / "broken.sdf").write_text("<sdf><model></sdf>")
+    answer = morse("check", str(folder / "broken.sdf"))
+    assert answer.status == 1
+    assert "it is not XML" in answer.err
