@@ -78,8 +78,8 @@ def test_a_slow_client_gets_the_whole_file(files: Files) -> None:
 
 def test_a_client_that_ends_its_side_gets_the_whole_file(files: Files) -> None:
     with files.ask() as sock:
-        sock.shutdown(socket.SHUT_WR)
         eventually(lambda: any(files.unsent()))
+        sock.shutdown(socket.SHUT_WR)
         assert read(sock) == CONTENT
     eventually(lambda: not files.unsent())
 

@@ -191,6 +191,7 @@ class Hub:
         page: Page | None = None
         sending: asyncio.Task[None] | None = None
         sender = sender_of(connection)
+        reason = b""
         try:
             page = await self._accepted(connection)
             if page is None:
@@ -201,8 +202,7 @@ class Hub:
                     self._receive(page, decode_page_message(frame), len(frame))
                 await sender.rest()
         except NotUnderstood as error:
-            reason = f"Not understood: {error}".encode(errors="replace")[:120].decode(errors="ignore")  # RFC 6455: 123
-            await connection.close(Close.NOT_UNDERSTOOD, reason)
+            reason = f"Not understood: {error}".encode(errors="replace")[:120]  # RFC 6455: 123
         except ConnectionClosed:
             pass  # a closed tab sends no close frame
         finally:
@@ -210,6 +210,8 @@ class Hub:
                 sending.cancel()
             if page is not None:
                 self._leave(page)
+        if reason:
+            await connection.close(Close.NOT_UNDERSTOOD, reason.decode(errors="ignore"))
 
     async def _accepted(self, connection: ServerConnection) -> Page | None:
         try:

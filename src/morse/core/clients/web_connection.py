@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import asyncio
 
     from websockets.asyncio.server import ServerConnection
+    from websockets.protocol import Event
 
     from morse.core.clients.arrivals import Arrivals, Sender
 
@@ -91,7 +92,7 @@ class PacedConnection(Connection):
         self._unprocessed = bytearray()
         self._file = memoryview(b"")
         self._answers = 0
-        self._has_ended = self._is_busy = False
+        self._has_ended = self._is_busy = self._is_deaf = False
         self._resting: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -119,6 +120,21 @@ class PacedConnection(Connection):
         if self._resting is not None:
             self._resting.cancel()
         super().connection_lost(exc)
+
+    async def close(self, *reason: Any) -> None:
+        """See `websockets.asyncio.connection.Connection`.
+
+        What the client still sends is discarded: a full queue would hide that the client has left.
+        """
+        self._is_deaf = True
+        self.place.give_way()
+        self._valve.resume_reading()
+        await super().close(*reason)
+
+    def process_event(self, event: Event) -> None:
+        """See `websockets.asyncio.server.ServerConnection`."""
+        if not self._is_deaf:
+            super().process_event(event)
 
     def go_on(self) -> None:
         """Process the bytes that have arrived, until the client has to rest or the queue is full."""

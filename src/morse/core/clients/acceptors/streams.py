@@ -36,6 +36,10 @@ class StreamConnection:
         """See `morse.core.clients.acceptors.ClientConnection`."""
         return (self.stage, self._since)
 
+    def give_way(self) -> None:
+        """Let it be the first to leave if there are too many."""
+        self.stage, self.keeps_place = 0, False
+
     def begin(self, transport: Any) -> None:
         """The connection has a transport."""
         self._transport = transport
