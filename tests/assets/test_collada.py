@@ -16,6 +16,8 @@ from morse.mathutils import Vector
 if TYPE_CHECKING:
     from pathlib import Path
 
+NEEDS_READER = pytest.mark.skipif(importlib.util.find_spec("collada") is None, reason="the extra is not installed")
+
 #: a triangle of 2 x 3 units, in centimetres, twice as large in its scene
 TRIANGLE = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
@@ -34,6 +36,7 @@ TRIANGLE = """<?xml version="1.0"?>
 """
 
 
+@NEEDS_READER
 def test_the_unit_of_the_file_is_applied_and_its_axes_are_kept(tmp_path: Path) -> None:
     file = tmp_path / "triangle.dae"
     file.write_text(TRIANGLE)
@@ -47,6 +50,7 @@ def test_the_unit_of_the_file_is_applied_and_its_axes_are_kept(tmp_path: Path) -
     assert sorted(map(tuple, found.round(6))) == [(0.0, 0.0, 0.0), (0.0, 0.06, 0.0), (0.04, 0.0, 0.0)]
 
 
+@NEEDS_READER
 @pytest.mark.parametrize(
     ("text", "words"),
     [

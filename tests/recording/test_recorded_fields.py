@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from pyarrow import parquet
 
 import morse
 from morse.recording.export import export
@@ -153,6 +152,7 @@ def test_fields_are_declared_in_the_file(run: Run) -> None:
 
 
 def test_tables_of_fields_have_all_digits(run: Run, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
     with Recording(run.path) as recording:
         written, _ = export(recording, tmp_path / "csv", "csv", ["/morse/fields/robot/pose", "/morse/fields/robot/odd"])
         export(recording, tmp_path / "parquet", "parquet", ["/morse/fields/robot/odd"])
