@@ -59,7 +59,7 @@ def test_mavsdk_knows_the_vehicle(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         seen = json.loads(said.read().splitlines()[-1])
     # X points east: half a radian to the left of it is 61.35 degrees from north
     assert seen["yaw"] == pytest.approx(90.0 - math.degrees(0.5), abs=0.5)
-    assert seen["down"] > 0.0, "it falls: nobody has started the rotors"
+    assert seen["down"] > 0.0, "it falls: it has no actuator"
     assert seen["gps"][:2] == pytest.approx([43.6 + 2.0 / 111_100.0, 1.4 + 1.0 / 80_700.0], abs=2e-6)
     assert 135.0 <= seen["gps"][2] <= 141.0
     assert 0.0 < seen["battery"] <= 100.0

@@ -58,9 +58,13 @@ class Axes:
         """Convert a quaternion of the vehicle; the inverse is the same."""
         return quaternion_from_rotation(self.rotation(wxyz))
 
-    def angles(self, wxyz: Sequence[float]) -> tuple[float, float, float]:
+    def angles(self, wxyz: Sequence[float]) -> Triple:
         """Roll, pitch and yaw of the vehicle, rad."""
         return both_eulers(self.rotation(wxyz), "XYZ")[0]
+
+    def angles_of(self, rotation: Rotation9) -> Triple:
+        """Roll, pitch and yaw of a rotation matrix of MORSE, rad."""
+        return both_eulers(product(self._world, product(rotation, self._body)), "XYZ")[0]
 
     def covariance(self, matrix: Any, *, of_body: bool = False) -> list[float]:
         """The upper triangle (21) of a covariance (6, 6) of two vectors; NaN first, which means unknown, for None.

@@ -14,16 +14,12 @@ if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
     from morse.middleware.mavlink.stream import MavlinkStream
 
-#: frames of SET_POSITION_TARGET_LOCAL_NED: the world; the vehicle, with two names
-_LOCAL_NED, _BODY = 1, (8, 12)
 #: bits of type_mask: fields to ignore
-_NO_POSITION, _NO_VELOCITY, _NO_YAW, _NO_YAW_RATE = 0b111, 0b111000, 1 << 10, 1 << 11
+_NO_POSITION = 0b111
 #: frames of SET_POSITION_TARGET_GLOBAL_INT: altitudes above the sea
 _GLOBAL = (0, 5)
 #: the same for SET_ATTITUDE_TARGET
 _NO_BODY_YAW_RATE, _NO_THRUST, _NO_ATTITUDE = 1 << 2, 1 << 6, 1 << 7
-#: m: as in MORSE 1.4
-_TOLERANCE = 0.5
 
 #: messages that contain commands, by name
 COMMANDS = (
@@ -58,39 +54,6 @@ class CommandKinds:
             slots["thrust"] = message.thrust
         return slots
 
-    @maps("pose", direction="IN")
-    def take_pose(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
-        """SET_POSITION_TARGET_LOCAL_NED in the world."""
-        if message.get_type() != "SET_POSITION_TARGET_LOCAL_NED":
-            return None
-        if message.coordinate_frame != _LOCAL_NED or message.type_mask & _NO_POSITION:
-            if message.coordinate_frame not in _BODY:
-                stream.complain("target", "a target without a position in MAV_FRAME_LOCAL_NED has no effect")
-            return None
-        axes = stream.axes_of(bound.frame)
-        slots: dict[str, Any] = {"position": axes.vector((message.x, message.y, message.z))}
-        if bound.has("orientation") and not message.type_mask & _NO_YAW:
-            slots["orientation"] = quaternion_of(0.0, 0.0, axes.heading(_finite(message.yaw)))
-        if bound.has("tolerance"):
-            slots["tolerance"] = _TOLERANCE
-        return slots
-
-    @maps("twist", direction="IN")
-    def take_twist(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
-        """SET_POSITION_TARGET_LOCAL_NED with velocities in the frame of the vehicle."""
-        if message.get_type() != "SET_POSITION_TARGET_LOCAL_NED":
-            return None
-        if message.coordinate_frame not in _BODY or message.type_mask & _NO_VELOCITY == _NO_VELOCITY:
-            if message.type_mask & _NO_POSITION == _NO_POSITION:
-                stream.complain("target", "velocities are only supported in MAV_FRAME_BODY_NED or MAV_FRAME_BODY_FRD")
-            return None
-        axes = stream.axes_of("world")
-        rate = 0.0 if message.type_mask & _NO_YAW_RATE else message.yaw_rate
-        return {
-            "linear": axes.body((message.vx, message.vy, message.vz)),
-            "angular": axes.body((0.0, 0.0, rate)),
-        }
-
     @maps("actuators", direction="IN")
     def take_actuators(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
         """HIL_ACTUATOR_CONTROLS."""
@@ -111,17 +74,6 @@ class CommandKinds:
             return None
         place = {"latitude": message.lat_int * 1e-7, "longitude": message.lon_int * 1e-7, "altitude": message.alt}
         return {name: _finite(value) for name, value in place.items()}
-
-    @maps("joints", direction="IN")
-    def take_joints(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
-        """GIMBAL_MANAGER_SET_PITCHYAW, for pan-tilt units; NaN keeps an angle."""
-        present = bound.gather()
-        if message.get_type() != "GIMBAL_MANAGER_SET_PITCHYAW" or tuple(present.names) != ("pan", "tilt"):
-            return None
-        pan, tilt = (float(angle) for angle in present.position)
-        given = -message.yaw, -message.pitch
-        angles = [old if math.isnan(new) else _finite(new) for old, new in zip((pan, tilt), given, strict=True)]
-        return {"position": angles}
 
     @maps("general", direction="IN")
     def take_general(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:

@@ -12,6 +12,9 @@ from morse.core.clients.time_share import TimeShare
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.helpers.geodesy import angle_against_north
+from morse.middleware.mavlink.autopilot.pilot import MESSAGES, Autopilot
+from morse.middleware.mavlink.autopilot.place import Place
+from morse.middleware.mavlink.autopilot.steering import helms_of, type_of
 from morse.middleware.mavlink.axes import Axes
 from morse.middleware.mavlink.commands import COMMANDS, CommandKinds
 from morse.middleware.mavlink.framing import Framer
@@ -32,14 +35,13 @@ logger = logging.getLogger(__name__)
 
 #: angle of the X axis of the world from east, counter-clockwise, rad
 _X_AXIS = {"enu": 0.0, "nwu": math.pi / 2.0}
-_UNSUPPORTED = 3
 _EVERYBODY = 0
 #: maximum number of senders with an incomplete message on a link
 _MOST_FRAMERS = 16
 
 
 class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
-    """Each robot is a MAVLink system, with a heartbeat in every tick.
+    """Each robot is a MAVLink system with an autopilot, unless an autopilot is in the loop.
 
     Options of ``env.configure_stream_manager('mavlink', ...)`` are in `morse.middleware.mavlink.mapping`.
 
@@ -59,13 +61,14 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         self._dialect = common
         self.axes = {name: Axes(name) for name in ("nwu", "enu", "ned")}
         self.axes["world"] = self.axes[self.options["world"]]
-        self._wanted = {getattr(common, f"MAVLINK_MSG_ID_{name}") for name in (*COMMANDS, "COMMAND_LONG", "HEARTBEAT")}
+        self._wanted = {getattr(common, f"MAVLINK_MSG_ID_{name}") for name in (*COMMANDS, *MESSAGES, "HEARTBEAT")}
         self._links: dict[str, Link] = {}
         self._framers: dict[str, dict[object, Framer]] = {}
         self._vehicles: dict[tuple[str, str], Vehicle] = {}
         self._parser = common.MAVLink(None)
         self._share = TimeShare(context.time_shares)
         self._complaints = Complaints(logger)
+        self._is_changed = True
 
     # -- streams -----------------------------------------------------------------------------
 
@@ -75,14 +78,16 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         robot = component.robot_parent or component
         device = stream.kwargs["device"] or self.options["device"]
         stream.axes, stream.other_north = self.axes, self._other_north()
-        stream.vehicle = self._vehicle(robot.name(), device, stream.kwargs["system_id"])
+        stream.vehicle = self._vehicle(robot, device, stream.kwargs["system_id"])
         return stream
 
-    def _vehicle(self, robot: str, device: str, wanted: int | None) -> Vehicle:
+    def _vehicle(self, body: Any, device: str, wanted: int | None) -> Vehicle:
+        robot = body.name()
         known = self._vehicles.get((robot, device))
         if known is not None:
             if wanted not in (None, known.system):
                 raise MorseMiddlewareError(f"mavlink: {robot} has the system_id {known.system} already, not {wanted}")
+            known.robot = body
             return known
         if device not in self._links:
             self._links[device] = open_link(device)
@@ -96,19 +101,28 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
                 "a device has room for 255 robots with different ones"
             )
         options = self.options
-        made = Vehicle(self._dialect, system, self._links[device], options["vehicle"], options["hil"])
-        self._vehicles[robot, device] = made
-        return made
+        vehicle = Vehicle(self._dialect, system, self._links[device], options["hil"])
+        vehicle.robot, vehicle.kind = body, options["vehicle"]
+        if not options["hil"]:
+            x, y, z = (float(v) for v in body.bge_object.world_pose()[0])
+            world = options["world"]
+            place = Place(self.axes[world], (x, y, z), self.context.scene.properties, _X_AXIS[world])
+            vehicle.pilot = Autopilot(vehicle, place, self.context)
+        self._vehicles[robot, device] = vehicle
+        return vehicle
 
     def opened(self, stream: MavlinkStream) -> None:
         """Register an actuator for the messages to its robot."""
         if stream.direction == "IN":
             stream.vehicle.streams.append(stream)
+        self._is_changed = True
 
     def closed(self, stream: MavlinkStream) -> None:
         """Unregister an actuator."""
         if stream in stream.vehicle.streams:
             stream.vehicle.streams.remove(stream)
+        stream.vehicle.measured.clear()
+        self._is_changed = True
         used = {id(one.vehicle) for streams in self.streams.values() for one in streams}
         self._vehicles = {key: one for key, one in self._vehicles.items() if id(one) in used}
 
@@ -129,7 +143,10 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
     # -- the tick ----------------------------------------------------------------------------
 
     def action(self) -> None:
-        """Read received messages at the beginning of a tick, within its share of the time."""
+        """Read received messages at the beginning of a tick, within its share of the time; the autopilots steer."""
+        if self._is_changed:
+            self._is_changed = False
+            self._look_at_robots()
         is_paced = self.context.paced()
         has_time = self._share.begin() or not is_paced
         for device, link in self._links.items():
@@ -154,10 +171,22 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
                     break
             if intake.lost:
                 self._complaints.warn(device, f"mavlink: {device} receives more than a tick can process: some is lost")
+        stamp = self.context.clock.stamp()
+        for vehicle in self._vehicles.values():
+            if vehicle.pilot is not None:
+                vehicle.pilot.steer(stamp)
 
     def drain(self) -> None:
         """See `DatastreamManager.drain`."""
         self.action()
+
+    def _look_at_robots(self) -> None:
+        """Find out what steers each vehicle, and what it is."""
+        for vehicle in self._vehicles.values():
+            components = [one for one in self.context.components.values() if one.robot_parent is vehicle.robot]
+            vehicle.kind = self.options["vehicle"] or type_of(vehicle.robot, components)
+            if vehicle.pilot is not None:
+                vehicle.helms = helms_of(vehicle, vehicle.pilot.flight.place)
 
     def _arrived(self, device: str, data: bytes) -> bool:
         """Pass a candidate for a message on; False if it is none."""
@@ -165,22 +194,17 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
             message = self._parser.decode(bytearray(data))
         except Exception:  # pymavlink raises several errors for an invalid message, which is only noise
             return False
-        target = getattr(message, "target_system", _EVERYBODY)
+        target = getattr(message, "target_system", getattr(message, "target", _EVERYBODY))
         for (_, at), vehicle in self._vehicles.items():
             if at == device and target in (_EVERYBODY, vehicle.system):
-                if message.get_type() == "COMMAND_LONG":
-                    self._refuse(vehicle, message)
+                if vehicle.pilot is not None and vehicle.pilot.take(message):
+                    continue
                 for stream in vehicle.streams if message.get_type() in COMMANDS else ():
                     stream.receive(message)
         return True
 
-    @staticmethod
-    def _refuse(vehicle: Vehicle, message: Any) -> None:
-        """Answer a command, because senders wait for an answer."""
-        vehicle.send("command_ack", message.command, _UNSUPPORTED, 0, 0, message.get_srcSystem(), 0)
-
     def flush(self) -> None:
-        """The end of a tick: send the sensor messages of each robot, and a heartbeat."""
+        """The end of a tick: send the messages of each robot."""
         stamp = self.context.clock.stamp()
         for vehicle in self._vehicles.values():
             vehicle.tick(stamp)

@@ -41,15 +41,18 @@ class Framer:
 
     def feed(self, data: bytes) -> Iterator[Frame]:
         """Candidates for messages in the received bytes; a candidate may be a part of another message."""
-        data = self._rest + data
-        self._rest = b""
+        # what was complete in these bytes has been returned already
+        old, data = len(self._rest), self._rest + data
+        incomplete = len(data)
         for start in self._starts.finditer(data):
             at = start.start()
             frame = _frame(data, at)
             if frame is None:
-                self._rest = data[at:]
-                return
-            yield frame
+                # it need not be a message: it holds up none that follows
+                incomplete = min(incomplete, at)
+            elif at + len(frame.data) > old:
+                yield frame
+        self._rest = data[incomplete:]
 
 
 @cache

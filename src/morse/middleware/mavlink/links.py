@@ -252,6 +252,38 @@ class TcpLink(Link):
             self._acceptor.close()
 
 
+class SeveralLinks(Link):
+    """Sends to several devices, and receives from all of them."""
+
+    def __init__(self, device: str) -> None:
+        super().__init__(device)
+        self._links: list[Link] = []
+
+    def add(self, link: Link) -> None:
+        """Add the link of a device."""
+        self._links.append(link)
+
+    def send(self, data: bytes) -> None:
+        """See `Link.send`."""
+        for link in self._links:
+            link.send(data)
+
+    def receive(self) -> Iterator[tuple[object, bytes]]:
+        """See `Link.receive`."""
+        for link in self._links:
+            yield from link.receive()
+
+    def understood(self, sender: object) -> None:
+        """See `Link.understood`."""
+        for link in self._links:
+            link.understood(sender)
+
+    def close(self) -> None:
+        """See `Link.close`."""
+        for link in self._links:
+            link.close()
+
+
 _WAYS = {"udpout": (UdpLink, False), "udpin": (UdpLink, True), "udp": (UdpLink, True), "tcp": (TcpLink, False),
          "tcpin": (TcpLink, True)}  # fmt: skip
 
@@ -261,11 +293,20 @@ def _refused(device: str, error: OSError) -> MorseMiddlewareError:
 
 
 def open_link(device: str) -> Link:
-    """The link of a device such as ``udpout:127.0.0.1:14550``.
+    """The link of a device such as ``udpout:127.0.0.1:14550``, or of several, separated by commas.
 
     Raises:
         MorseMiddlewareError: the device does not exist, or cannot be opened.
     """
+    if "," in device:
+        several = SeveralLinks(device)
+        try:
+            for part in device.split(","):
+                several.add(open_link(part.strip()))
+        except MorseMiddlewareError:
+            several.close()
+            raise
+        return several
     way, _, rest = device.partition(":")
     host, _, port = rest.rpartition(":")
     if way not in _WAYS or not host or not port.isdecimal() or not 0 < int(port) < 1 << 16:

@@ -6,15 +6,15 @@ from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
 INSTALL = "pip install 'morse-simulator[mavlink]'"
-#: default port of ground stations
-DEVICE = "udpout:127.0.0.1:14550"
-_DEVICE = "udpout:, udpin:, tcp: or tcpin: with address and port"
+#: default ports of ground stations, and of MAVSDK
+DEVICE = "udpout:127.0.0.1:14550,udpout:127.0.0.1:14540"
+_DEVICE = "udpout:, udpin:, tcp: or tcpin: with address and port; several separated by commas"
 
 MANAGER_OPTIONS = {
     "device": Option(str, DEVICE, f"destination of the messages: {_DEVICE}"),
     "world": Option(str, "nwu", "axes of the world: X north and Y west, or X east and Y north", choices=("nwu", "enu")),
     "hil": Option(bool, False, "all sensors of a robot in HIL_SENSOR and HIL_GPS, for an autopilot in the loop"),
-    "vehicle": Option(int, 0, "MAV_TYPE of the heartbeats, such as 2 for a quadrotor, 10 for a rover", low=0, high=255),
+    "vehicle": Option(int, 0, "MAV_TYPE, such as 2 for a quadrotor, 10 for a rover; 0: by the robot", low=0, high=255),
 }
 STREAM_OPTIONS = {
     "device": Option(str, None, f"device of this stream: {_DEVICE}"),

@@ -33,7 +33,7 @@ _BINS = 72
 _LETTERS, _MOST_VALUES = 10, 58
 #: GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME
 _IN_VEHICLE = 32
-_PAN_TILT = ("pan", "tilt")
+PAN_TILT = ("pan", "tilt")
 _MOST_WHEELS = 16
 
 
@@ -57,24 +57,24 @@ class Telemetry:
         axes = stream.axes_of(m.frame)
         roll, pitch, yaw = (_NAN,) * 3 if m.orientation is None else axes.angles(m.orientation)
         rates = (_NAN,) * 3 if m.rates is None else self.axes["nwu"].body(m.rates)
-        stream.vehicle.send("attitude", boot_ms(m.stamp), roll, pitch, yaw, *rates)
+        stream.vehicle.measure("attitude", boot_ms(m.stamp), roll, pitch, yaw, *rates)
 
     @maps("odometry")
     def odometry(self, stream: MavlinkStream, m: Message) -> None:
         """LOCAL_POSITION_NED and ODOMETRY."""
         frd, axes = self.axes["nwu"], stream.axes_of(m.frame)
         position, orientation = m.position, m.orientation
-        if axes.frame == "enu":
-            # the initial pose, to which odometry is relative, may be anywhere in the world
+        if axes.frame != "ned":
+            # odometry is relative to the initial pose, LOCAL_POSITION_NED to the initial position
             rows = stream.component_instance.initial_position_3d.rotation_matrix
             start = nine([list(row) for row in rows])
             w, x, y, z = (float(number) for number in orientation)
             position = turn(start, [float(number) for number in position])
             orientation = quaternion_from_rotation(product(start, rotation_from_quaternion(w, x, y, z)))
         velocity = turn(axes.rotation(orientation), frd.body(m.linear))
-        stream.vehicle.send("local_position_ned", boot_ms(m.stamp), *axes.vector(position), *velocity)
+        stream.vehicle.measure("local_position_ned", boot_ms(m.stamp), *axes.vector(position), *velocity)
         local = axes if axes.frame == "ned" else frd
-        stream.vehicle.send(
+        stream.vehicle.measure(
             "odometry", m.stamp // 1000, _LOCAL_FRD, _BODY_FRD, *local.vector(m.position),
             list(local.quaternion(m.orientation)), *frd.body(m.linear), *frd.body(m.angular),
             local.covariance(m.pose_covariance), frd.covariance(m.twist_covariance, of_body=True),
@@ -85,7 +85,7 @@ class Telemetry:
         """VISION_POSITION_ESTIMATE."""
         axes = stream.axes_of(m.frame)
         angles = (_NAN,) * 3 if m.orientation is None else axes.angles(m.orientation)
-        stream.vehicle.send(
+        stream.vehicle.measure(
             "vision_position_estimate", m.stamp // 1000, *axes.vector(m.position), *angles,
             axes.covariance(m.covariance),
         )  # fmt: skip
@@ -112,7 +112,7 @@ class Telemetry:
         if m.differential is not None:
             stream.vehicle.sense(diff_pressure=differential)
         if not stream.vehicle.hil:
-            stream.vehicle.send("scaled_pressure", boot_ms(m.stamp), absolute, differential, 0)
+            stream.vehicle.measure("scaled_pressure", boot_ms(m.stamp), absolute, differential, 0)
 
     @maps("temperature")
     def temperature(self, stream: MavlinkStream, m: Message) -> None:
@@ -120,7 +120,7 @@ class Telemetry:
         stream.vehicle.sense(temperature=m.temperature)
         if not stream.vehicle.hil:
             centidegrees = _whole(m.temperature * 100.0, -_I16, _I16, 0)
-            stream.vehicle.send("scaled_pressure", boot_ms(m.stamp), _NAN, _NAN, centidegrees)
+            stream.vehicle.measure("scaled_pressure", boot_ms(m.stamp), _NAN, _NAN, centidegrees)
 
     @maps("fix")
     def fix(self, stream: MavlinkStream, m: Message) -> None:
@@ -132,24 +132,24 @@ class Telemetry:
         time = m.stamp // 1000
         if stream.vehicle.hil:
             velocity = (_whole(v, -_I16, _I16, 0) for v in (north, east, -up))
-            stream.vehicle.send("hil_gps", time, _FIX_3D, lat, lon, alt, _U16, _U16, speed, *velocity, course, _U8)
+            stream.vehicle.measure("hil_gps", time, _FIX_3D, lat, lon, alt, _U16, _U16, speed, *velocity, course, _U8)
         else:
-            stream.vehicle.send("gps_raw_int", time, _FIX_3D, lat, lon, alt, _U16, _U16, speed, course, _U8, alt)
+            stream.vehicle.measure("gps_raw_int", time, _FIX_3D, lat, lon, alt, _U16, _U16, speed, course, _U8, alt)
 
     @maps("battery")
     def battery(self, stream: MavlinkStream, m: Message) -> None:
-        """BATTERY_STATUS and SYS_STATUS."""
+        """BATTERY_STATUS, and a part of SYS_STATUS."""
         left = _whole(m.charge * 100.0, 0, 100, -1)
         warm = _I16 if m.temperature is None else _whole(m.temperature * 100.0, -_I16, _I16 - 1, _I16)
         volts = _U16 if m.voltage is None else _whole(m.voltage * 1000.0, 0, _U16 - 1, _U16)
         # positive while it discharges
         current = -1 if m.current is None else _whole(-m.current * 100.0, -_I16, _I16, -1)
         state = _CHARGING if m.status == "charging" else _FINE
-        stream.vehicle.send(
+        stream.vehicle.measure(
             "battery_status", stream.number(stream.kinds[0]), 0, 0, warm, [volts] + [_U16] * 9, current, -1, -1, left,
             0, state,
         )  # fmt: skip
-        stream.vehicle.send("sys_status", 0, 0, 0, 0, volts, current, left, 0, 0, 0, 0, 0, 0)
+        stream.vehicle.battery = volts, current, left
 
     @maps("range")
     def range(self, stream: MavlinkStream, m: Message) -> None:
@@ -160,7 +160,7 @@ class Telemetry:
         far = most + 1
         near = max(0, least - 1)
         distance = near if m.distance == -math.inf else _whole(m.distance * 100.0, 0, far, far)
-        stream.vehicle.send(
+        stream.vehicle.measure(
             "distance_sensor", boot_ms(m.stamp), least, most, distance, _RADIATION.get(m.radiation, 0),
             stream.number(stream.kinds[0]), _DOWN if m.radiation == "radar" else _looks(stream), _U8, m.fov, m.fov,
         )  # fmt: skip
@@ -176,7 +176,7 @@ class Telemetry:
         distances = np.clip(np.nan_to_num(m.ranges.astype(float) * 100.0), least, most + 1)
         bins = np.full(_BINS, _U16)
         np.minimum.at(bins, directions[known], np.rint(distances[known]).astype(int))
-        stream.vehicle.send(
+        stream.vehicle.measure(
             "obstacle_distance", m.stamp // 1000, 0, bins.tolist(), 0, least, most, 360.0 / _BINS, 0.0, _BODY_FRD
         )
 
@@ -184,24 +184,24 @@ class Telemetry:
     def joints(self, stream: MavlinkStream, m: Message) -> None:
         """GIMBAL_DEVICE_ATTITUDE_STATUS of a pan-tilt unit, WHEEL_DISTANCE of wheels; others as numbers."""
         radii = getattr(stream.component_instance, "radii", None)
-        if tuple(m.names) == _PAN_TILT and m.position is not None:
+        if tuple(m.names) == PAN_TILT and m.position is not None:
             pan, tilt = (float(angle) for angle in m.position)
             # positive is to the left and downward; in MAVLink to the right and upward
             w, x, y, z = quaternion_of(0.0, -tilt, -pan)
-            stream.vehicle.send(
+            stream.vehicle.measure(
                 "gimbal_device_attitude_status", 0, 0, boot_ms(m.stamp), _IN_VEHICLE, [w, x, y, z], _NAN, _NAN, _NAN, 0
             )
         elif radii is not None and m.position is not None:
             metres = [float(angle) * radius for angle, radius in zip(m.position, radii, strict=True)][:_MOST_WHEELS]
             padded = metres + [0.0] * (_MOST_WHEELS - len(metres))
-            stream.vehicle.send("wheel_distance", m.stamp // 1000, len(metres), padded)
+            stream.vehicle.measure("wheel_distance", m.stamp // 1000, len(metres), padded)
         else:
             self.general(stream, m)
 
     @maps("clock")
     def clock(self, stream: MavlinkStream, m: Message) -> None:
         """SYSTEM_TIME; a simulation has no universal time."""
-        stream.vehicle.send("system_time", 0, boot_ms(m.stamp))
+        stream.vehicle.measure("system_time", 0, boot_ms(m.stamp))
 
     @maps("general")
     def general(self, stream: MavlinkStream, m: Message) -> None:
@@ -211,14 +211,14 @@ class Telemetry:
                 continue
             label = name.encode("ascii", "replace")[:_LETTERS]
             if isinstance(value, (bool, int)) and abs(value) < 1 << 31:
-                stream.vehicle.send("named_value_int", boot_ms(m.stamp), label, int(value))
+                stream.vehicle.measure("named_value_int", boot_ms(m.stamp), label, int(value))
             elif isinstance(value, (int, float)):
-                stream.vehicle.send("named_value_float", boot_ms(m.stamp), label, float(value))
+                stream.vehicle.measure("named_value_float", boot_ms(m.stamp), label, float(value))
             else:
                 values = _numbers(value)
                 if values is not None:
                     number = stream.number(stream.kinds[0])
-                    stream.vehicle.send("debug_float_array", m.stamp // 1000, label, number, values)
+                    stream.vehicle.measure("debug_float_array", m.stamp // 1000, label, number, values)
 
 
 def _named(what: str, vector: Any) -> dict[str, float]:

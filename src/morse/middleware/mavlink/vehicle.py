@@ -9,14 +9,23 @@ from typing import TYPE_CHECKING, Any
 from morse.core.clients.complaints import Complaints
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.middleware.mavlink.autopilot.helms import Helm
+    from morse.middleware.mavlink.autopilot.pilot import Autopilot
     from morse.middleware.mavlink.links import Link
 
 logger = logging.getLogger(__name__)
 
 _AUTOPILOT = 1
-#: constants of the message HEARTBEAT
-_GENERIC, _INVALID = 0, 8
+#: constants of the message HEARTBEAT. MAVSDK and ground stations know the modes of PX4 and ArduPilot only
+_INVALID, _PX4 = 8, 12
 _ACTIVE, _HIL = 4, 32
+_SECOND = 10**9
+#: what has no battery does not run out of it
+_NO_BATTERY = (0xFFFF, -1, 100)
+#: number of requested messages that are sent in a tick
+_MOST_REQUESTS = 32
 #: bits of fields_updated
 _BITS = {
     "xacc": 0, "yacc": 1, "zacc": 2, "xgyro": 3, "ygyro": 4, "zgyro": 5, "xmag": 6, "ymag": 7, "zmag": 8,
@@ -31,21 +40,47 @@ class Vehicle:
         system: its system id.
         link: where its messages go.
         hil: whether an autopilot in the loop is the peer.
+        robot: the robot.
         streams: the streams of its actuators.
+        helms: what can steer it, the best first.
+        pilot: the autopilot; None with an autopilot in the loop.
+        kind: MAV_TYPE.
+        autopilot: MAV_AUTOPILOT.
+        battery: voltage, mV, current, 0.01 A, and charge, percent, as SYS_STATUS has them.
+        measured: names of the messages that sensors send, in lower case.
+        after_tick: what sends the messages that were requested.
     """
 
-    def __init__(self, dialect: Any, system: int, link: Link, kind: int, hil: bool) -> None:
-        self._dialect, self._kind = dialect, kind
+    def __init__(self, dialect: Any, system: int, link: Link, hil: bool) -> None:
+        self._dialect = dialect
         self.system, self.link, self.hil = system, link, hil
         self._mav = dialect.MAVLink(None, srcSystem=system, srcComponent=_AUTOPILOT)
+        self.robot: Any = None
         self.streams: list[Any] = []
+        self.helms: list[Helm] = []
+        self.pilot: Autopilot | None = None
+        self.kind = 0
+        self.autopilot = _INVALID if hil else _PX4
+        self.battery = _NO_BATTERY
+        self.measured: set[str] = set()
+        self.after_tick: list[Callable[[], object]] = []
         self._numbers: dict[str, int] = {}
         self._sensed: dict[str, float] = {}
+        self._next_heartbeat = 0
         self._complaints = Complaints(logger)
 
     def number_of(self, name: str) -> int:
         """The id of a component."""
         return self._numbers.setdefault(name, len(self._numbers))
+
+    def name_of(self, number: int) -> str | None:
+        """The name of a message; None if there is none of that number."""
+        entry = self._dialect.mavlink_map.get(number)
+        return None if entry is None else str(entry.msgname)
+
+    def complain(self, kind: str, text: str) -> None:
+        """Log a problem of a client, at most once in a while for each kind."""
+        self._complaints.warn(kind, f"mavlink: system {self.system}: {text}")
 
     def send(self, name: str, *values: Any) -> None:
         """Send a message.
@@ -62,12 +97,17 @@ class Vehicle:
         self._mav.seq = (self._mav.seq + 1) % 256
         self.link.send(bytes(data))
 
+    def measure(self, name: str, *values: Any) -> None:
+        """Send a message of a sensor; the autopilot does not send it any more."""
+        self.measured.add(name)
+        self.send(name, *values)
+
     def sense(self, **values: float) -> None:
         """Add fields to the message that contains all sensors of the tick."""
         self._sensed.update(values)
 
     def tick(self, stamp: int) -> None:
-        """The end of a tick: send the sensors of the tick, and a heartbeat.
+        """The end of a tick: send the sensors of the tick, and what the autopilot reports.
 
         Args:
             stamp: simulated time, ns.
@@ -77,5 +117,11 @@ class Vehicle:
             bits = sum(1 << _BITS[name] for name in sensed)
             values = [sensed.get(name, 0.0) for name in _BITS]
             self.send("hil_sensor" if self.hil else "highres_imu", stamp // 1000, *values, bits)
-        autopilot = _INVALID if self.hil else _GENERIC
-        self.send("heartbeat", self._kind, autopilot, _HIL if self.hil else 0, 0, _ACTIVE)
+        if self.pilot is not None:
+            self.pilot.report(stamp)
+        elif stamp >= self._next_heartbeat or stamp < self._next_heartbeat - _SECOND:
+            self._next_heartbeat = stamp + _SECOND
+            self.send("heartbeat", self.kind, self.autopilot, _HIL, 0, _ACTIVE)
+        requested, self.after_tick = self.after_tick, []
+        for send in requested[:_MOST_REQUESTS]:
+            send()

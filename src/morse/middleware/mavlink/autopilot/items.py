@@ -1,0 +1,79 @@
+"""Items of missions, read from messages and checked."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.middleware.mavlink.autopilot import mission
+
+if TYPE_CHECKING:
+    from morse.mathutils.rotations import Triple
+    from morse.middleware.mavlink.autopilot.place import Place
+
+#: frames: above the sea, above home, the last of which is above the terrain, and north-east-down from the origin
+_SEA, _HOME, _LOCAL, _NONE = (0, 5), (3, 6, 10, 11), (1,), 2
+#: MAV_MISSION_RESULT
+ACCEPTED, ERROR, BAD_FRAME, UNSUPPORTED, NO_SPACE, INVALID = 0, 1, 2, 3, 4, 5
+INVALID_PARAM = (6, 7, 8, 9)
+INVALID_X, INVALID_Y, INVALID_Z, INVALID_SEQUENCE, DENIED, CANCELLED = 10, 11, 12, 13, 14, 15
+_HIGHEST = 1e6
+
+
+class Item(NamedTuple):
+    """One item, as MISSION_ITEM_INT has it.
+
+    Attributes:
+        frame: MAV_FRAME.
+        command: MAV_CMD.
+        autocontinue: as it was sent.
+        params: the first four.
+        x, y: 1e-7 degrees, or 1e-4 m.
+        z: m.
+    """
+
+    frame: int
+    command: int
+    autocontinue: int
+    params: tuple[float, float, float, float]
+    x: int
+    y: int
+    z: float
+
+
+def item_of(message: Any) -> Item | int:
+    """Read MISSION_ITEM_INT or MISSION_ITEM; MAV_MISSION_RESULT if it is not valid or not supported."""
+    params = (message.param1, message.param2, message.param3, message.param4)
+    x, y = message.x, message.y
+    has_place = message.command in (*mission.PLACES, mission.HOME)
+    if message.get_type() == "MISSION_ITEM":
+        scale = 1e4 if message.frame in _LOCAL else 1e7
+        if has_place and not (abs(x * scale) < 1 << 31 and abs(y * scale) < 1 << 31):
+            return INVALID_Y if abs(x * scale) < 1 << 31 else INVALID_X
+        x, y = (round(v * scale) if abs(v * scale) < 1 << 31 else 0 for v in (x, y))
+    if message.command not in mission.SUPPORTED:
+        return UNSUPPORTED
+    if has_place:
+        if message.frame not in (*_SEA, *_HOME, *_LOCAL):
+            return BAD_FRAME
+        if message.frame not in _LOCAL and not (abs(x) <= 900_000_000 and abs(y) <= 1_800_000_000):
+            return INVALID_Y if abs(x) <= 900_000_000 else INVALID_X
+        if not abs(message.z) < _HIGHEST:
+            return INVALID_Z
+    for number, value in enumerate(params):
+        if math.isinf(value) or abs(value) > 1e9:
+            return INVALID_PARAM[number]
+    if message.command == mission.JUMP and math.isnan(params[0] + params[1]):
+        return INVALID_PARAM[0]
+    return Item(message.frame, message.command, message.autocontinue, params, x, y, message.z)
+
+
+def destination(item: Item, place: Place, home: Triple, here: Triple) -> Triple:
+    """The position of an item in the world, m; zeros as latitude and longitude mean the present one, as with PX4."""
+    if item.frame in _LOCAL:
+        return place.world((item.x * 1e-4, item.y * 1e-4, item.z))
+    latitude, longitude, _ = place.earth(here)
+    if (item.x, item.y) != (0, 0):
+        latitude, longitude = item.x * 1e-7, item.y * 1e-7
+    altitude = item.z + (place.earth(home)[2] if item.frame in _HOME else 0.0)
+    return place.from_earth(latitude, longitude, altitude)

@@ -1,0 +1,53 @@
+"""Flight modes, with the numbers of PX4: ground stations and MAVSDK know the modes of PX4 and of ArduPilot only."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+#: bits of base_mode in HEARTBEAT: these are the modes of an autopilot; armed; stabilized, guided, automatic, by hand
+_CUSTOM, _ARMED, _BY_HAND, _STABILIZED, _GUIDED, _AUTO = 1, 128, 64, 16, 8, 4
+
+
+class Mode(Enum):
+    """Main mode and sub mode of PX4."""
+
+    MANUAL = 1, 0
+    ALTITUDE = 2, 0
+    POSITION = 3, 0
+    STABILIZED = 7, 0
+    OFFBOARD = 6, 0
+    READY = 4, 1
+    TAKEOFF = 4, 2
+    HOLD = 4, 3
+    MISSION = 4, 4
+    RETURN = 4, 5
+    LAND = 4, 6
+
+    @property
+    def custom(self) -> int:
+        """``custom_mode`` of HEARTBEAT."""
+        main, sub = self.value
+        return main << 16 | sub << 24
+
+    @property
+    def by_hand(self) -> bool:
+        """Whether MANUAL_CONTROL steers the vehicle."""
+        return self in (Mode.MANUAL, Mode.ALTITUDE, Mode.POSITION, Mode.STABILIZED)
+
+    def base(self, armed: bool) -> int:
+        """``base_mode`` of HEARTBEAT."""
+        kind = _BY_HAND if self.by_hand else _GUIDED | _AUTO
+        return _CUSTOM | _STABILIZED | kind | (_ARMED if armed else 0)
+
+
+_BY_NUMBERS = {mode.value: mode for mode in Mode}
+
+
+def mode_of(main: float, sub: float) -> Mode | None:
+    """The mode of the parameters of MAV_CMD_DO_SET_MODE; None if there is no such mode."""
+    return _BY_NUMBERS.get((main, sub)) or (None if main == 4 else _BY_NUMBERS.get((main, 0)))  # type: ignore[arg-type]
+
+
+def mode_of_custom(custom: int) -> Mode | None:
+    """The mode of ``custom_mode`` of the message SET_MODE; None if there is no such mode."""
+    return mode_of(custom >> 16 & 0xFF, custom >> 24 & 0xFF)

@@ -1,0 +1,136 @@
+"""The autopilot of a vehicle: what it does with a message, and in a tick."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.middleware.mavlink.autopilot.flight import Flight
+from morse.middleware.mavlink.autopilot.gimbal import Gimbal
+from morse.middleware.mavlink.autopilot.modes import mode_of_custom
+from morse.middleware.mavlink.autopilot.orders import Orders
+from morse.middleware.mavlink.autopilot.parameters import Parameters
+from morse.middleware.mavlink.autopilot.reports import Reports
+from morse.middleware.mavlink.autopilot.setpoints import SetpointError, setpoint_of
+from morse.middleware.mavlink.autopilot.transfers import Transfers
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.context import Context
+    from morse.middleware.mavlink.autopilot.place import Place
+    from morse.middleware.mavlink.vehicle import Vehicle
+
+#: INT16_MAX: a stick that does not exist
+_NO_STICK = 0x7FFF
+
+
+class Autopilot:
+    """Answers ground stations, and steers the vehicle.
+
+    Args:
+        vehicle: sends its messages.
+        place: its frame.
+        context: of the simulation.
+    """
+
+    def __init__(self, vehicle: Vehicle, place: Place, context: Context) -> None:
+        self._vehicle = vehicle
+        parameters = Parameters(vehicle)
+        self.flight = Flight(vehicle, place, parameters, context)
+        self._parameters = parameters
+        self._reports = Reports(vehicle, self.flight)
+        self._gimbal = Gimbal(vehicle)
+        orders = Orders(vehicle, self.flight, self._reports, self._gimbal)
+        self._transfers = transfers = Transfers(vehicle, self.flight.mission)
+        self._takes: dict[str, Callable[[Any], object]] = {
+            "COMMAND_LONG": orders.take,
+            "COMMAND_INT": orders.take,
+            "SET_MODE": self._set_mode,
+            "SET_POSITION_TARGET_LOCAL_NED": self._setpoint,
+            "SET_POSITION_TARGET_GLOBAL_INT": self._setpoint,
+            "MANUAL_CONTROL": self._manual,
+            "GIMBAL_MANAGER_SET_PITCHYAW": self._look,
+            "TIMESYNC": self._timesync,
+            **dict.fromkeys(MISSION_MESSAGES, transfers.take),
+            **dict.fromkeys(PARAMETER_MESSAGES, parameters.take),
+        }
+
+    def take(self, message: Any) -> bool:
+        """Answer a message; False if it is for the streams of the actuators."""
+        kind = message.get_type()
+        if self.flight.helm is None and kind.startswith("SET_POSITION_TARGET"):
+            return False
+        if kind == "SET_ATTITUDE_TARGET":
+            # it goes to the actuator as it is
+            is_followed = self.flight.follows()
+            if is_followed:
+                self.flight.setpoint = None
+                self.flight.is_released = True
+            return not is_followed
+        take = self._takes.get(kind)
+        if take is not None:
+            take(message)
+        return take is not None
+
+    def steer(self, stamp: int) -> None:
+        """The beginning of a tick, at a simulated time, ns."""
+        self._gimbal.tick(stamp)
+        self.flight.tick(stamp)
+
+    def report(self, stamp: int) -> None:
+        """The end of a tick, at a simulated time, ns."""
+        self.flight.look()
+        self._reports.tick(stamp)
+        self._transfers.tick(stamp)
+        self._parameters.tick()
+
+    def _setpoint(self, message: Any) -> None:
+        flight = self.flight
+        try:
+            setpoint = setpoint_of(message, flight.place, flight.home, flight.now)
+        except SetpointError as error:
+            self._vehicle.complain("setpoint", str(error))
+            return
+        flight.take_setpoint(setpoint)
+
+    def _set_mode(self, message: Any) -> None:
+        mode = mode_of_custom(message.custom_mode) if message.base_mode & 1 else None
+        if mode is not None:
+            self.flight.switch(mode)
+
+    def _manual(self, message: Any) -> None:
+        sticks = (message.x, message.y, message.z, message.r)
+        x, y, z, r = (0 if v == _NO_STICK else max(-1000, min(v, 1000)) for v in sticks)
+        if self.flight.mode.by_hand:
+            self.flight.take_sticks(x / 1000.0, y / 1000.0, max(-1.0, z / 500.0 - 1.0), r / 1000.0)
+
+    def _look(self, message: Any) -> None:
+        self._gimbal.look(message.pitch, message.yaw)
+
+    def _timesync(self, message: Any) -> None:
+        if message.tc1 == 0:
+            self._vehicle.send("timesync", self.flight.stamp, message.ts1)
+
+
+MISSION_MESSAGES = (
+    "MISSION_COUNT",
+    "MISSION_ITEM",
+    "MISSION_ITEM_INT",
+    "MISSION_REQUEST_LIST",
+    "MISSION_REQUEST",
+    "MISSION_REQUEST_INT",
+    "MISSION_CLEAR_ALL",
+    "MISSION_SET_CURRENT",
+    "MISSION_ACK",
+)
+PARAMETER_MESSAGES = ("PARAM_REQUEST_LIST", "PARAM_REQUEST_READ", "PARAM_SET")
+#: messages that an autopilot reads
+MESSAGES = (
+    *MISSION_MESSAGES,
+    *PARAMETER_MESSAGES,
+    "COMMAND_LONG",
+    "COMMAND_INT",
+    "SET_MODE",
+    "MANUAL_CONTROL",
+    "TIMESYNC",
+)
