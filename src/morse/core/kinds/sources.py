@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.kinds.kind import Slot
 
+#: what the conversion between frames leaves of a zero
+_ROUNDING = 1e-9
 _SCALAR: dict[str, Callable[[Any], Any]] = {"bool": bool, "str": str, "int32": int}
 
 
@@ -198,7 +200,7 @@ class Stack(Source):
         for index, ((name, (factor, offset)), number) in enumerate(zip(self._parts, value, strict=True)):
             if name is not None:
                 fields[name] = (float(number) - offset) / factor
-            elif number:
+            elif not abs(number) <= _ROUNDING:
                 unused.append(index)
         return f"item {', '.join(map(str, unused))} has no effect" if unused else None
 

@@ -26,8 +26,8 @@ IN_AIR, TAKING_OFF, LANDING = 2, 3, 4
 _SECOND = 10**9
 #: m: height above the ground at which an aircraft flies
 _FLYING = 0.25
-#: m/s, and s: an aircraft that descends has landed if it has been slower for that long
-_STILL, _LANDED_AFTER = 0.1, 0.5
+#: m, and s: an aircraft that descends has landed if it has not sunk by so much for that long
+_STILL, _LANDED_AFTER = 0.05, 1.5
 #: s after which MANUAL_CONTROL no longer counts
 _BY_HAND_FOR = 1.0
 _AIRCRAFT = (2, 3, 4, 13, 14, 15, 29)
@@ -64,7 +64,8 @@ class Flight:
         self.now = self._motion(0.0)
         self._ground = self.now.position[2]
         self._goal, self._yaw = self.now.position, self.now.yaw
-        self._still = self._since = 0.0
+        self._still = 0.0
+        self._lowest = self.now.position[2]
         self.speed: float | None = None
         self.setpoint: Setpoint | None = None
         self._sticks: tuple[float, float, float, float] = (0.0,) * 4
@@ -183,7 +184,7 @@ class Flight:
 
     def _stay(self) -> None:
         self._goal, self._yaw = self.now.position, self.now.yaw
-        self._still = self._since = 0.0
+        self._still, self._lowest = 0.0, self._goal[2]
 
     def take_off(self, height: float) -> bool:
         """Climb to a height in the world, m."""
@@ -234,7 +235,6 @@ class Flight:
         self.now = self._motion(dt)
         if self.helm is None or not self.is_armed:
             return
-        self._since += dt
         self._sticks_age += dt
         if self.is_aircraft:
             self._see_whether_it_flies()
@@ -277,15 +277,19 @@ class Flight:
     def land(self) -> None:
         """Descend to the ground where `_goal` is; then stop the rotors."""
         assert self.helm is not None
-        self.landed = LANDING if self.landed != ON_GROUND else ON_GROUND
         z = self.now.position[2]
+        if z < self._lowest - _STILL:
+            self._lowest, self._still = z, 0.0
+        self._still += self.now.dt
+        if self._still > _LANDED_AFTER:
+            self.landed, self._ground = ON_GROUND, z
+        elif self.landed != ON_GROUND:
+            self.landed = LANDING
+        if self._still > _LANDED_AFTER + self.parameters["COM_DISARM_LAND"]:
+            self.disarm()
+            return
         speeds = self.cruise._replace(down=self.parameters["MPC_LAND_SPEED"])
         self.helm.goto((*self._goal[:2], z - 1.0), self._yaw, speeds, self.now)
-        self._still = self._still + self.now.dt if math.hypot(*self.now.velocity) < _STILL else 0.0
-        if self._since > 1.0 and self._still > _LANDED_AFTER:
-            self.landed, self._ground = ON_GROUND, z
-            if self._still > max(_LANDED_AFTER, self.parameters["COM_DISARM_LAND"]):
-                self.disarm()
 
     def destination(self, item: Item) -> Triple:
         """The position of an item of a mission in the world, m."""
