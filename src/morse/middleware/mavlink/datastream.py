@@ -153,6 +153,8 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
             framers, intake = self._framers[device], Intake()
             waiting: dict[object, list[tuple[object, bytes]]] = {}
             for sender, data in link.receive():
+                if sender not in framers:
+                    self._greet(device)
                 # the one that has not been used for longest comes first, and is forgotten first
                 framer = framers.pop(sender) if sender in framers else Framer(self._wanted)
                 framers[sender] = framer
@@ -179,6 +181,12 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
     def drain(self) -> None:
         """See `DatastreamManager.drain`."""
         self.action()
+
+    def _greet(self, device: str) -> None:
+        """Send heartbeats in this tick: a new peer need not wait for them."""
+        for (_, at), vehicle in self._vehicles.items():
+            if at == device:
+                vehicle.greet()
 
     def _look_at_robots(self) -> None:
         """Find out what steers each vehicle, and what it is."""

@@ -106,6 +106,12 @@ class Vehicle:
         """Add fields to the message that contains all sensors of the tick."""
         self._sensed.update(values)
 
+    def greet(self) -> None:
+        """Send the next heartbeat at the end of the tick."""
+        self._next_heartbeat = 0
+        if self.pilot is not None:
+            self.pilot.greet()
+
     def tick(self, stamp: int) -> None:
         """The end of a tick: send the sensors of the tick, and what the autopilot reports.
 

@@ -72,6 +72,10 @@ class Autopilot:
             take(message)
         return take is not None
 
+    def greet(self) -> None:
+        """Send a heartbeat."""
+        self._reports.request("HEARTBEAT")
+
     def steer(self, stamp: int) -> None:
         """The beginning of a tick, at a simulated time, ns."""
         self._gimbal.tick(stamp)
