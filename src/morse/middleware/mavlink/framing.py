@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Collection
 
 V1, V2 = 0xFE, 0xFD
 _HEADS = {V1: 6, V2: 10}
@@ -38,21 +39,30 @@ class Framer:
     def __init__(self, wanted: Collection[int]) -> None:
         self._starts = _starts(frozenset(wanted))
         self._rest = b""
+        #: the candidates in the rest up to this one are known
+        self._looked_at = 0
 
-    def feed(self, data: bytes) -> Iterator[Frame]:
+    def feed(self, data: bytes) -> list[Frame]:
         """Candidates for messages in the received bytes; a candidate may be a part of another message."""
-        # what was complete in these bytes has been returned already
-        old, data = len(self._rest), self._rest + data
-        incomplete = len(data)
+        old, looked_at, data = len(self._rest), self._looked_at, self._rest + data
+        self._rest, self._looked_at = b"", 0
+        incomplete, end = len(data), len(data)
+        complete: list[tuple[int, Frame]] = []
         for start in self._starts.finditer(data):
             at = start.start()
             frame = _frame(data, at)
             if frame is None:
                 # it need not be a message: it holds up none that follows
                 incomplete = min(incomplete, at)
-            elif at + len(frame.data) > old:
-                yield frame
-        self._rest = data[incomplete:]
+                if len(data) - at < _HEADS[V2]:
+                    end = at
+                    break
+            elif at > looked_at or at + len(frame.data) > old:
+                complete.append((at + len(frame.data), frame))  # it was not complete before
+        self._rest, self._looked_at = data[incomplete:], end - incomplete
+        # in the order in which they are complete, also if the data arrive in pieces
+        complete.sort(key=itemgetter(0))
+        return [frame for _, frame in complete]
 
 
 @cache

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from itertools import islice
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -40,11 +39,11 @@ class Intake:
         room = _room(self._bytes, sender, _MOST_BYTES)
         self._bytes[sender] += min(len(data), room)
         self.lost |= len(data) > room
-        found = framer.feed(data[:room])
-        for frame in islice(found, _room(self._frames, sender, _MOST_FRAMES)):
-            self._frames[sender] += 1
-            yield frame
-        self.lost |= next(found, None) is not None
+        frames = framer.feed(data[:room])
+        count = min(len(frames), _room(self._frames, sender, _MOST_FRAMES))
+        self._frames[sender] += count
+        self.lost |= len(frames) > count
+        yield from frames[:count]
 
 
 def _room(used: Counter[object], sender: object, most: int) -> int:
