@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 from mcap.reader import make_reader
 from recorded import drive, read_by_rosbags, scene
@@ -13,6 +14,8 @@ import morse
 from morse.recording.errors import RecordingError
 from morse.recording.export import selected
 from morse.recording.mcap.reader import McapFile
+from morse.recording.mcap.records import Message
+from morse.recording.mcap.writer import McapWriter
 from morse.recording.rewriting import Rewritten, rewrite
 
 if TYPE_CHECKING:
@@ -75,3 +78,18 @@ def test_a_damaged_chunk_is_left_out(whole: Path, tmp_path: Path) -> None:
     assert complete(damaged, path) == Rewritten(good, damaged=1)
     with path.open("rb") as new:
         assert make_reader(new).get_summary() is not None
+
+
+def test_a_picture_in_two_topics_takes_its_room_once(tmp_path: Path) -> None:
+    pictures = [np.random.default_rng(seed).bytes(1 << 20) for seed in range(4)]
+    path = tmp_path / "run.mcap"
+    with open(path, "xb", buffering=0) as file:
+        writer = McapWriter(file)
+        schema = writer.schema("std_msgs/msg/UInt8MultiArray", "")
+        for topic in ("/fields", "/image"):
+            writer.channel(topic, schema, {})
+        writer.chunk([Message(channel, n, n, n, one) for channel in (1, 2) for n, one in enumerate(pictures)])
+        writer.finish()
+    assert path.stat().st_size < 1.01 * sum(map(len, pictures))
+    with open(path, "rb") as file:
+        assert [one.data for _, _, one in make_reader(file).iter_messages(log_time_order=False)] == 2 * pictures

@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 
 import morse
+from morse.core.modifier import AbstractModifier
 from morse.core.rows.marks import is_on_read, lasting_fields
+from morse.core.sensor import Sensor
 
 COUNT = 4
 
@@ -256,6 +258,57 @@ def test_somebody_else_s_dictionary_is_taken(sim):
     sim.step(2)
     assert pose.local_data["mine"] == 1
     assert pose.local_data["timestamp"] == sim.clock.time
+
+
+class Reference(Sensor):
+    """Keeps a reference to the data of another sensor from its construction on."""
+
+    def __init__(self, obj, parent=None):
+        super().__init__(obj, parent)
+        self.theirs = self.context.component(f"{parent.name()}.pose").local_data
+
+
+class Behind(AbstractModifier):
+    """The same, as a modifier."""
+
+    def initialize(self):
+        sensor = self.component_instance
+        self.theirs = sensor.context.component(f"{sensor.robot_parent.name()}.pose").local_data
+
+    def modify(self):
+        """Change nothing."""
+
+
+@pytest.mark.parametrize("by", ["constructor", "modifier"])
+def test_data_that_a_constructor_has_taken_are_those_of_each_tick(by):
+    def describe():
+        from morse.builder import Clock, Environment, Morsy, MotionVW, Pose
+        from morse.builder.creator import SensorCreator
+
+        for number in range(2):
+            robot = Morsy(f"r{number}")
+            robot.translate(3.0 * number, 0.5, 0.0)
+            for part in (MotionVW("motion"), Pose("pose"), Clock("clock")):
+                robot.append(part)
+            if number:
+                creator = type("Reference", (SensorCreator,), {"_classpath": f"{__name__}.Reference"})
+                if by == "constructor":
+                    robot.append(creator("user"))
+                else:
+                    part.alter(classpath=f"{__name__}.Behind")
+        Environment("empty", fastmode=True)
+
+    with morse.load(describe) as sim:
+        user = named(sim, "r1.user") if by == "constructor" else named(sim, "r1.clock").output_modifiers[0]
+        for restarted in (False, True):
+            for _ in range(3):
+                sim.step(10)
+                assert user.theirs["timestamp"] == sim.clock.time
+            assert named(sim, "r1.pose")._in_rows is None
+            assert named(sim, "r0.pose")._in_rows is not None, "nobody has a reference to its data"
+            if not restarted:
+                sim.restart()
+                user = named(sim, "r1.user") if by == "constructor" else named(sim, "r1.clock").output_modifiers[0]
 
 
 # exceptions --------------------------------------------------------------------------------------

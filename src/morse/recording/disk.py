@@ -7,7 +7,7 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any, Protocol
 
-from morse.recording.mcap.chunks import chunk_of, size_of
+from morse.recording.mcap.chunks import chunk_of
 from morse.recording.mcap.writer import McapWriter
 
 if TYPE_CHECKING:
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 _INTERVAL = 0.5
 #: approximate size of a chunk, bytes
 CHUNK = 4 << 20
-#: above this rate, bytes per wall-clock second, less time is spent on compression: the simulation runs as fast as
-#: possible, and waits if the recording cannot keep up
-_QUICK = 4e6
 #: maximum number of bytes that wait for the disk; then the simulation waits
 _MOST_WAITING = 64 << 20
 
@@ -145,11 +142,10 @@ class Disk:
         messages: list[Any] = self._source.take(until)
         while self._operations:  # the channels of these messages
             self._operations.pop(0)(self._writer)
-        now = time.monotonic()
-        elapsed, self._written = now - self._written, now
+        self._written = time.monotonic()
         if messages:
             chunk, index = chunk_of(messages)
-            self._writer.encoded(chunk.data, index, quickly=size_of(messages) > _QUICK * elapsed)
+            self._writer.encoded(chunk.data, index)
 
     def _attempt(self, write: Callable[[], object]) -> None:
         if self.error is not None:

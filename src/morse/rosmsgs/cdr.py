@@ -307,7 +307,7 @@ def _numbers_writer(field: MessageField) -> Write:
             data, count = value, len(value) // dtype.itemsize
         else:
             array = np.ascontiguousarray(value, dtype=dtype)
-            data, count = array.tobytes(), array.size
+            data, count = array.reshape(-1).view(np.uint8).data, array.size
         if field.size not in (SEQUENCE, count):
             raise ValueError(f"field '{field.name}' has {field.size} items, not {count}")
         if field.size == SEQUENCE:

@@ -16,6 +16,7 @@ from morse.core.kinds import findings_of
 from morse.core.parts.overwritten import hidden_methods
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.robot import Robot
+from morse.core.rows.unread import Unclaimed
 from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel
 
@@ -87,12 +88,15 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
             (context.robots if own else context.external_robots)[declaration.name] = robot
             if own:
                 loaded.robots.append(robot)
-    for declaration in declarations:
-        if declaration.kind in ("robot", "external_robot") or declaration.robot not in by_node:
-            continue
-        component = make_component(context, declaration, by_node[declaration.robot])
-        context.components[declaration.name] = component
-        (loaded.sensors if declaration.kind == "sensor" else loaded.actuators).append(component)
+    # a constructor may keep a reference to the data of a sensor that was created before
+    with Unclaimed() as unclaimed:
+        for declaration in declarations:
+            if declaration.kind in ("robot", "external_robot") or declaration.robot not in by_node:
+                continue
+            component = make_component(context, declaration, by_node[declaration.robot])
+            context.components[declaration.name] = component
+            (loaded.sensors if declaration.kind == "sensor" else loaded.actuators).append(component)
+            unclaimed.add(component)
     return loaded
 
 
@@ -172,9 +176,10 @@ def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDe
     declarations = context.scene.components if declarations is None else declarations
     everything: dict[str, Object] = {**context.robots, **context.components}
     present = [(d, everything[d.name]) for d in declarations if d.name in everything]
-    for declaration, component in present:
-        for modifier in declaration.modifiers:
-            _add_modifier(component, declaration, modifier, loaded)
+    with Unclaimed(component for _, component in present):
+        for declaration, component in present:
+            for modifier in declaration.modifiers:
+                _add_modifier(component, declaration, modifier, loaded)
     check_kinds(present)
     for declaration, component in present:
         _add_interfaces(context, component, declaration)
@@ -182,10 +187,11 @@ def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDe
 
 def _add_interfaces(context: Context, component: Object, declaration: ComponentDeclaration) -> None:
     try:
-        overlays = [
-            (load_class(overlay.classpath)(component, **overlay.options), overlay.manager)
-            for overlay in declaration.overlays
-        ]
+        with Unclaimed([component]):
+            overlays = [
+                (load_class(overlay.classpath)(component, **overlay.options), overlay.manager)
+                for overlay in declaration.overlays
+            ]
         for instance, _ in overlays:
             context.overlays[instance.name()] = instance
     except (MorseError, *ENDINGS):

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from typing import Self
 
 
 class Entry(Protocol):
@@ -36,6 +40,46 @@ class Unread:
         data = vars(component)["local_data"] = component._in_rows.data_of(component)
         component._is_read = True
         return data
+
+
+class Unclaimed:
+    """Holds the data of sensors while parts of users are created, which may keep references to them.
+
+    Attributes:
+        is_changed: see `Entry`; not used.
+    """
+
+    is_changed = False
+
+    def __init__(self, components: Iterable[Any] = ()) -> None:
+        self._data: dict[int, tuple[Any, dict[str, Any]]] = {}
+        for component in components:
+            self.add(component)
+
+    def add(self, component: Any) -> None:
+        """Hold the data of a component, if it is a sensor that measures on read and acts in each tick at present."""
+        own, cls = vars(component), type(component)
+        if component._in_rows is None and cls.acts_in_rows and isinstance(getattr(cls, "local_data", None), Unread):
+            self._data[id(component)] = component, own.pop("local_data")
+            component._in_rows = self
+
+    def data_of(self, member: Any) -> dict[str, Any]:
+        """See `Entry`."""
+        return self._data[id(member)][1]
+
+    def release(self) -> None:
+        """Give all components their data, and take note of those whose data somebody has read or replaced."""
+        for component, data in self._data.values():
+            component._in_rows = None
+            if vars(component).setdefault("local_data", data) is not data:
+                component._is_read = True
+        self._data.clear()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
 
 
 def present_data(component: Any) -> dict[str, Any]:

@@ -36,15 +36,6 @@ class Messages(NamedTuple):
     data: NDArray[np.uint8] | Sequence[bytes]
 
 
-def size_of(messages: Sequence[Messages]) -> int:
-    """The size of their records, bytes."""
-    return sum(
-        len(one.moments) * MESSAGE_HEAD.size
-        + (one.data.size if isinstance(one.data, np.ndarray) else sum(map(len, one.data)))
-        for one in messages
-    )
-
-
 def chunk_of(messages: Sequence[Messages]) -> tuple[NDArray[np.uint8], ChunkIndex]:
     """Return the records of messages as bytes, and their index.
 

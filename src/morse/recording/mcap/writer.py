@@ -20,8 +20,13 @@ if TYPE_CHECKING:
     from morse.recording.mcap.records import Message
 
 _COMPRESSION = "zstd"
-#: a fast level, and one that takes half the time for files that are a third larger
-_LEVEL, _QUICK_LEVEL = 1, -5
+#: a fast level: the next one takes a fifth more time for files that are a hundredth smaller
+_LEVEL = 1
+#: average size of records, bytes, above which repetitions are looked for in the whole chunk: pictures are data fields,
+#: and are in messages of ROS. For small records that takes half the time again, and finds little
+_LARGE = 4096
+#: logarithm of the distance of repetitions, bytes: that between the fields of a chunk and the messages
+_WINDOW = 25
 
 
 class _Named(NamedTuple):
@@ -54,9 +59,11 @@ class McapWriter:
         self._attachments: list[_Named] = []
         self._metadata: list[_Named] = []
         # the checksum of the compressed frame takes a quarter of the time of that of the chunk, which may be omitted
-        self._compressor, self._quick_compressor = (
-            zstandard.ZstdCompressor(level=level, write_checksum=True) for level in (_LEVEL, _QUICK_LEVEL)
+        self._compressor = zstandard.ZstdCompressor(level=_LEVEL, write_checksum=True)
+        far = zstandard.ZstdCompressionParameters.from_level(
+            _LEVEL, enable_ldm=True, window_log=_WINDOW, write_checksum=True
         )
+        self._far_compressor = zstandard.ZstdCompressor(compression_params=far)
         self._write(records.MAGIC + records.header(profile, f"morse {__version__}"))
 
     def _write(self, *parts: bytes | memoryview) -> int:
@@ -106,40 +113,22 @@ class McapWriter:
             index = index_of({number: np.array(entry, dtype=np.int64) for number, entry in entries.items()})
             self.encoded(memoryview(plain), index)
 
-    def encoded(self, plain: memoryview, index: ChunkIndex, *, quickly: bool = False) -> None:
+    def encoded(self, plain: memoryview, index: ChunkIndex) -> None:
         """Write encoded messages, compressed and with an index.
 
         Args:
             plain: their records, as bytes.
             index: their positions in ``plain``.
-            quickly: spend less time on compression.
         """
-        compressed = (self._quick_compressor if quickly else self._compressor).compress(plain)
-        head = self._head(index, len(plain), len(compressed))
-        self._written(self._write(head, compressed, index.records), index, len(plain), len(compressed))
-
-    def packed(self, packed: memoryview, size: int, plain: int, index: ChunkIndex) -> None:
-        """Write compressed messages.
-
-        Args:
-            packed: `records.CHUNK_ROOM` bytes, which are replaced; the compressed records; those of the index.
-            size: of the compressed records, bytes.
-            plain: size of the records, bytes.
-            index: their positions.
-        """
-        packed[: records.CHUNK_ROOM] = self._head(index, plain, size)
-        self._written(self._write(packed), index, plain, size)
-
-    @staticmethod
-    def _head(index: ChunkIndex, plain: int, compressed: int) -> bytes:
-        return records.chunk_head(index.start, index.end, plain, _COMPRESSION, compressed)
-
-    def _written(self, offset: int, index: ChunkIndex, plain: int, compressed: int) -> None:
-        length = records.CHUNK_ROOM + compressed
-        place, size = offset + length, len(index.records)
-        places = {number: place + at for number, at in index.places.items()}
+        is_large = len(plain) > _LARGE * sum(index.counts.values())
+        compressed = (self._far_compressor if is_large else self._compressor).compress(plain)
+        sizes = len(compressed), len(plain)
+        head = records.chunk_head(index.start, index.end, sizes[1], _COMPRESSION, sizes[0])
+        offset = self._write(head, compressed, index.records)
+        length = records.CHUNK_ROOM + len(compressed)
+        places = {number: offset + length + at for number, at in index.places.items()}
         self._chunks.append(
-            records.ChunkPlace(index.start, index.end, offset, length, places, size, _COMPRESSION, compressed, plain)
+            records.ChunkPlace(index.start, index.end, offset, length, places, len(index.records), _COMPRESSION, *sizes)
         )
         counts = self._counts
         for number, count in index.counts.items():
