@@ -37,7 +37,7 @@ class Pair:
             for i in range(COUNT):
                 self.together.game_object(f"robot{i}").drive((v, 0, 0), (0, 0, w), position=position, ground=grounded)
                 assert self.fleet.adopt(i)
-        self.together.drive_fleet(self.fleet)
+        self.fleet.drive()
         for i in range(COUNT):
             self.alone.game_object(f"robot{i}").drive((v, 0, 0), (0, 0, w), position=position, ground=grounded)
         for each in (self.together, self.alone):
