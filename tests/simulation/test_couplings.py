@@ -90,7 +90,7 @@ def test_paths_are_as_long_as_in_the_file(sim) -> None:
     model = sim.context.world.model
     assert plain.ntendon == model.ntendon == 3
     for number in range(plain.ntendon):
-        mine = model.tendon(f"gym.arm/tendon {plain.tendon(number).name}").id
+        mine = model.tendon(f"gym.arm/{plain.tendon(number).name}").id
         assert model.tendon_length0[mine] == pytest.approx(plain.tendon_length0[number], abs=1e-9)
 
 

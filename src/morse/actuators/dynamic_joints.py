@@ -79,9 +79,9 @@ class DynamicJoints(JointServices):
                 if name in self._controls:
                     self.local_data[name] = self._values[number] = 0.0
 
-            for slot in self._motors.tendon_motors:
-                self._tendons[slot.motor.name] = slot.motor.commands
-                self._pulled[slot.motor.name] = self.local_data[slot.motor.name] = slot.start
+            for motor in self._motors.file_motors:
+                self._tendons[motor.name] = motor.commands
+                self._pulled[motor.name] = self.local_data[motor.name] = motor.start
 
     def _named(self, control: Control) -> tuple[str, ...]:
         return tuple(name for name in self.joints if self._controls.get(name, Control.POSITION) is control)

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 _MARKS = ("package.xml", "model.config", "manifest.xml")
 #: variables of ROS and Gazebo that list folders of packages and models
 _VARIABLES = ("ROS_PACKAGE_PATH", *search.MODEL_PATHS)
+#: files that mark the folder of a project whose models share meshes
+_PROJECT_MARKS = (".git", "pyproject.toml", "setup.py", "__init__.py")
 #: maximum number of folders above a model that are searched for its package
 _LEVELS = 4
 
@@ -30,8 +32,8 @@ def find_near(name: str, model: Path) -> Path:
     A package is a folder above the model, a folder beside one of these folders, or a folder in ROS_PACKAGE_PATH,
     GZ_SIM_RESOURCE_PATH and the like, or directly below one of them. After symbolic links are resolved, a file must be
     in the package of the model, or in a folder of these variables, of MORSE_RESOURCE_PATH or of the project. If no file
-    marks the package of the model, the folder of the model and its parent are used. The models of a world may also be
-    in a folder ``models`` beside its own.
+    marks the package of the model, the folder of the model and its parent are used, and the Python package or the
+    repository that contains them. The models of a world may also be in a folder ``models`` beside its own.
 
     Raises:
         FileRefusedError: the file does not exist, or is in another folder.
@@ -77,9 +79,20 @@ def _folders(model: Path) -> Iterator[Path]:
         yield above[0]
     elif folder.parent != Path(folder.anchor):
         yield folder.parent
+        yield from _project(folder)
     yield from search.resource_dirs()
     yield from search.component_dirs()
     yield from _listed()
+
+
+def _project(folder: Path) -> Iterator[Path]:
+    """The folder of the Python package or the repository of a model, if it is a few folders above."""
+    for one in list(folder.parents)[:_LEVELS]:
+        if one in (Path(one.anchor), Path.home()):
+            return
+        if any((one / mark).exists() for mark in _PROJECT_MARKS):
+            yield one
+            return
 
 
 def _listed() -> list[Path]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 from xml.parsers import expat
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 #: maximum size, bytes, and maximum depth of nested elements
 MOST_BYTES, _DEEPEST = 64 << 20, 200
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 
 def read_xml(path: Path) -> ElementTree.Element:
@@ -31,7 +33,8 @@ def read_xml(path: Path) -> ElementTree.Element:
 
 def parse_xml(data: bytes, path: Path) -> ElementTree.Element:
     """Return the root element of the content of a file; see `read_xml`."""
-    data = data.strip()
+    # several programs write "--" into comments
+    data = _COMMENT.sub(b"", data.strip()).strip()
     _check(data, path)
     try:
         return ElementTree.fromstring(data)

@@ -254,6 +254,7 @@ class World(ObjectWorld):
                 getattr(self.model, name)[:] = values
         self.bodies.moved_shapes.reset()
         mujoco.mj_resetData(self.model, self.data)
+        self._start_joints()
         self._hold_joints()
         self.gliding.reset()
         self._steps.reset()
@@ -276,6 +277,13 @@ class World(ObjectWorld):
             forward(self, self._hold_joints)
         kinematics.refresh(self)
 
+    def _start_joints(self) -> None:
+        """Set the initial values of joints; keyframes have others than those of the bodies of the file."""
+        for joints in self.joints.values():
+            for joint in joints.values():
+                if joint.width == 1:
+                    self.data.qpos[joint.qpos] = joint.start
+
     def _hold_joints(self) -> None:
         """Set the setpoints of the motors of joints to the initial positions."""
         for joints in self.joints.values():
@@ -284,7 +292,7 @@ class World(ObjectWorld):
                     holds = motors.control_of(self.model.actuator_biasprm[joint.actuator]) is Control.POSITION
                     self.data.ctrl[joint.actuator] = joint.start if holds else 0.0
 
-        for motor in self.tendon_motors:
+        for motor in self.file_motors:
             self.data.ctrl[motor.actuator] = motor.start
 
     def step(self) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from morse.scene.couplings import Couplings
+from morse.scene.mjcf import MjcfModel  # noqa: TC001 (recordings read the annotations)
 
 #: property of an armature: whether the physics moves its joints
 DYNAMIC = "Dynamic"
@@ -83,8 +84,9 @@ class Articulation:
         mass: mass of all links together, kg; 0 if the file has no masses.
         self_collision: whether links collide with each other. Links that are connected by a joint never collide.
         apart: pairs of links that do not collide, by their names in the file.
-        couplings: tendons and constraints.
+        couplings: constraints.
         control: joint to the quantity that its motor controls, if it differs from the file.
+        model: the MJCF model of the robot, from which the engine takes its bodies; None for other formats.
     """
 
     mass: float = 0.0
@@ -92,3 +94,4 @@ class Articulation:
     apart: tuple[tuple[str, str], ...] = ()
     control: tuple[tuple[str, Control], ...] = ()
     couplings: Couplings = field(default_factory=Couplings)
+    model: MjcfModel | None = None

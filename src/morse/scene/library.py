@@ -11,6 +11,19 @@ if TYPE_CHECKING:
     from morse.scene.node import Node
 
 
+@dataclass(frozen=True, slots=True)
+class Keyframe:
+    """A pose of a robot that its file names.
+
+    Attributes:
+        joints: joint to its value, rad or m; four values, a quaternion w, x, y, z, for a ball.
+        place: position (m) and quaternion of a free robot, or None.
+    """
+
+    joints: dict[str, tuple[float, ...]]
+    place: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+
+
 @dataclass(eq=False, slots=True)
 class Library:
     """The nodes of one file, in the order in which the file lists them.
@@ -28,6 +41,7 @@ class Library:
         robot: name of the root that is the robot if a robot is loaded from the file of a world; empty if all objects of
             the file belong to one robot.
         has_free_joints: whether joints move freely until a robot drives them.
+        keyframes: poses of the robot by name.
         warnings: warnings for the user about what could not be read, one sentence each.
     """
 
@@ -40,6 +54,7 @@ class Library:
     sensors: list[DeclaredSensor] = field(default_factory=list)
     robot: str = ""
     has_free_joints: bool = False
+    keyframes: dict[str, Keyframe] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
     def nodes(self) -> list[Node]:

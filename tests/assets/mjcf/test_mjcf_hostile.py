@@ -35,8 +35,8 @@ def robot(inside: str = BODY, more: str = "") -> str:
         (robot('<body><geom type="cone" size="1"/></body>'), "the engine refuses it.*cone"),
         (robot('<body name="b" pos="0 0 1e12"><geom size="0.1"/></body>'), "body 'b' has a length of 1e"),
         (robot('<body name="b"><geom size="0.1" mass="1e12"/></body>'), "body 'b' has a mass of 1e"),
-        (robot(f'<replicate count="1e6">{BODY}</replicate>'), "more than 1000 copies"),
-        (robot(f'<replicate count="40"><replicate count="40">{BODY}</replicate></replicate>'), "more than 1000 copies"),
+        (robot(f'<replicate count="1e6">{BODY}</replicate>'), "1000000 elements <body>"),
+        (robot(f'<replicate count="90"><replicate count="90">{BODY}</replicate></replicate>'), "8100 elements <body>"),
         (
             "<mujoco>" + "<worldbody>" * 300 + "</worldbody>" * 300 + "</mujoco>",
             "elements are nested more than 200 deep",

@@ -34,20 +34,24 @@ class Bones:
         bones: parents before their children.
         places: 4x4 of each body in the model when all joints have the values of the file.
         hung: body to the index of the bone that carries it, -1 for none, and its 4x4 in the frame of the bone.
+        motors: joint to the name of its motor.
         warnings: differences from the file, one sentence each.
     """
 
-    def __init__(self, model: ModelData, bodies: list[int]) -> None:
+    def __init__(self, model: ModelData, bodies: list[int], base: int | None = None) -> None:
         self._model = model
         self.bones: list[Bone] = []
         self.places: dict[int, Matrix] = {0: Matrix.Identity(4)}
         self.hung: dict[int, tuple[int, Matrix]] = {}
+        self.motors: dict[str, str] = {}
         self.warnings: list[str] = []
         self._frames: list[Matrix] = []
         self._bone_of: dict[int, int] = {}
         for index in bodies:
             body = model.bodies[index]
-            self.places[index] = self.places[body.parent] @ pose(body.position, body.quaternion)
+            # the free body is the origin
+            here = Matrix.Identity(4) if index == base else pose(body.position, body.quaternion)
+            self.places[index] = self.places[body.parent] @ here
             self._add(index, body)
         self._let_follow()
 
@@ -93,22 +97,19 @@ class Bones:
                 free=(False, False, kind is JointKind.REVOLUTE),
                 low=low,
                 high=high,
-                value=min(max(joint.start, low), high),
+                value=joint.start,
                 dynamics=self._dynamics(number, joint),
             )
         )
         self._bone_of.setdefault(number, index)
         return index
 
-    @property
-    def names(self) -> dict[int, str]:
-        """Joint of the model to the name of its bone."""
-        return {joint: self.bones[bone].name for joint, bone in self._bone_of.items()}
-
     # -- motors ----------------------------------------------------------------------------
 
     def _dynamics(self, number: int, joint: JointData) -> JointDynamics:
-        motor = next((one for one in self._model.motors if one.joint == number and one.gear), None)
+        motor = next((one for one in self._model.motors if one.joint == number and one.gear and one.is_direct), None)
+        if motor is not None:
+            self.motors[joint.name] = motor.name
         control, gain, slowing, effort = _drive(motor)
         return JointDynamics(
             damping=max(joint.damping, 0.0),
@@ -145,8 +146,6 @@ def _drive(motor: MotorData | None) -> tuple[Control, float | None, float | None
         return Control.EFFORT, None, None, math.inf
     gear, most = abs(motor.gear), abs(motor.gear) * motor.force
     stiffness, slowing = -motor.bias[1] * gear * gear, -motor.bias[2] * gear * gear
-    if not motor.is_direct and not stiffness:
-        return Control.EFFORT, None, None, most
     if stiffness > 0.0:
         return Control.POSITION, stiffness, max(slowing, 0.0), most
     if slowing > 0.0:

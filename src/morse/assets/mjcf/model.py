@@ -14,14 +14,12 @@ import mujoco
 import numpy as np
 
 from morse.assets.errors import AssetError
-from morse.assets.mjcf.couplings import CouplingReader
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from numpy.typing import NDArray
 
     from morse.assets.mjcf.source import Source
+    from morse.scene.mjcf import MjcfFile
 
 _OBJECTS = {
     "body": mujoco.mjtObj.mjOBJ_BODY,
@@ -52,6 +50,7 @@ class BodyData:
     inertial: tuple[float, tuple[float, ...], tuple[float, ...], tuple[float, ...]]
     joints: list[int] = field(default_factory=list)
     geoms: list[int] = field(default_factory=list)
+    is_mocap: bool = False
 
 
 @dataclass(slots=True)
@@ -87,6 +86,7 @@ class GeomData:
     Attributes:
         mesh: vertices (V, 3) and triangles (T, 3), or None.
         heights: of a height field, (R, C) m, rows along Y; or None.
+        contact: contact parameters, see `morse.scene.mjcf.MjcfModel.ground`.
         masks: the bits of its type, and the bits of the types that it collides with (``contype``, ``conaffinity``).
     """
 
@@ -97,7 +97,7 @@ class GeomData:
     quaternion: tuple[float, ...]
     color: tuple[float, ...]
     group: int
-    friction: float
+    contact: tuple[float, ...]
     masks: tuple[int, int]
     mesh: tuple[NDArray[np.float32], NDArray[np.int32]] | None
     heights: NDArray[np.float64] | None = None
@@ -110,7 +110,8 @@ class MotorData:
     Attributes:
         gear: effort of the joint divided by the force of the actuator.
         gain, bias: constants of the actuator: force = gain * control + bias[0] + bias[1] * length + bias[2] * velocity.
-        is_direct: whether the force is linear in the control, without dynamics of the actuator.
+        is_direct: whether it is a motor for a position, a velocity or an effort: the force is linear in the control,
+            without dynamics of the actuator.
         force: largest force, or infinity.
         control: largest control, or infinity.
     """
@@ -147,14 +148,16 @@ class ModelData:
     """A model.
 
     Attributes:
+        file: the model as the engine reads it.
         bodies: the world first; parents are before their children.
         follows: joints that follow another joint: (joint, leader, factor, offset).
         apart: pairs of bodies that do not collide.
         lost: unsupported features of the file, one sentence each.
-        handled: the constraints that are in ``follows``.
-        couplings: returns a reader of tendons and constraints, given the names of links and bones.
+        step: time step, s.
+        keyframes: name to the joint values of each joint (number of the joint to values).
     """
 
+    file: MjcfFile
     bodies: list[BodyData]
     joints: list[JointData]
     geoms: list[GeomData]
@@ -163,8 +166,8 @@ class ModelData:
     follows: list[tuple[int, int, float, float]]
     apart: list[tuple[int, int]]
     lost: list[str]
-    handled: frozenset[int]
-    couplings: Callable[[Mapping[int, str], Mapping[int, str]], CouplingReader]
+    keyframes: dict[str, dict[int, tuple[float, ...]]]
+    step: float = 0.002
 
 
 def compiled(source: Source) -> ModelData:
@@ -173,22 +176,22 @@ def compiled(source: Source) -> ModelData:
     Raises:
         AssetError: the engine refuses it; the message contains the reason.
     """
+    file = source.file()
     try:
         with warnings.catch_warnings():
             # warnings of the engine are for authors of MJCF
             warnings.simplefilter("ignore")
-            model = mujoco.MjSpec.from_string(source.text, assets=source.meshes).compile()
+            model = file.spec().compile()
     except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
         reason = ", ".join(str(error).split("\n"))
         raise AssetError(source.path, f"the engine refuses it: {reason:.300}") from None
-    return _Reading(model).data()
+    return _Reading(model, file).data()
 
 
 class _Reading:
-    def __init__(self, model: mujoco.MjModel) -> None:
-        self.model = model
+    def __init__(self, model: mujoco.MjModel, file: MjcfFile) -> None:
+        self.model, self.file = model, file
         self.lost: list[str] = []
-        self.handled: set[int] = set()
         self._meshes: dict[int, tuple[NDArray[np.float32], NDArray[np.int32]]] = {}
 
     def name(self, kind: str, index: int) -> str:
@@ -205,19 +208,18 @@ class _Reading:
             bodies[m.geom_bodyid[index]].geoms.append(index)
         motors = [motor for index in range(m.nu) if (motor := self.motor(index)) is not None]
         sensors = [*self.cameras(), *self.sensors()]
-        follows = self.follows()
-        handled = frozenset(self.handled)
         return ModelData(
+            self.file,
             bodies,
             joints,
             geoms,
             motors,
             sensors,
-            follows,
+            self.follows(),
             self.apart(),
             self.lost,
-            handled,
-            lambda links, bones: CouplingReader(m, links, bones, handled),
+            self.keyframes(),
+            float(m.opt.timestep),
         )
 
     def body(self, index: int) -> BodyData:
@@ -234,6 +236,7 @@ class _Reading:
             _row(m.body_pos[index]),
             _row(m.body_quat[index]),
             inertial,
+            is_mocap=bool(m.body_mocapid[index] >= 0),
         )
 
     def joint(self, index: int) -> JointData:
@@ -265,7 +268,7 @@ class _Reading:
         plain = np.allclose(m.geom_rgba[index], (0.5, 0.5, 0.5, 1.0))
         color = m.mat_rgba[material] if material >= 0 and plain else m.geom_rgba[index]
         field = int(m.geom_dataid[index]) if kind == "hfield" else -1
-        counts = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
+        counts = {"plane": 3, "sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
         return GeomData(
             self.name("geom", index),
             kind,
@@ -274,7 +277,12 @@ class _Reading:
             _row(m.geom_quat[index]),
             _row(color),
             int(m.geom_group[index]),
-            float(m.geom_friction[index][0]),
+            (
+                *_row(m.geom_friction[index]),
+                *_row(m.geom_solref[index]),
+                *_row(m.geom_solimp[index]),
+                *(float(a[index]) for a in (m.geom_solmix, m.geom_margin, m.geom_gap, m.geom_condim, m.geom_priority)),
+            ),
             (int(m.geom_contype[index]), int(m.geom_conaffinity[index])),
             mesh,
             self.heights(field) if field >= 0 else None,
@@ -302,20 +310,23 @@ class _Reading:
         joint = int(m.actuator_trnid[index][0])
         at_joint = int(m.actuator_trntype[index]) in (0, 1) and m.jnt_type[joint] in (2, 3)
         if not at_joint:
-            if int(m.actuator_trntype[index]) != int(mujoco.mjtTrn.mjTRN_TENDON):
-                self.lost.append(f"the motor '{name}' does not move a single joint; it is ignored")
             return None
         gains, bias = m.actuator_gainprm[index], m.actuator_biasprm[index]
         affine = int(m.actuator_biastype[index]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
         fixed = int(m.actuator_gaintype[index]) == int(mujoco.mjtGain.mjGAIN_FIXED)
-        simple = int(m.actuator_biastype[index]) == int(mujoco.mjtBias.mjBIAS_NONE) or affine
+        plain = affine or int(m.actuator_biastype[index]) == int(mujoco.mjtBias.mjBIAS_NONE)
+        static = int(m.actuator_dyntype[index]) == int(mujoco.mjtDyn.mjDYN_NONE)
+        gain, stiffness, slowing = float(gains[0]), -float(bias[1]) * affine, -float(bias[2]) * affine
+        pull = stiffness or slowing or gain
+        low, high = m.actuator_forcerange[index] if m.actuator_forcelimited[index] else (-1.0, 1.0)
+        linear = fixed and plain and static and gain > 0.0 and not (affine and bias[0]) and low == -high
         return MotorData(
             name,
             joint,
             float(m.actuator_gear[index][0]),
             float(gains[0]),
             (float(bias[0]), float(bias[1]), float(bias[2])) if affine else (0.0, 0.0, 0.0),
-            fixed and simple and int(m.actuator_dyntype[index]) == int(mujoco.mjtDyn.mjDYN_NONE),
+            bool(linear and min(stiffness, slowing) >= 0.0 and abs(gain - pull) <= 1e-9 * gain),
             float(abs(m.actuator_forcerange[index]).max()) if m.actuator_forcelimited[index] else np.inf,
             float(abs(m.actuator_ctrlrange[index]).max()) if m.actuator_ctrllimited[index] else np.inf,
         )
@@ -370,11 +381,23 @@ class _Reading:
                 continue
             if not m.eq_active0[index] or any(one == joint for joint, *_ in couplings):
                 continue
-            self.handled.add(index)
             factor = float(m.eq_data[index][1])
             start, leading = (float(m.qpos0[m.jnt_qposadr[joint]]) for joint in (one, other))
             couplings.append((one, other, factor, start + float(m.eq_data[index][0]) - factor * leading))
         return couplings
+
+    def keyframes(self) -> dict[str, dict[int, tuple[float, ...]]]:
+        m = self.model
+        widths = {0: 7, 1: 4, 2: 1, 3: 1}
+        values: dict[str, dict[int, tuple[float, ...]]] = {}
+        for index in range(m.nkey):
+            name = mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_KEY, index) or str(index)
+            qpos = m.key_qpos[index]
+            values[name] = {
+                joint: _row(qpos[start : start + widths[int(m.jnt_type[joint])]])
+                for joint, start in enumerate(m.jnt_qposadr.tolist())
+            }
+        return values
 
     def apart(self) -> list[tuple[int, int]]:
         return [(int(signature) >> 16, int(signature) & 0xFFFF) for signature in self.model.exclude_signature]

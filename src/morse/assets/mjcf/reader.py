@@ -8,29 +8,35 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.assets.errors import AssetError
+from morse.assets.mjcf.groups import groups_of
 from morse.assets.mjcf.joints import Bones, pose
 from morse.assets.mjcf.sensors import sensors_of
 from morse.assets.mjcf.shapes import shape_node
+from morse.assets.mjcf.sizes import check_sizes
 from morse.assets.mjcf.source import Source
 from morse.mathutils import Matrix
 from morse.mathutils.portable import matmul
 from morse.scene import Articulation, BodySettings, Inertial, Library, Node, NodeKind, PhysicsType
 from morse.scene.bone_frames import start_frames
+from morse.scene.library import Keyframe
+from morse.scene.mjcf import DEFAULT_CONTACT, MjcfModel
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.assets.mjcf.groups import Group
     from morse.assets.mjcf.model import BodyData, ModelData
 
 _LIGHTEST = 1e-3
-#: largest accepted length, m, and mass, kg
-_FARTHEST, _HEAVIEST = 1e6, 1e9
-#: maximum number of bodies, and maximum depth of the tree of bodies
-_MOST_BODIES, _DEEPEST = 2000, 200
+#: height of a plane that is the floor, m
+_FLOOR = 1e-3
 
 
 def read_mjcf(path: str | Path) -> Library:
     """Read a robot.
 
     Its bodies become nodes with the same names below the armature ``<model>_joints``, whose bones are the joints.
+    Further bodies become objects. The origin of a free robot is that of its free body.
 
     Raises:
         AssetError: the file is broken, or the engine refuses it.
@@ -47,55 +53,35 @@ class _Reader:
         self.source, self.model = source, model
         self.warnings = [*source.warnings, *dict.fromkeys(model.lost)]
         self._names: set[str] = set()
+        #: name of the node of a shape to the number of the geom
+        self._shape_of: dict[str, int] = {}
 
     def library(self) -> Library:
-        self._demand_usual_sizes()
+        check_sizes(self.model, self.source.path)
+        self._ground = self._floor()
         if len(self.model.bodies) == 1:
             return self._terrain()
-        robot_bodies, base = self._choose()
-        bones = Bones(self.model, robot_bodies)
-        self.warnings += bones.warnings
-        mass = sum(self.model.bodies[index].inertial[0] for index in robot_bodies)
-        body = BodySettings(
-            type=PhysicsType.STATIC if base is None else PhysicsType.RIGID_BODY,
-            compound=True,
-            mass=max(mass, _LIGHTEST),
-        )
         name = self.source.name
         self._names = {name, f"{name}_joints"}
-        root = Node(name, body=body, source_name=name)
-        armature = Node(f"{name}_joints", NodeKind.ARMATURE, source_name=f"{name}_joints")
-        armature.bones = tuple(bones.bones)
-        root.attach(armature)
-        links = {index: self._link_name(index) for index in (*robot_bodies, 0)}
-        apart = tuple((links[a], links[b]) for a, b in self._apart(robot_bodies))
-        # a robot that is free cannot be tied to the world
-        places = {index: name for index, name in links.items() if index or base is None}
-        reading = self.model.couplings(places, bones.names)
-        couplings = reading.read()
-        self.warnings += dict.fromkeys(reading.lost)
-        armature.articulation = Articulation(mass=mass, self_collision=True, apart=apart, couplings=couplings)
-        root.articulation = Articulation(mass=mass)
-        frames = []
-        for (x, y, z), r in start_frames(armature.bones):
-            frame = Matrix((r[:3], r[3:6], r[6:])).to_4x4()
-            frame.translation = (x, y, z)
-            frames.append(frame)
-        for index in robot_bodies:
-            bone, local = bones.hung[index]
-            place = local if bone < 0 else frames[bone] @ local
-            link = self._link(links[index], self.model.bodies[index])
-            link.bone = armature.bones[bone].name if bone >= 0 else ""
-            link.location, link.rotation_euler = list(place.translation), list(place.to_euler())
-            armature.attach(link)
-        world = Node(links[0], source_name=links[0])
-        self._add_shapes(world, self.model.bodies[0])
-        if world.children and base is None:
-            armature.attach(world)
-        elif world.children:
-            self.warnings.append(f"{len(world.children)} shapes of the world are ignored, because the robot is free")
-        sensors, remarks = sensors_of(self.model, {index: links[index] for index in robot_bodies})
-        return Library(str(self.source.path), roots=[root], sensors=sensors, warnings=[*self.warnings, *remarks])
+        robot, *others = groups_of(self.model, self.source.path)
+        root, links = self._body(robot, name)
+        objects = [self._object(group) for group in others]
+        if robot.base is not None and not any(group.base is None for group in others):
+            ground = Node(self._name(f"{name}_world"))
+            self._add_shapes(ground, self.model.bodies[0])
+            if ground.children:
+                ground.body = BodySettings(type=PhysicsType.STATIC)
+                ground.articulation = Articulation(model=self._part((), (), ground, {}))
+                objects.append(ground)
+        sensors, remarks = sensors_of(self.model, links)
+        return Library(
+            str(self.source.path),
+            roots=[root, *objects],
+            robot=root.name if objects else "",
+            sensors=sensors,
+            keyframes=self._keyframes(robot),
+            warnings=[*self.warnings, *remarks],
+        )
 
     def _terrain(self) -> Library:
         """A file without bodies: the shapes of its world."""
@@ -104,62 +90,87 @@ class _Reader:
         self._add_shapes(root, self.model.bodies[0])
         if not root.children:
             raise AssetError(self.source.path, "it has no bodies and no shapes")
+        root.articulation = Articulation(model=self._part((), (), root, {}))
         return Library(str(self.source.path), roots=[root], warnings=self.warnings)
 
-    def _demand_usual_sizes(self) -> None:
-        """Refuse lengths and masses that are too large for the physics."""
+    # -- bodies ----------------------------------------------------------------------------
+
+    def _object(self, group: Group) -> Node:
+        """Return the node of bodies that do not belong to the robot."""
+        name = f"{self.source.name}_world" if group.base is None else self.model.bodies[group.base].name
+        name = self._name(name)
+        self._names.add(f"{name}_joints")
+        return self._body(group, name)[0]
+
+    def _body(self, group: Group, name: str) -> tuple[Node, dict[int, str]]:
+        """Return the node of a group, and the names of the nodes of its bodies."""
+        model, base = self.model, group.base
+        bones = Bones(model, list(group.bodies), base)
+        self.warnings += bones.warnings
+        mass = sum(model.bodies[index].inertial[0] for index in group.bodies)
+        body = BodySettings(
+            type=PhysicsType.STATIC if base is None else PhysicsType.RIGID_BODY,
+            compound=True,
+            mass=max(mass, _LIGHTEST),
+            linear_damping=0.0,
+            angular_damping=0.0,
+        )
+        root = Node(name, body=body, source_name=name)
+        armature = Node(f"{name}_joints", NodeKind.ARMATURE, source_name=f"{name}_joints")
+        armature.bones = tuple(bones.bones)
+        root.attach(armature)
+        links = {index: self._name(model.bodies[index].name, "_link") for index in group.bodies}
+        frames = []
+        for (x, y, z), r in start_frames(armature.bones):
+            frame = Matrix((r[:3], r[3:6], r[6:])).to_4x4()
+            frame.translation = (x, y, z)
+            frames.append(frame)
+        for index in group.bodies:
+            bone, local = bones.hung[index]
+            place = local if bone < 0 else frames[bone] @ local
+            link = self._link(links[index], model.bodies[index])
+            link.bone = armature.bones[bone].name if bone >= 0 else ""
+            link.location, link.rotation_euler = list(place.translation), list(place.to_euler())
+            armature.attach(link)
+        if base is None:
+            world = Node(self._name("world"), source_name="world")
+            self._add_shapes(world, model.bodies[0])
+            if world.children:
+                armature.attach(world)
+        else:
+            here = pose(model.bodies[base].position, model.bodies[base].quaternion)
+            root.location, root.rotation_euler = list(here.translation), list(here.to_euler())
+        both = {*group.bodies, 0}
+        apart = tuple((links[a], links[b]) for a, b in model.apart if {a, b} <= both - {0})
+        part = self._part(group.tops, group.bodies, root, links, bones)
+        armature.articulation = Articulation(mass=mass, self_collision=True, apart=apart)
+        root.articulation = Articulation(mass=mass, model=part)
+        return root, links
+
+    def _part(
+        self, tops: Iterable[int], bodies: Iterable[int], root: Node, links: dict[int, str], bones: Bones | None = None
+    ) -> MjcfModel:
+        """Return the part of the model that belongs to a node."""
         model = self.model
-        lengths = [
-            *(("body", one.name, one.position) for one in model.bodies),
-            *(("joint", one.name, (*one.position, *(one.limits or ()))) for one in model.joints if one.kind == "slide"),
-            *(("shape", one.name, (*one.position, *one.size)) for one in model.geoms if one.kind != "plane"),
-        ]
-        for what, name, values in lengths:
-            largest = max(map(abs, values), default=0.0)
-            if not largest <= _FARTHEST:
-                raise AssetError(
-                    self.source.path,
-                    f"the {what} '{name:.60}' has a length of {largest:.3g} m, more than {_FARTHEST:g} m",
-                )
-        for body in model.bodies:
-            if not body.inertial[0] <= _HEAVIEST:
-                raise AssetError(
-                    self.source.path,
-                    f"the body '{body.name:.60}' has a mass of {body.inertial[0]:.3g} kg, more than {_HEAVIEST:g} kg",
-                )
-
-    def _choose(self) -> tuple[list[int], int | None]:
-        """Return the bodies of the robot, parents first, and the free body; None for the latter if it is fixed."""
-        bodies, joints = self.model.bodies, self.model.joints
-        if len(bodies) > _MOST_BODIES:
-            raise AssetError(self.source.path, f"it has {len(bodies)} bodies, more than {_MOST_BODIES}")
-        tops = [index for index in range(1, len(bodies)) if bodies[index].parent == 0]
-        if not tops:
-            raise AssetError(self.source.path, "it has no bodies")
-        free = [i for i in tops if any(joints[joint].kind == "free" for joint in bodies[i].joints)]
-        base = free[0] if free and len(free) == len(tops) else None
-        others = [index for index in free if index != base]
-        if others:
-            names = ", ".join(f"'{bodies[index].name:.60}'" for index in others[:5])
-            self.warnings.append(f"a robot has at most one free body; {names} are ignored")
-        robot_bodies: list[int] = []
-        depth = {0: 0}
-        for index in range(1, len(bodies)):
-            parent = bodies[index].parent
-            if index in others or parent not in depth:
-                continue
-            depth[index] = depth[parent] + 1
-            if depth[index] > _DEEPEST:
-                raise AssetError(self.source.path, f"the tree of bodies is deeper than {_DEEPEST}")
-            robot_bodies.append(index)
-        return robot_bodies, base
-
-    def _link_name(self, index: int) -> str:
-        name = self.model.bodies[index].name
-        while name in self._names:
-            name += "_link"
-        self._names.add(name)
-        return name
+        geoms = {number: geom.name for number, geom in enumerate(model.geoms)}
+        base = next(
+            (top for top in tops if any(model.joints[j].kind == "free" for j in model.bodies[top].joints)), None
+        )
+        names = [model.bodies[top].name for top in tops]
+        return MjcfModel(
+            model.file,
+            tuple(names if base is not None else [*names, "world"]),
+            base="" if base is None else model.bodies[base].name,
+            links={links[index]: model.bodies[index].name for index in bodies},
+            shapes={
+                node.source_name or node.name: geoms[self._shape_of[node.source_name or node.name]]
+                for node in root.walk()
+                if (node.source_name or node.name) in self._shape_of
+            },
+            step=model.step,
+            motors={} if bones is None else bones.motors,
+            ground=self._ground,
+        )
 
     def _link(self, name: str, body: BodyData) -> Node:
         node = Node(name, source_name=name)
@@ -174,35 +185,46 @@ class _Reader:
         self._add_shapes(node, body)
         return node
 
+    # -- shapes ----------------------------------------------------------------------------
+
+    def _floor(self) -> tuple[float, ...]:
+        """Return the contact parameters of the plane that is the floor, and leave it out."""
+        floors = [
+            number
+            for number in self.model.bodies[0].geoms
+            if (geom := self.model.geoms[number]).kind == "plane"
+            and abs(geom.position[2]) <= _FLOOR
+            and abs(geom.quaternion[1]) + abs(geom.quaternion[2]) < 1e-6
+        ]
+        for number in floors:
+            self.model.bodies[0].geoms.remove(number)
+        return self.model.geoms[floors[0]].contact if floors else DEFAULT_CONTACT
+
     def _add_shapes(self, node: Node, body: BodyData) -> None:
         for number in body.geoms:
             geom = self.model.geoms[number]
-            if geom.kind in ("plane", "other"):
-                what = "plane: the environment provides the floor" if geom.kind == "plane" else "unknown shape"
-                if what not in " ".join(self.warnings):
-                    self.warnings.append(f"the shape '{geom.name:.60}' is ignored: {what}")
+            if geom.kind == "other":
+                self.warnings.append(f"the shape '{geom.name:.60}' is left out: it has an unknown type")
                 continue
-            name = geom.name
-            while name in self._names:
-                name += "_shape"
-            self._names.add(name)
+            name = self._name(geom.name, "_shape")
+            self._shape_of[name] = number
             node.attach(shape_node(geom, name))
 
-    def _apart(self, robot_bodies: list[int]) -> list[tuple[int, int]]:
-        """Return the pairs of bodies that the file excludes from collision, or whose masks exclude it."""
-        bodies, body_set = self.model.bodies, {*robot_bodies, 0}
-        pairs = [pair for pair in self.model.apart if set(pair) <= body_set]
-        masks = {i: [self.model.geoms[geom].masks for geom in bodies[i].geoms] for i in (*robot_bodies, 0)}
-        numbers = sorted(masks)
-        pairs += [
-            (one, other)
-            for position, one in enumerate(numbers)
-            for other in numbers[position + 1 :]
-            if masks[one] and masks[other] and not _meet(masks[one], masks[other])
-        ]
-        return pairs
+    def _name(self, name: str, suffix: str = "_") -> str:
+        while name in self._names:
+            name += suffix
+        self._names.add(name)
+        return name
 
+    # -- keyframes -------------------------------------------------------------------------
 
-def _meet(some: list[tuple[int, int]], others: list[tuple[int, int]]) -> bool:
-    """Whether any of the shapes collides with any of the others, by their masks."""
-    return any((a[0] & b[1]) or (b[0] & a[1]) for a in some for b in others)
+    def _keyframes(self, robot: Group) -> dict[str, Keyframe]:
+        own = {joint for body in robot.bodies for joint in self.model.bodies[body].joints}
+        keyframes = {}
+        for name, values in self.model.keyframes.items():
+            free = next((values[joint] for joint in own if self.model.joints[joint].kind == "free"), None)
+            keyframes[name] = Keyframe(
+                {self.model.joints[j].name: values[j] for j in own if self.model.joints[j].kind != "free"},
+                None if free is None else (free[:3], free[3:]),
+            )
+        return keyframes

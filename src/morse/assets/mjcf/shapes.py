@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 #: the viewers of MuJoCo hide shapes of this group and of higher groups
 _HIDDEN = 3
+#: half size of the plate that is shown for a plane: along its sides if it has no limit, and its half thickness, m
+_ENDLESS, _PLATE = 50.0, 0.05
 _KINDS = {
     "sphere": ShapeKind.SPHERE,
     "capsule": ShapeKind.CAPSULE,
@@ -34,7 +36,7 @@ def shape_node(geom: GeomData, name: str) -> Node:
     node.materials = [Material(name, (red, green, blue, alpha))]
     is_solid = any(geom.masks)
     if is_solid:
-        node.body = BodySettings(type=PhysicsType.STATIC, friction=geom.friction)
+        node.body = BodySettings(type=PhysicsType.STATIC)
     else:
         node.shapes = []
     if geom.mesh is not None:
@@ -49,9 +51,20 @@ def shape_node(geom: GeomData, name: str) -> Node:
         return node
     node.mesh, scale = _mesh(geom)
     node.scale = list(scale)
-    if is_solid:
+    if geom.kind == "plane":
+        # the top of a plate
+        axes = Quaternion(geom.quaternion).to_matrix()
+        node.location = [place - scale[2] * row[2] for place, row in zip(geom.position, axes, strict=True)]
+        if is_solid:
+            node.shapes = [CollisionShape(ShapeKind.BOX, scale)]
+    elif is_solid:
         node.shapes = [CollisionShape(_KINDS[geom.kind], geom.size)]
     return node
+
+
+def plane_box(size: tuple[float, ...]) -> tuple[float, float, float]:
+    """Return the half sizes of the plate that is shown for a plane; a size of 0 is no limit."""
+    return size[0] or _ENDLESS, size[1] or _ENDLESS, _PLATE
 
 
 def _mesh(geom: GeomData) -> tuple[Mesh, tuple[float, ...]]:
@@ -59,6 +72,8 @@ def _mesh(geom: GeomData) -> tuple[Mesh, tuple[float, ...]]:
     size = geom.size
     if geom.kind == "box":
         return solids.cube(), size
+    if geom.kind == "plane":
+        return solids.cube(), plane_box(size)
     if geom.kind == "ellipsoid":
         return solids.sphere(), size
     if geom.kind == "sphere":

@@ -7,6 +7,7 @@ requests. The text that it receives from here names no files, and has no element
 from __future__ import annotations
 
 import math
+import os
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, 
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.triangle_limit import check_parts
 from morse.assets.xml_files import read_xml
+from morse.scene.mjcf import MARKER, AttachedModel, MjcfFile
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -24,15 +26,13 @@ if TYPE_CHECKING:
 
 _MOST_ELEMENTS, _MOST_FILES = 100_000, 200
 _MOST_MESH_BYTES = 512 << 20
-#: maximum number of copies of parts in a file
-_MOST_COPIES = 1000
 _LARGEST = 1e15
 #: top-level elements that do not describe the robot
-_LEFT_OUT = ("keyframe", "visual", "statistic", "custom", "size", "option")
+_LEFT_OUT = ("visual", "statistic", "custom", "size")
 #: elements that are not supported
-_UNSUPPORTED = (
-    "attach", "composite", "deformable", "extension", "flex", "flexcomp", "model", "plugin", "skin",
-)  # fmt: skip
+_UNSUPPORTED = ("composite", "deformable", "extension", "flex", "flexcomp", "plugin", "skin")
+#: maximum number of models that attach each other
+_MOST_MODELS = 50
 #: attributes that request memory or name files
 _ATTRIBUTES = ("nsample", "delay", "interval", "plugin", "file", "fileleft", "fileright", "resolution")
 #: attributes with words that may look like numbers
@@ -42,19 +42,27 @@ _WORDS = ("name", "class", "childclass", "mesh", "material", "model")
 class Source:
     """The text for the engine, and the meshes that it requires.
 
+    Args:
+        path: the file.
+        main: the model that attaches this one.
+
     Attributes:
         name: name of the model.
-        text: MJCF.
-        meshes: name in the text to the content of the file.
+        meshes: name in the texts to the content of the file.
         warnings: ignored elements, one sentence each.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, main: Source | None = None) -> None:
         self.path = path
-        self.warnings: list[str] = []
-        self.meshes: dict[str, bytes] = {}
+        self._main: Source = main or self
+        self.warnings: list[str] = main.warnings if main else []
+        self.meshes: dict[str, bytes] = main.meshes if main else {}
+        self._texts: list[str] = main._texts if main else []
+        self._attached: dict[int, tuple[AttachedModel, ...]] = main._attached if main else {}
         self._files = self._elements = 0
         self._bytes = 0
+        number = len(self._texts)
+        self._texts.append("")
         root = self._read(path, ("mujoco",))
         self._include(root, path, [path])
         self.name = root.get("model") or path.stem
@@ -62,7 +70,13 @@ class Source:
         self._reduce(root)
         self._take_meshes(root)
         self._take_heights(root)
-        self.text = ElementTree.tostring(root, encoding="unicode")
+        self._attached[number] = tuple(self._take_models(root, number))
+        self._texts[number] = ElementTree.tostring(root, encoding="unicode")
+
+    def file(self) -> MjcfFile:
+        """Return everything that the engine requires."""
+        attached = tuple(self._attached[number] for number in range(len(self._texts)))
+        return MjcfFile(tuple(self._texts), self.meshes, attached)
 
     def _fail(self, message: str) -> AssetError:
         return AssetError(self.path, message)
@@ -102,10 +116,45 @@ class Source:
         # the path is relative to the model, or to the file that includes it
         for model in (self.path, path):
             try:
-                return find_near(name, model).absolute()
+                return self._near(name, model).absolute()
             except FileRefusedError as error:
                 reason = reason or error
         raise self._fail(f"the file {name[:200]!r} cannot be included: {reason}")
+
+    def _near(self, name: str, model: Path) -> Path:
+        """Return a file that a file of the model names; the package is that of the main model."""
+        main = self._main.path
+        if model.parent != main.parent and "://" not in name and not os.path.isabs(name):
+            name = os.path.relpath(model.parent / name.replace("\\", "/"), main.parent)
+        return find_near(name, main)
+
+    # -- attached models -------------------------------------------------------------------
+
+    def _take_models(self, root: ElementTree.Element, text: int) -> Iterator[AttachedModel]:
+        """Read the models that this one attaches, and replace the elements ``attach`` by frames."""
+        texts: dict[str, int] = {}
+        for assets in root.iter("asset"):
+            for asset in list(assets.iter("model")):
+                assets.remove(asset)
+                file = asset.get("file") or ""
+                if len(self._texts) >= _MOST_MODELS:
+                    raise self._fail(f"it consists of more than {_MOST_MODELS} models")
+                try:
+                    path = self._near(file, self.path)
+                except FileRefusedError as error:
+                    raise self._fail(f"the model {file[:200]!r} cannot be attached: {error}") from None
+                texts[asset.get("name") or Path(file).stem] = len(self._texts)
+                Source(path, self._main)
+        for number, element in enumerate(list(root.iter("attach"))):
+            model = texts.get(element.get("model") or "")
+            if model is None:
+                raise self._fail(f"<attach> names the model {(element.get('model') or '')[:60]!r}, which is no asset")
+            name = f"{MARKER}{text}.{number} "
+            place = AttachedModel(name, model, element.get("body") or "", element.get("prefix") or "")
+            element.tag = "frame"
+            element.attrib.clear()
+            element.set("name", name)
+            yield place
 
     # -- elements --------------------------------------------------------------------------
 
@@ -120,11 +169,6 @@ class Source:
                         raise self._fail(
                             f"<{element.tag} {name}={value[:60]!r}>: expected numbers that are realistic for a robot"
                         )
-        copies = 1.0
-        for element in root.iter("replicate"):
-            copies *= max([1.0, *_numbers(element.get("count", "1"))])
-            if copies > _MOST_COPIES:
-                raise self._fail(f"<replicate> makes more than {_MOST_COPIES} copies")
         counts: Counter[str] = Counter()
         _count(root, 1, counts)
         for tag, count in counts.items():
@@ -146,7 +190,7 @@ class Source:
         for element in root.iter():
             if element.tag == "material":
                 element.attrib.pop("texture", None)
-            if element.tag not in ("mesh", "hfield"):
+            if element.tag not in ("mesh", "hfield", "model"):
                 for name in _ATTRIBUTES:
                     element.attrib.pop(name, None)
         self._folder = ""
@@ -224,7 +268,7 @@ class Source:
     def _file(self, file: str) -> Path:
         """Return the path of an asset."""
         name = f"{self._folder}/{file}" if self._folder and not file.startswith("/") else file
-        path = find_near(name, self.path)
+        path = self._near(name, self.path)
         self._bytes += path.stat().st_size
         if self._bytes > _MOST_MESH_BYTES:
             raise FileRefusedError(f"all meshes together are larger than {_MOST_MESH_BYTES >> 20} MB")

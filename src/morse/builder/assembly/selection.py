@@ -48,9 +48,9 @@ def take(library: Library, choice: Choice) -> tuple[list[Node], ModelUse]:
 
 
 def _beside_the_robot(library: Library) -> list[Node]:
-    """Copies of the other objects of the world in which a robot is, if they move: scenes have a floor of their own."""
-    others = [root for root in library.roots if library.robot and root.name != library.robot and root.body.moves]
-    return [instantiate(root) for root in others]
+    """Copies of the other objects of the file of a robot, without static ones of a world: scenes have a floor."""
+    others = [root for root in library.roots if library.robot and root.name != library.robot]
+    return [instantiate(root) for root in others if root.body.moves or (root.articulation and root.articulation.model)]
 
 
 def whole_component(library: Library, role: Role = "component") -> Node:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder.blender.materials import material_slots
 from morse.builder.components.component import Component
+from morse.builder.components.keyframes import set_keyframe
 from morse.builder.errors import checks
 from morse.core.exceptions import MorseBuilderError
 from morse.middleware import registry
@@ -29,6 +30,7 @@ class Robot(Component):
         name: its name, if it differs from the name of the variable that refers to it.
         blender_object_name: the object of the file that is the body; None for the object without a parent.
         sensors: whether the sensors that the file declares (URDF, SDF, MJCF) are created.
+        keyframe: name of the pose of an MJCF file in which the robot starts; empty for that of the bodies of the file.
 
     Attributes:
         sensors: the sensors that the file declares, by name.
@@ -44,6 +46,7 @@ class Robot(Component):
         blender_object_name: str | None = None,
         *,
         sensors: bool = True,
+        keyframe: str = "",
     ) -> None:
         super().__init__("robots", filename, blender_object_name, make_morseable=False)
         self.default_interfaces: list[str] = []
@@ -56,9 +59,13 @@ class Robot(Component):
         if name is not None:
             self.name = name
         self.sensors: dict[str, AbstractComponent] = {}
-        declarations = self._library().sensors if filename and sensors else []
+        if not filename:
+            return
+        library = self._library()
+        if keyframe:
+            set_keyframe(self.scene_node, library, checks.text(keyframe, "Robot(keyframe)"))
         names = {node.source_name for node in self.own_nodes()}
-        declarations = [one for one in declarations if one.link in names]
+        declarations = [one for one in library.sensors if one.link in names] if sensors else []
         if declarations:
             from morse.builder.components.file_sensors import add_sensors
 

@@ -8,18 +8,19 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.scene import Control
-    from morse.scene.couplings import TendonMotor
 
 
-class TendonSlot(Protocol):
-    """A motor that pulls a tendon.
+class FileMotor(Protocol):
+    """An actuator of a model file that is no motor of a single joint: of a tendon, a muscle.
 
     Attributes:
-        motor: its description.
+        name: its name.
+        commands: smallest and largest command.
         start: initial command.
     """
 
-    motor: TendonMotor
+    name: str
+    commands: tuple[float, float]
     start: float
 
 
@@ -33,14 +34,14 @@ class Joints(Protocol):
         """Change the control mode of a motor, and its command."""
 
     @property
-    def tendon_motors(self) -> Sequence[TendonSlot]:
-        """The motors of the tendons of the armature."""
+    def file_motors(self) -> Sequence[FileMotor]:
+        """The actuators of the file of the armature that are no motors of single joints."""
 
     def pull(self, commands: Mapping[str, float]) -> None:
-        """Set the commands of motors of tendons: name to command."""
+        """Set the commands of actuators of the file: name to command."""
 
     def tendons(self) -> dict[str, tuple[float, float, float]]:
-        """Return the tendons that have a motor: name of the motor to length (m), speed (m/s) and force (N)."""
+        """Return the actuators of the file: name to length (m), speed (m/s) and force (N)."""
 
     def loose(self, name: str) -> tuple[list[float], list[float]]:
         """Return the position and the velocity of a bone without a joint value, as stored in the engine.

@@ -12,7 +12,7 @@ from morse.physics.driving.command import Command, midway
 from morse.physics.driving.drag import Drag
 from morse.physics.driving.wheel_casters import is_caster
 from morse.physics.gliding import glide_velocity
-from morse.physics.model.compile import set_damping
+from morse.physics.model.damping import set_damping
 from morse.physics.model.layout import Motion
 from morse.physics.poses import rigid
 

@@ -20,7 +20,7 @@ from morse.mathutils.portable import matmul
 from morse.physics.gliding.floors import Floor, find_floors
 from morse.physics.gliding.glide import Glide
 from morse.physics.gliding.stances import Stances
-from morse.physics.model.collision_bits import ALL_BITS
+from morse.physics.model.collision_bits import ALL_BITS, OF_FILE
 from morse.physics.poses.kinematics import contact_pairs
 from morse.physics.sleep import WIDE_AWAKE
 
@@ -72,11 +72,13 @@ class Gliding:
         model = state.model
         self._able = {index: self._reach(slot) for index, slot in enumerate(state.slots) if self._is_able(slot)}
         self.floors = find_floors(state) if self._able or state.planes else []
-        touching = model.geom_contype != 0
-        self._bits = np.where(touching, ALL_BITS, 0).astype(np.int32)
+        touching, of_file = model.geom_contype != 0, (model.geom_contype & OF_FILE) != 0
+        bits = np.where(touching, ALL_BITS, 0).astype(np.int32)
         for floor in self.floors:
-            self._bits[floor.geom] = floor.bit
-        model.geom_contype[:] = model.geom_conaffinity[:] = self._bits
+            bits[floor.geom] = floor.bit
+        self._kinds = np.where(of_file, model.geom_contype, bits)
+        self._partners = np.where(of_file, model.geom_conaffinity, bits)
+        model.geom_contype[:], model.geom_conaffinity[:] = self._kinds, self._partners
         count = len(state.slots)
         self.owner = np.full(model.ngeom, count)
         for index in self._able:
@@ -183,8 +185,8 @@ class Gliding:
         """Enable or disable the collisions of shapes."""
         model = self._state.model
         for geom in geoms:
-            bits = self._bits[geom] or ALL_BITS
-            model.geom_contype[geom] = model.geom_conaffinity[geom] = bits if active else 0
+            model.geom_contype[geom] = (self._kinds[geom] or ALL_BITS) if active else 0
+            model.geom_conaffinity[geom] = (self._partners[geom] or ALL_BITS) if active else 0
 
     # -- gliding robots ------------------------------------------------------------------------
 

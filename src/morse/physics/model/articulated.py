@@ -80,16 +80,18 @@ class AddedJoint:
     joint: Any
     anchor: NDArray[np.float64]
     limit: JointDynamics
+    of_file: bool = False
 
 
 @dataclass(eq=False, slots=True)
 class Group:
-    """A frame with its body in the engine, its mass (kg), centre of mass (3, world, m) and joints."""
+    """A frame with its body in the engine, its mass (kg), centre of mass (3, world, m), largest moment and joints."""
 
     frame: Frame
     body: Any
     mass: float
     centre: NDArray[np.float64]
+    moment: float = 0.0
     joints: list[AddedJoint] = field(default_factory=list)
 
 
@@ -105,8 +107,12 @@ class Articulated:
 
     # -- masses ----------------------------------------------------------------------------
 
-    def set_inertia(self, frame: Frame, pose: RigidFrame, body: Any) -> bool:
-        """Set mass and inertia of a body from its links; return False if the model of the frame has no links."""
+    def set_inertia(self, frame: Frame, pose: RigidFrame, body: Any, *, of_file: bool = False) -> bool:
+        """Set mass and inertia of a body from its links; return False if the model of the frame has no links.
+
+        Args:
+            of_file: whether the body has those of its MJCF file.
+        """
         links = [node for node in frame.members if node.inertial is not None]
         is_root = frame.motion is not Motion.JOINT
         has_links = frame.node.articulation is not None and (frame.carries or is_single_link(frame))
@@ -130,32 +136,31 @@ class Articulated:
         if not any(mass for mass, _, _ in parts) and not _has_masses(frame):
             parts = [mass_of(shape, *relative_pose(node, pose)) for node in frame.solid for shape in node.shapes or ()]
         mass = sum((part[0] for part in parts), 0.0)
-        body.explicitinertial = True
         if mass < _LIGHTEST:
             mass, centre = _LIGHTEST, np.zeros(3)
             inertia = np.eye(3) * _SMALLEST
         else:
             centre = sum((m * c for m, c, _ in parts), np.zeros(3)) / mass
             inertia = sum((moved_inertia(i, m, c - centre) for m, c, i in parts), np.zeros((3, 3)))
-        body.mass, body.ipos = mass, centre
         moments, axes = eigh(inertia)
         if det(axes) < 0.0:
             axes[:, 0] *= -1.0
         quaternion = np.zeros(4)
         mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(axes).ravel())
-        body.iquat = quaternion
         # invalid files, and rounding: no moment may exceed the sum of the others
         moments = np.maximum(moments, _SMALLEST * min(mass, 1.0))
         moments[:2] += max(0.0, 0.5 * (1.001 * moments[2] - moments[0] - moments[1]))
-        body.inertia = moments
+        if not of_file:
+            body.explicitinertial = True
+            body.mass, body.ipos, body.iquat, body.inertia = mass, centre, quaternion, moments
         place = np.array(pose.position) + matmul(as_array(pose.rotation), centre)
-        self._groups[frame] = Group(frame, body, float(mass), place)
+        self._groups[frame] = Group(frame, body, float(mass), place, float(np.max(moments)))
         return True
 
     # -- joints ----------------------------------------------------------------------------
 
-    def add_joints(self, frame: Frame, pose: RigidFrame, body: Any) -> list[JointSlot]:
-        """Add the joints that move a frame."""
+    def add_joints(self, frame: Frame, pose: RigidFrame, body: Any, *, of_file: bool = False) -> list[JointSlot]:
+        """Add the joints that move a frame, or take those of an MJCF file."""
         armature = frame.armature
         assert armature is not None
         outer = rigid_frame(armature)
@@ -171,6 +176,9 @@ class Articulated:
             place, axes = frames[index]
             anchor = base + matmul(base_rotation, np.array(place))
             axis = matmul(base_rotation, np.reshape(axes, (3, 3))[:, bone.axis])
+            if of_file:
+                joints.append(self._take(frame, bone, start_value(bones, index), anchor))
+                continue
             if bone.kind.is_loose:
                 turned_bone = matmul(matmul(rotation.T, base_rotation), np.reshape(axes, (3, 3)))
                 joints += self._add_loose(frame, bone, body, anchor, matmul(rotation.T, anchor - origin), turned_bone)
@@ -201,6 +209,17 @@ class Articulated:
             self._groups[frame].joints.append(entry)
             joints.append(slot)
         return joints
+
+    def _take(self, frame: Frame, bone: Bone, start: float, anchor: NDArray[np.float64]) -> JointSlot:
+        """Return the slot of a joint that comes from an MJCF file."""
+        armature = frame.armature
+        assert armature is not None
+        slot = JointSlot(armature, bone.name, start=start, width=4 if bone.kind is JointKind.BALL else 1)
+        joint = self._spec.joint(f"{armature.name}/{bone.name}")
+        entry = AddedJoint(frame, bone, slot, joint, anchor, bone.dynamics or _NOTHING, of_file=True)
+        self._made.append(entry)
+        self._groups[frame].joints.append(entry)
+        return slot
 
     def _add_loose(
         self,
@@ -263,15 +282,18 @@ class Articulated:
             if entry.bone.kind.is_loose:
                 continue
             if entry.slot in leaders:
-                self._follow(entry, leaders[entry.slot])
+                if not entry.of_file:
+                    self._follow(entry, leaders[entry.slot])
                 continue
             motor = self._spec.add_actuator(
                 name=entry.joint.name, target=entry.joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT
             )
             entry.slot.motor = Motor(entry.limit, loads.of(entry, slides=entry.bone.kind is JointKind.PRISMATIC), step)
             entry.slot.motor.add_to(motor, entry.joint, controls_of(armature)[entry.bone.name])
+        of_files = {root_of(entry.frame) for entry in self._made if entry.of_file}
         for root in {root_of(frame): None for frame in self._groups if frame.motion is Motion.JOINT}:
-            self._keep_apart(root)
+            if root not in of_files:
+                self._keep_apart(root)
 
     def _follow(self, entry: AddedJoint, leader: AddedJoint) -> None:
         equality = self._spec.add_equality(

@@ -12,12 +12,15 @@ import numpy as np
 
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.portable import matmul
-from morse.physics.driving.calibration import FREE_DAMPING, friction_of
+from morse.physics.driving.calibration import friction_of
 from morse.physics.driving.wheel_casters import caster_floor, is_caster, rise
 from morse.physics.gliding.feet import Stance, stance, trimmed
 from morse.physics.gliding.plane_builder import PlaneBuilder
 from morse.physics.model.articulated import Articulated, JointSlot, is_single_link
-from morse.physics.model.couplings import CouplingBuilder, TendonSlot
+from morse.physics.model.couplings import CouplingBuilder
+from morse.physics.model.damping import set_damping
+from morse.physics.model.file_options import are_all_from_files, level, models_of, set_ground, set_options
+from morse.physics.model.files import Files
 from morse.physics.model.inertia import bounding_box, robot_inertia, volume
 from morse.physics.model.layout import Frame, Motion, frames_of
 from morse.physics.model.unusable_hulls import replace_unusable_hulls
@@ -26,10 +29,12 @@ from morse.physics.poses.poses import as_array, relative_pose
 from morse.scene import PhysicsType, ShapeKind
 from morse.scene.corners import corners
 from morse.scene.frames import RigidFrame, rigid_frame
+from morse.scene.mjcf import DEFAULT_CONTACT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.physics.model.file_motors import FileMotor
     from morse.scene import CollisionShape, Node, Scene
 
 #: longest time step of the engine, s: with a step of 1/60 s, a robot pushing into a wall penetrates it by 10 mm
@@ -105,7 +110,7 @@ class Compiled:
     Attributes:
         steps: physics steps per tick.
         geom_node: node of each geom.
-        tendon_motors: the motors of tendons.
+        file_motors: actuators of MJCF files that are no motors of single joints.
         planes: the geoms of boxes to those of the planes at their tops; see `morse.physics.gliding.floor_planes`.
         physics_of_1_4: see `morse.physics.driving.calibration`.
     """
@@ -115,7 +120,7 @@ class Compiled:
     slots: list[Slot]
     steps: int
     geom_node: list[Node]
-    tendon_motors: list[TendonSlot]
+    file_motors: list[FileMotor]
     planes: dict[int, int]
     physics_of_1_4: bool = False
 
@@ -135,17 +140,24 @@ def compile_scene(scene: Scene) -> Compiled:
 
 def _compile(scene: Scene) -> Compiled:
     settings = scene.settings
-    steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / MAX_STEP - 1e-9))
+    frames = sorted(frames_of(scene), key=_not_moved_by_engine)
+    models = models_of(frames)
+    limit = min([MAX_STEP, *(model.step for model in models)])
+    steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / limit - 1e-9))
     spec = mujoco.MjSpec()
     _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
+    as_in_files = are_all_from_files(frames)
+    if as_in_files:
+        set_ground(spec, next((model.ground for model in models if model.ground != DEFAULT_CONTACT), DEFAULT_CONTACT))
     # shown only by the viewer of MuJoCo
     spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
-    frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     builder = _Builder(spec, has_wheels=any(frame.motion is Motion.HINGE for frame in frames))
-    builder.physics_of_1_4 = settings.physics_of_1_4
+    builder.physics_of_1_4, builder.as_in_files = settings.physics_of_1_4, as_in_files
     slots = [builder.add(frame) for frame in frames]
+    if as_in_files:
+        set_options(spec, builder.files.parts[0])
     builder.articulated.finish(spec.option.timestep)
-    couplings = builder.couple(slots)
+    builder.couple(slots)
     builder.planes.finish()
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
@@ -156,14 +168,16 @@ def _compile(scene: Scene) -> Compiled:
         spec.memory = needed
         model = spec.compile()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    _make_bodies_independent(model)
+    if not as_in_files:
+        _make_bodies_independent(model)
     if np.any(model.eq_type == int(mujoco.mjtEq.mjEQ_TENDON)):
         # the engine cannot wake what two tendons couple, and ends with an error
         model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     geom_node = builder.resolve(model, slots)
     data = mujoco.MjData(model)
+    builder.files.resolve(model, data, geom_node)
     planes = {box.id: plane.id for box, plane in builder.planes.pairs}
-    return Compiled(model, data, slots, steps, geom_node, couplings.motors, planes, settings.physics_of_1_4)
+    return Compiled(model, data, slots, steps, geom_node, builder.files.motors, planes, settings.physics_of_1_4)
 
 
 def _make_bodies_independent(model: mujoco.MjModel) -> None:
@@ -207,7 +221,7 @@ class _Builder:
         self._feet: list[tuple[Any, Node, Slot]] = []
         self._hulls: dict[bytes, str] = {}
         self._step = spec.option.timestep
-        self._couplings: CouplingBuilder | None = None
+        self.files, self.as_in_files = Files(spec), False
         self.physics_of_1_4 = False
 
     def add(self, frame: Frame) -> Slot:
@@ -219,12 +233,18 @@ class _Builder:
             slot.body = 0
             self._add_geoms(frame, slot, self._spec.worldbody, False)
             return slot
-        body = self._add_body(frame, slot)
+        body = self.files.add(frame, slot, self._add_body)
+        if body is None:
+            body = self._add_body(frame, slot)
+        elif _is_weightless(frame) and frame.motion is Motion.FREE:
+            body.gravcomp = 1.0
         self._bodies[frame] = body
-        is_linked = frame.carries or frame.joints or is_single_link(frame)
-        has_links = self.articulated.set_inertia(frame, slot.pose, body) if is_linked else False
+        of_file = self.files.part_of(frame) is not None
+        has_links = of_file and frame.motion is Motion.FREE
+        if frame.carries or frame.joints or is_single_link(frame):
+            has_links = self.articulated.set_inertia(frame, slot.pose, body, of_file=of_file)
         if frame.joints:
-            slot.joints = self.articulated.add_joints(frame, slot.pose, body)
+            slot.joints = self.articulated.add_joints(frame, slot.pose, body, of_file=of_file)
         if frame.motion is Motion.HINGE:
             self._add_wheel(frame, slot, body)
         else:
@@ -269,9 +289,14 @@ class _Builder:
             for shape in node.shapes or ():
                 if is_caster(node) and frame.motion is not Motion.JOINT:
                     position = position + np.array([0.0, 0.0, rise(shape, position, rotation, floor)])
-                fitted = shape if stand is None else trimmed(shape, position, rotation, stand) or shape
-                geom = self._add_geom(body, fitted, position, rotation)
-                geom.mass = mass * volume(shape) / total
+                geom = self.files.geom(frame, node)
+                if geom is None:
+                    fitted = shape if stand is None else trimmed(shape, position, rotation, stand) or shape
+                    geom = self._add_geom(body, fitted, position, rotation)
+                    geom.mass = mass * volume(shape) / total
+                    self.files.set_contact(frame, node, geom)
+                    if self.as_in_files and frame.motion is Motion.FIXED:
+                        level(geom)
                 self._set_surface(geom, node, frame)
                 self._geoms.append((geom, node, slot))
                 if gets_planes and shape.kind is ShapeKind.BOX:
@@ -413,10 +438,9 @@ class _Builder:
         # reduces the difference to the commanded speed by nine tenths in each step
         motor.set_to_velocity(kv=10.0 * _GEAR_INERTIA / self._step)
 
-    def couple(self, slots: list[Slot]) -> CouplingBuilder:
-        """Add tendons and constraints, after all bodies and joints."""
-        self._couplings = CouplingBuilder(self._spec, slots, self._bodies)
-        return self._couplings
+    def couple(self, slots: list[Slot]) -> None:
+        """Add constraints, after all bodies and joints."""
+        CouplingBuilder(self._spec, slots, self._bodies)
 
     def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
         """Store the ids that the compiler has assigned."""
@@ -425,10 +449,6 @@ class _Builder:
         for geom, node, slot in self._geoms:
             geom_node[geom.id] = node
             slot.geoms.setdefault(node, []).append(geom.id)
-        if self._couplings is not None:
-            self._couplings.resolve(model)
-            for guide, node in self._couplings.geoms:
-                geom_node[guide.id] = node
         for box, plane in self.planes.pairs:
             geom_node[plane.id] = geom_node[box.id]
         for foot, node, slot in self._feet:
@@ -463,21 +483,6 @@ def _is_free_robot(frame: Frame) -> bool:
 
 def _is_weightless(frame: Frame) -> bool:
     return not frame.node.body.gravity or bool(frame.node.properties.get("NoGravity"))
-
-
-def set_damping(model: mujoco.MjModel, slot: Slot, of_1_4: bool) -> None:
-    """Set the damping of a free body, given as the share of the velocity that it loses per second.
-
-    ``v' = -c v`` with ``exp(-c) = 1 - d`` keeps ``1 - d`` of the velocity after a second.
-
-    Args:
-        of_1_4: whether the scene has the physics of MORSE 1.4; see `morse.physics.driving.calibration`.
-    """
-    body = slot.frame.node.body
-    linear, angular = (-math.log(1.0 - min(max(d, 0.0), 0.999)) for d in (body.linear_damping, body.angular_damping))
-    linear *= FREE_DAMPING if of_1_4 else 1.0
-    model.dof_damping[slot.dof : slot.dof + 3] = linear * model.body_mass[slot.body]
-    model.dof_damping[slot.dof + 3 : slot.dof + 6] = angular * float(model.body_inertia[slot.body].mean())
 
 
 def _quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -102,7 +102,7 @@ class Loads:
     def _reached(self, frame: Frame, anchor: NDArray[np.float64]) -> _Stretched:
         """Return a frame and what is below it, as seen from a joint of the frame."""
         group = self._groups[frame]
-        own = _Stretched(group.mass, 0.0, 0.0, float(np.max(group.body.inertia)))
+        own = _Stretched(group.mass, 0.0, 0.0, group.moment)
         parts = [own.moved(norm(group.centre - anchor))]
         parts += [
             self._stretched[child].moved(norm(self._groups[child].joints[0].anchor - anchor))

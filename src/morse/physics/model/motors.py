@@ -20,7 +20,8 @@ oscillate. The rotor does not change static efforts. A motor for efforts, or wit
 of the file.
 
 The engine treats velocities implicitly, but not positions. A spring that is too stiff for the time step gets the
-additional damping k h / 2, with which its motion is stable for any k: the step is then that of the trapezoidal rule.
+additional damping k h / 2, with which its motion is stable for any k: the step is then that of the trapezoidal rule. A
+spring with the gain of a file does not, because its file is made for its time step.
 """
 
 from __future__ import annotations
@@ -131,7 +132,7 @@ class Motor:
             rotor = max(rotor, 0.5 * usual * step)
         elif slowing is None:
             slowing = 2.0 * math.sqrt(gain * inertia)
-        if gain * step * step > _STIFF * (rotor + inertia):
+        if not (own and dynamics.gain) and gain * step * step > _STIFF * (rotor + inertia):
             slowing += 0.5 * gain * step
         return Setting(gain, gain, slowing, rotor)
 

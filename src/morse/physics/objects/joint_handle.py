@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics.model.articulated import JointSlot
-    from morse.physics.model.couplings import TendonSlot
+    from morse.physics.model.file_motors import FileMotor
     from morse.physics.state.engine_state import EngineState
     from morse.scene import Control, Node
 
@@ -72,27 +72,22 @@ class JointHandle:
         state.is_stirred = True
 
     @property
-    def tendon_motors(self) -> list[TendonSlot]:
-        """The motors of the tendons of the armature."""
-        return [slot for slot in self._state.tendon_motors if slot.armature == self._name]
+    def file_motors(self) -> list[FileMotor]:
+        """The actuators of the file of the armature that are no motors of single joints."""
+        return [motor for motor in self._state.file_motors if motor.armature == self._name]
 
     def pull(self, commands: Mapping[str, float]) -> None:
-        """Set the commands of motors of tendons: name to command."""
-        for slot in self.tendon_motors:
-            if slot.motor.name in commands:
-                self._state.data.ctrl[slot.actuator] = commands[slot.motor.name]
+        """Set the commands of actuators of the file: name to command."""
+        for motor in self.file_motors:
+            if motor.name in commands:
+                self._state.data.ctrl[motor.actuator] = commands[motor.name]
 
     def tendons(self) -> dict[str, tuple[float, float, float]]:
-        """Return the tendons that have a motor: name of the motor to length (m), speed (m/s) and force (N)."""
+        """Return the actuators of the file: name to length (m), speed (m/s) and force (N)."""
         data = self._state.data
-        return {
-            slot.motor.name: (
-                float(data.ten_length[slot.tendon]),
-                float(data.ten_velocity[slot.tendon]),
-                float(data.actuator_force[slot.actuator]),
-            )
-            for slot in self.tendon_motors
-        }
+        arrays = (data.actuator_length, data.actuator_velocity, data.actuator_force)
+        values = {motor.name: [float(array[motor.actuator]) for array in arrays] for motor in self.file_motors}
+        return {name: (a, b, c) for name, (a, b, c) in values.items()}
 
     def loose(self, name: str) -> tuple[list[float], list[float]]:
         """Return the position and the velocity of a bone without a joint value, as stored in the engine.

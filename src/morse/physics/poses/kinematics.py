@@ -40,8 +40,12 @@ def sync(state: EngineState) -> None:
 
 def refresh(state: EngineState) -> None:
     """Copy the poses of the moving bodies from the engine."""
-    state.positions.take(state.engine_positions)
-    state.rotations.take(state.engine_rotations)
+    if state.engine_rows is None:
+        state.positions.take(state.engine_positions)
+        state.rotations.take(state.engine_rotations)
+    else:
+        state.positions.take(state.data.xpos[state.engine_rows])
+        state.rotations.take(state.data.xmat[state.engine_rows])
     state.touched.clear()
     state.stamp += 1
 

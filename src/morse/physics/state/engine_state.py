@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from morse.physics.model.articulated import JointSlot
     from morse.physics.model.compile import Compiled, Slot
-    from morse.physics.model.couplings import TendonSlot
+    from morse.physics.model.file_motors import FileMotor
     from morse.scene import Node
 
 
@@ -47,14 +47,15 @@ class EngineState:
         links: slot of a body to all slots that joints attach to it.
         attached: slot of a body to its wheels and links.
         joints: armature to its joints by name.
-        tendon_motors: the motors of tendons.
+        file_motors: actuators of MJCF files that are no motors of single joints.
         geom_node: node of each geom.
         planes: the geoms of boxes to those of the planes at their tops.
         physics_of_1_4: whether driven robots lose speed as in MORSE 1.4 (`morse.physics.driving.calibration`).
         steps: physics steps per tick.
         period: seconds per tick.
         moving: number of slots that the engine moves.
-        engine_positions, engine_rotations: present poses of these slots in the engine.
+        engine_positions, engine_rotations: present poses of these slots in the engine, if they are its first bodies.
+        engine_rows: bodies of these slots, or None if they are the first bodies.
         by_hand: slots that are only moved by explicit calls, because they have neither joints nor shapes.
         stamp: changes whenever an object has moved.
         displacements: changes whenever an object was moved within its slot.
@@ -99,6 +100,8 @@ class EngineState:
         self.moving = sum(1 for slot in self.slots if slot.body > 0 and slot.frame.motion is not Motion.FIXED)
         self.engine_positions = self.data.xpos[1 : self.moving + 1]
         self.engine_rotations = self.data.xmat[1 : self.moving + 1]
+        bodies = np.array([slot.body for slot in self.slots[: self.moving]], dtype=np.intp)
+        self.engine_rows = None if np.array_equal(bodies, np.arange(1, self.moving + 1)) else bodies
         self.slot_of: dict[Node, int] = {
             node: index for index, slot in enumerate(self.slots) for node in slot.frame.members
         }
@@ -121,7 +124,7 @@ class EngineState:
         self.by_hand = tuple(
             index for index in range(self.moving, len(self.slots)) if self.slots[index].frame.motion is not Motion.FIXED
         )
-        self.tendon_motors: list[TendonSlot] = compiled.tendon_motors
+        self.file_motors: list[FileMotor] = compiled.file_motors
         self.stamp = 0
         self.displacements = 0
         self.positions, self.rotations = Rows(np.zeros((0, 3))), Rows(np.zeros((0, 9)))

@@ -108,8 +108,8 @@ class Transfer:
             if name in held_slots:
                 for geom in _geoms(b):
                     model["geom_contype"][geom] = model["geom_conaffinity"][geom] = 0
-        commands = {slot.key: old.data.ctrl[slot.actuator] for slot in old.tendon_motors}
-        for slot in new.tendon_motors:
+        commands = {slot.key: old.data.ctrl[slot.actuator] for slot in old.file_motors}
+        for slot in new.file_motors:
             new.data.ctrl[slot.actuator] = commands.get(slot.key, slot.start)
         new.data.time = old.data.time
         for a, b in self._same:
@@ -156,7 +156,8 @@ class Transfer:
             if not old.geom_contype[one]:
                 model["geom_contype"][other] = model["geom_conaffinity"][other] = 0
             elif not model["geom_contype"][other]:
-                model["geom_contype"][other] = model["geom_conaffinity"][other] = old.geom_contype[one]
+                model["geom_contype"][other] = old.geom_contype[one]
+                model["geom_conaffinity"][other] = old.geom_conaffinity[one]
         if b.dof >= 0 and a.numbers == b.numbers:
             dofs = b.numbers[1]
             model["dof_damping"][b.dof : b.dof + dofs] = old.dof_damping[a.dof : a.dof + dofs]

@@ -1,0 +1,229 @@
+"""Robots and objects whose bodies the engine reads from their MJCF files.
+
+The part of a file that belongs to a robot is attached to the model of the scene as it is, with contact parameters,
+tendons, constraints and actuators. Only what a scene has in another form is removed: sensors, cameras, key frames, and
+the motors of single joints, which can change their control modes.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from morse.physics.model.collision_bits import file_bits
+from morse.physics.model.file_models import Part, model_of
+from morse.physics.model.file_motors import SUFFIX, FileMotor, motors_of
+from morse.physics.model.layout import Motion
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.physics.model.compile import Slot
+    from morse.physics.model.layout import Frame
+    from morse.scene import Node
+    from morse.scene.mjcf import MjcfModel
+
+_FREE = mujoco.mjtJoint.mjJNT_FREE
+_CONTACT = ("friction", "solref", "solimp", "solmix", "margin", "gap", "condim", "priority")
+
+
+class Files:
+    """The parts of files in the model of a scene.
+
+    Args:
+        spec: the model.
+
+    Attributes:
+        motors: the actuators that are no motors of single joints.
+    """
+
+    def __init__(self, spec: Any) -> None:
+        self._spec = spec
+        self._parts: dict[Frame, Part] = {}
+        self._of_link: dict[Node, Part] = {}
+        self._terrain: dict[Node, tuple[Any, dict[str, str]]] = {}
+        self.motors: list[FileMotor] = []
+
+    def __bool__(self) -> bool:
+        return bool(self._parts)
+
+    @property
+    def parts(self) -> list[Part]:
+        """All parts."""
+        return list(self._parts.values())
+
+    def part_of(self, frame: Frame) -> Part | None:
+        """Return the part to which a frame belongs."""
+        while frame.parent is not None:
+            frame = frame.parent
+        return self._parts.get(frame)
+
+    # -- bodies ----------------------------------------------------------------------------
+
+    def add(self, frame: Frame, slot: Slot, add_body: Callable[[Frame, Slot], Any]) -> Any | None:
+        """Add the bodies of a frame, and return its own body; None if it does not come from a file."""
+        part = self.part_of(frame)
+        if part is not None:
+            if frame.parent is None:
+                return part.bodies[0]
+            names = (part.model.links.get(node.source_name or node.name) for node in frame.members)
+            name = next((name for name in names if name), None)
+            return None if name is None else self._spec.body(part.prefix + name)
+        model = model_of(frame)
+        return None if model is None else self._attach(frame, slot, model, add_body)
+
+    def _attach(self, frame: Frame, slot: Slot, model: MjcfModel, add_body: Callable[[Frame, Slot], Any]) -> Any:
+        spec = model.file.spec()
+        armature = next((node for node in frame.members if node.bones), frame.node)
+        part = self._parts[frame] = Part(frame, model, f"{armature.name}/", copy_of(spec.option))
+        _reduce(spec, model)
+        file_bits(spec.geoms)
+        names = [body.name for body in spec.bodies if body.name != "world"]
+        shapes = [geom.name for geom in spec.geoms]
+        if model.base:
+            base = spec.body(model.base)
+            base.set_frame(spec.worldbody.add_frame())
+            base.pos, base.quat = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+            base.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+        if frame.motion is Motion.FREE:
+            rotation = np.zeros(4)
+            mujoco.mju_mat2Quat(rotation, np.array([list(row) for row in slot.pose.rotation]).ravel())
+            outer = self._spec.worldbody.add_frame(pos=list(slot.pose.position), quat=rotation)
+            root = None
+        else:
+            for joint in [joint for joint in spec.joints if joint.type == _FREE]:
+                spec.delete(joint)
+            for body in spec.worldbody.bodies:
+                body.mocap = False
+            root = add_body(frame, slot)
+            outer = root.add_frame()
+        for name in dir(spec.option):
+            if not name.startswith("_"):
+                value = getattr(self._spec.option, name)
+                if not callable(value):
+                    setattr(spec.option, name, value)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            self._spec.attach(spec, frame=outer, prefix=part.prefix)
+        part.bodies = [self._spec.body(part.prefix + name) for name in names]
+        part.geoms = [self._spec.geom(part.prefix + name) for name in shapes]
+        if root is not None:
+            part.bodies.insert(0, root)
+            self._let_fixed_links_touch(part)
+        return part.bodies[0]
+
+    def _let_fixed_links_touch(self, part: Part) -> None:
+        """Add the pairs of fixed shapes and the shapes that the first joints move.
+
+        The engine ignores contacts of a moving body with its parent, unless the latter belongs to the world; the fixed
+        bodies of a file do, those of a robot that can be placed elsewhere do not.
+        """
+        fixed: list[Any] = []
+        moving: list[tuple[Any, list[Any]]] = []
+
+        def walk(body: Any, group: list[Any]) -> None:
+            for child in body.bodies:
+                if list(child.joints):
+                    if group is fixed:
+                        own = list(child.geoms)
+                        moving.append((child, own))
+                        walk(child, own)
+                    continue
+                group.extend(child.geoms)
+                walk(child, group)
+
+        fixed.extend(part.bodies[0].geoms)
+        walk(part.bodies[0], fixed)
+        apart = {frozenset((pair.bodyname1, pair.bodyname2)) for pair in self._spec.excludes}
+        for one in fixed:
+            for other in (geom for _, own in moving for geom in own):
+                meet = (one.contype & other.conaffinity) | (other.contype & one.conaffinity)
+                if meet and frozenset((one.parent.name, other.parent.name)) not in apart:
+                    self._spec.add_pair(geomname1=one.name, geomname2=other.name)
+
+    # -- shapes ----------------------------------------------------------------------------
+
+    def geom(self, frame: Frame, node: Node) -> Any | None:
+        """Return the geom of a node, or None if it is not a shape of the file."""
+        part = self.part_of(frame)
+        name = None if part is None else part.model.shapes.get(node.source_name or node.name)
+        return None if part is None or name is None else self._spec.geom(part.prefix + name)
+
+    def set_contact(self, frame: Frame, node: Node, geom: Any) -> None:
+        """Give a shape of the world of a file, which the scene has as a static object, the parameters of the file."""
+        settings = frame.node.articulation
+        if settings is None or settings.model is None or frame in self._parts:
+            return
+        name = settings.model.shapes.get(node.source_name or node.name)
+        if frame.node not in self._terrain:
+            self._terrain[frame.node] = settings.model.file.spec(), settings.model.shapes
+        original = self._terrain[frame.node][0].geom(name) if name else None
+        if original is not None:
+            for attribute in _CONTACT:
+                setattr(geom, attribute, getattr(original, attribute))
+
+    # -- after the compilation -------------------------------------------------------------
+
+    def resolve(self, model: mujoco.MjModel, data: mujoco.MjData, geom_node: list[Any]) -> None:
+        """Give shapes without a node that of their root, set the masses, and find the actuators."""
+        is_changed = False
+        for part in self.parts:
+            for geom in part.geoms:
+                if geom_node[geom.id] is None:
+                    geom_node[geom.id] = part.root.node
+            bodies = [body.id for body in part.bodies]
+            mass = float(model.body_mass[bodies].sum())
+            wanted = part.root.node.body.mass
+            if part.root.motion is Motion.FREE and mass and abs(wanted - mass) > 1e-9 * mass:
+                model.body_mass[bodies] *= wanted / mass
+                model.body_inertia[bodies] *= wanted / mass
+                is_changed = True
+            armature = next((node for node in part.root.members if node.bones), None)
+            if armature is not None:
+                self.motors += motors_of(model, armature.name)
+        if is_changed:
+            mujoco.mj_setConst(model, data)
+            mujoco.mj_resetData(model, data)
+
+
+def _reduce(spec: Any, model: MjcfModel) -> None:
+    """Remove what does not belong to a part of a file, or what the scene has in another form."""
+    for body in list(spec.worldbody.bodies):
+        if body.name not in model.tops:
+            spec.delete(body)
+    floors = [
+        geom
+        for geom in spec.worldbody.geoms
+        if "world" not in model.tops or geom.name not in set(model.shapes.values())
+    ]
+    motors = set(model.motors.values())
+    removed = [
+        *floors,
+        *(actuator for actuator in spec.actuators if actuator.name in motors),
+        *spec.sensors, *spec.keys, *spec.cameras, *spec.lights,
+    ]  # fmt: skip
+    for element in removed:
+        spec.delete(element)
+    for actuator in spec.actuators:
+        actuator.name += SUFFIX
+    guides = {wrap.target.name for tendon in spec.tendons for wrap in tendon.path if wrap.target is not None}
+    for body in spec.bodies:
+        if body.explicitinertial and body.name != "world":
+            for geom in [geom for geom in body.geoms if not (geom.contype or geom.conaffinity)]:
+                if geom.name not in guides:
+                    spec.delete(geom)
+    meshes = {geom.meshname for geom in spec.geoms} | {
+        site.meshname for site in spec.sites if hasattr(site, "meshname")
+    }
+    for mesh in [mesh for mesh in spec.meshes if mesh.name not in meshes]:
+        spec.delete(mesh)
+
+
+def copy_of(option: Any) -> dict[str, Any]:
+    """Return the options of a model."""
+    names = (name for name in dir(option) if not name.startswith("_"))
+    values = {name: getattr(option, name) for name in names}
+    return {name: np.array(v) if isinstance(v, np.ndarray) else v for name, v in values.items() if not callable(v)}

@@ -1,0 +1,114 @@
+"""Robots of MJCF files move as in plain MuJoCo, and keep their joints whatever else the file has.
+
+With MORSE_ROBOT_FILES, a folder with models of others, every file there is compared.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import mujoco
+import pytest
+from comparison import compare
+
+import morse
+from morse.assets.mjcf import read_mjcf
+
+OTHERS = os.environ.get("MORSE_ROBOT_FILES", "")
+DEFAULTS = '<option timestep="0.002"/><default><geom solref="0.015 1"/></default>'
+LEG = """<body name="leg{n}" pos="{x} {y} 0"><joint name="hip{n}" axis="0 1 0" damping="1" range="-1 1" limited="true"/>
+  <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.02" mass="0.3"/>
+  <geom name="foot{n}" size="0.03" pos="0 0 -0.2" mass="0.05" priority="1" condim="6" solimp="0.015 1 0.03"
+    friction="0.8 0.02 0.01"/></body>"""
+LEGS = "".join(
+    LEG.format(n=n, x=x, y=y) for n, (x, y) in enumerate(((0.2, 0.1), (0.2, -0.1), (-0.2, 0.1), (-0.2, -0.1)))
+)
+MOTORS = "".join(f'<position joint="hip{n}" kp="40" kv="2"/>' for n in range(4))
+DOG = f"""<mujoco model="dog">{DEFAULTS}<worldbody><body name="trunk" pos="0 0 0.4"><freejoint/>
+  <geom type="box" size="0.25 0.1 0.04" mass="5"/>{LEGS}</body>%s</worldbody><actuator>{MOTORS}</actuator>%s</mujoco>"""
+KEYS = '<keyframe><key name="home" qpos="0 0 0.3 1 0 0 0 0.4 0.4 -0.4 -0.4" ctrl="0.4 0.4 -0.4 -0.4"/></keyframe>'
+ARM = """<mujoco model="arm"><option timestep="0.002" integrator="implicitfast" cone="elliptic" impratio="5"/>
+<worldbody>
+  <body name="base"><geom type="cylinder" size="0.05 0.1" pos="0 0 0.1"/>
+    <body name="upper" pos="0 0 0.25"><joint name="lift" axis="0 1 0" frictionloss="0.1" range="-2 2" limited="true"/>
+      <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02"/><site name="a" pos="0.15 0 0.05"/>
+      <body name="lower" pos="0.3 0 0"><joint name="bend" axis="0 1 0" damping="0.05" stiffness="1"/>
+        <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02"/><site name="b" pos="0.15 0 0.05"/></body></body></body>
+</worldbody>
+<tendon><spatial name="cord" range="0 0.4" limited="true"><site site="a"/><site site="b"/></spatial></tendon>
+<actuator><position joint="lift" kp="60" dampratio="1"/><muscle name="biceps" tendon="cord" ctrllimited="true"
+  ctrlrange="0 1"/><general name="slow" joint="bend" dyntype="integrator" gainprm="1"/></actuator></mujoco>"""
+MODELS = {
+    "dog": DOG % ("", ""),
+    "dog beside furniture": DOG % (
+        '<body name="dummy" pos="0 0 20"><geom size="0.1"/></body>'
+        '<body name="door" pos="3 0 1"><joint name="hinge" axis="0 0 1"/><geom type="box" size="0.4 0.02 0.9"/></body>'
+        '<body name="ball" pos="2 0 0.3"><freejoint/><geom size="0.1"/></body>', "",
+    ),
+    "arm": ARM,
+    "ball in a tilted tray": '<mujoco><worldbody><body name="ball" pos="0 0 0.5" euler="0 10 0"><freejoint/><geom '
+    'size="0.05" mass="4" solref="0.05 1" solimp="0.1 0.9 0.02" condim="6" friction="1 0.01 0.02"/></body></worldbody>'
+    "</mujoco>",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_it_moves_as_in_plain_mujoco(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(MODELS[name])
+    result = compare(path, tmp_path)
+    assert result.joints[0] == result.joints[1]
+    if result.is_free:
+        assert result.errors[0.5] < 1e-3
+        assert result.height < 1e-3
+    else:
+        assert result.errors[2.0] < 1e-4
+
+
+def test_it_starts_in_a_keyframe(tmp_path: Path) -> None:
+    path = tmp_path / "dog.xml"
+    path.write_text(DOG % ("", KEYS))
+    result = compare(path, tmp_path, keyframe="home")
+    assert result.errors[0.5] < 1e-3
+    script = tmp_path / "other.py"
+    script.write_text(f"from morse.builder import *\nRobot({str(path)!r}, keyframe='hone')\nEnvironment('empty')\n")
+    with pytest.raises(Exception, match=r"no keyframe 'hone'.*home"):
+        morse.load(script)
+
+
+def test_further_bodies_are_objects(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(MODELS["dog beside furniture"])
+    library = read_mjcf(path)
+    assert [root.name for root in library.roots] == ["dog", "dog_world", "ball"]
+    assert library.robot == "dog"
+    assert [bone.name for node in library.roots[1:] for part in node.walk() for bone in part.bones] == ["hinge"]
+
+
+def test_a_model_attaches_others(tmp_path: Path) -> None:
+    (tmp_path / "leg.xml").write_text('<mujoco><worldbody><body name="leg"><joint name="j"/><geom size="0.1"/></body>'
+                                      "</worldbody></mujoco>")  # fmt: skip
+    path = tmp_path / "model.xml"
+    path.write_text(
+        '<mujoco><asset><model name="leg" file="leg.xml"/></asset><worldbody><body name="trunk"><freejoint/>'
+        '<geom size="0.2"/><replicate count="3" offset="0.3 0 0"><frame pos="0 0 -0.2"><attach model="leg" body="leg" '
+        'prefix="my_"/></frame></replicate></body></worldbody></mujoco>'
+    )
+    plain = mujoco.MjModel.from_xml_path(str(path))
+    bones = [bone.name for node in read_mjcf(path).nodes() for bone in node.bones]
+    assert sorted(bones) == sorted(plain.joint(number).name for number in range(1, plain.njnt))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not OTHERS, reason="MORSE_ROBOT_FILES is not set")
+@pytest.mark.parametrize("path", sorted(Path(OTHERS).rglob("*.xml")) if OTHERS else [], ids=str)
+def test_files_of_others_keep_all_joints(path: Path) -> None:
+    try:
+        plain = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError:
+        pytest.skip("plain MuJoCo refuses it")
+    if plain.nbody == 1:
+        pytest.skip("it has no bodies")
+    library = read_mjcf(path)
+    assert sum(len(node.bones) for node in library.nodes()) == int((plain.jnt_type != 0).sum())
