@@ -1,4 +1,4 @@
-"""Finds component code that does not return, and interrupts it if the simulation is to end."""
+"""Finds code of the user that does not return, and interrupts it if the simulation is to end."""
 
 from __future__ import annotations
 
@@ -24,8 +24,11 @@ logger = logging.getLogger(__name__)
 
 _OURS = Path(__file__).resolve().parents[1]
 _LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
-#: the files that call components: in ticks, and when they are created; not imported before the script is executed
-_CALLERS = [str(_OURS / "simulation" / name) for name in ("ticks/ticking.py", "loader.py")]
+#: the files that call components, in ticks and when they are created, and an edited script; not imported before the
+#: script is executed
+_CALLERS = [
+    str(_OURS / name) for name in ("simulation/ticks/ticking.py", "simulation/loader.py", "launch/rereading.py")
+]
 #: interval between two checks, wall-clock seconds
 _INTERVAL = 0.5
 #: time for the effect of an interruption, wall-clock seconds
@@ -33,7 +36,11 @@ _GRACE = 2.0
 
 
 def user_line(frame: FrameType | None) -> str | None:
-    """Return the innermost line of component code, as ``slope.py:10, in default_action``; None without user code."""
+    """Return the innermost line of a component, or of an edited script, as ``slope.py:10, in default_action``.
+
+    Returns:
+        None without code of the user.
+    """
     inner: str | None = None
     below = False
     for one, line in reversed([] if frame is None else list(traceback.walk_stack(frame))):
@@ -117,12 +124,17 @@ class StuckTicks:
                 continue
             self._stuck = tick
             if now - self._interrupted > _GRACE and self._leave is not None:
-                logger.error("[ERROR][MORSE] a component does not end when it is interrupted: it is left at %s", line)
+                logger.error("[ERROR][MORSE] code does not end when it is interrupted: it is left at %s", line)
                 self._leave()
             end = "Ctrl+C" if request is None else f"Ctrl+C again, or a timeout of {self._end_after:.0f} s,"
             if end != last_report:
                 last_report = end
-                logger.warning("a component has not returned for %.1f s: %s; %s ends it", now - since, line, end)
+                logger.warning(
+                    "the code of a component or of the script has not returned for %.1f s: %s; %s ends it",
+                    now - since,
+                    line,
+                    end,
+                )
             if request is not None and now - max(request, interrupted) > self._end_after:
                 # not again before the next timeout: the first interruption may not have taken effect yet
                 interrupted = now

@@ -52,6 +52,7 @@ class Watch(Observer):
         self._files = SavedFiles()
         self._ready: deque[Callable[[], None]] = deque()
         self._unread: dict[str, float] = {}
+        self._reading = "a saved file"
         self._stop = threading.Event()
         self._files.look(self._watched())
         self._thread = threading.Thread(target=self._run, name="morse watch", daemon=True)
@@ -66,6 +67,8 @@ class Watch(Observer):
         """Stop watching."""
         self._stop.set()
         self._thread.join(_FAREWELL)
+        if self._thread.is_alive():
+            logger.warning("%s is still being read after %.0f s: it is left", self._reading, _FAREWELL)
 
     # -- in the thread -----------------------------------------------------------------------
 
@@ -93,6 +96,7 @@ class Watch(Observer):
                 self._read(path, last_try=now - since > _PATIENCE)
 
     def _read(self, path: str, *, last_try: bool) -> None:
+        self._reading = path
         try:
             edit = models.prepare(self._simulation, path)
         except BaseException as error:
