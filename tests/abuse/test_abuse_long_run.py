@@ -19,7 +19,7 @@ import pytest
 from test_abuse_lines import garbage
 from test_abuse_other_ports import _free_port, harass
 from victims import SCENE, Victim
-from wire import HZ, Footprint, Line, Witness, drained
+from wire import HZ, Footprint, Line, Witness, drained, eventually
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -177,3 +177,59 @@ def test_a_hundred_clients_of_a_hundred_streams_for_ten_minutes(start: Start) ->
     allow_many_sockets()
     assert HZ == 60
     print(json.dumps(many_clients(start, 100, 100, 600.0)))
+
+
+def read_all(ports: list[int], clients: int, seconds: float) -> int:
+    """Read ``clients`` connections to each port for a while, as fast as the data come; returns the bytes."""
+    selector, size = selectors.DefaultSelector(), 0
+    for port in ports * clients:
+        sock = socket.create_connection(("127.0.0.1", port), timeout=60.0)
+        sock.setblocking(False)
+        selector.register(sock, selectors.EVENT_READ, sock)
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        for key, _ in selector.select(1.0):
+            data = key.data.recv(1 << 16)
+            assert data, "the simulation has closed a connection"
+            size += len(data)
+    for key in list(selector.get_map().values()):
+        key.data.close()
+    return size
+
+
+def at_full_speed(start: Start, clients: int, streams: int, seconds: float) -> dict[str, float]:
+    """Memory, descriptors and threads before and after many clients of a simulation without pause between its ticks."""
+    process = start(CROWDED.format(robots=streams // 2, frequency=60), "--headless", "--speed", "max")
+    services = Line(process.port)
+    ports = list(services.call("simulation", "get_all_stream_ports").values())
+    footprint = Footprint(process.pid)
+    quiet = footprint.descriptors
+    read_all(ports, clients, min(seconds, 10.0))  # memory grows to its maximum
+    eventually(lambda: footprint.descriptors == quiet)
+    before, threads = footprint.memory, footprint.threads
+    begin = services.call("time", "now")
+    size = read_all(ports, clients, seconds)
+    figures = {
+        "connections": len(ports) * clients,
+        "simulated seconds": round(services.call("time", "now") - begin, 1),
+        "MB read": round(size / 1e6, 1),
+        "growth of memory, MB": round((footprint.memory - before) / 1e6, 1),
+    }
+    assert figures["growth of memory, MB"] <= 20.0
+    eventually(lambda: footprint.descriptors == quiet)
+    assert footprint.threads <= threads
+    assert process.watch.error is None
+    process.stop()
+    return figures
+
+
+@needs_footprint
+def test_clients_at_full_speed_leave_nothing_behind(start: Start) -> None:
+    at_full_speed(start, 10, 6, 1.0)
+
+
+@pytest.mark.soak
+@pytest.mark.timeout(3600)
+@needs_footprint
+def test_a_hundred_clients_of_thirty_streams_at_full_speed_for_ten_minutes(start: Start) -> None:
+    print(json.dumps(at_full_speed(start, 100, 30, 600.0)))

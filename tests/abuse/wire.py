@@ -130,7 +130,7 @@ class Witness(threading.Thread):
 
 
 class Footprint:
-    """Memory and descriptors of a process."""
+    """Memory, descriptors and threads of a process."""
 
     def __init__(self, pid: int) -> None:
         self._place = Path("/proc", str(pid))
@@ -152,6 +152,10 @@ class Footprint:
     def descriptors(self) -> int:
         return len(list((self._place / "fd").iterdir()))
 
+    @property
+    def threads(self) -> int:
+        return len(list((self._place / "task").iterdir()))
+
 
 def drained(line: Line, seconds: float = 30.0) -> bytes:
     """All data until the other side closes."""
@@ -161,3 +165,11 @@ def drained(line: Line, seconds: float = 30.0) -> bytes:
         while data := line.socket.recv(1 << 20):
             received += data
     return received
+
+
+def eventually(condition: Callable[[], object], seconds: float = 60.0) -> None:
+    """Wait until a condition holds."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, "still waiting"
+        time.sleep(0.02)
