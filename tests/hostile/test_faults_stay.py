@@ -230,3 +230,15 @@ def test_every_error_is_named(kind: str, error: str, caplog: pytest.LogCaptureFi
 @pytest.mark.parametrize("error", ["Strange", "MuteBase", "GeneratorExit", "Endless"])
 def test_errors_that_nobody_catches_in_groups(kind: str, error: str, caplog: pytest.LogCaptureFixture) -> None:
     _check(kind, 4, error, caplog)
+
+
+@pytest.mark.parametrize("end", [KeyboardInterrupt, SystemExit])
+def test_what_ends_the_program_is_no_fault_of_a_component(end: type[BaseException], caplog: Any) -> None:
+    """The log named its attributes as mistakes."""
+    with morse.load(_scene(1)) as simulation:
+        guard = simulation.context.guard
+        guard.remarks = lambda _: ["rename it"]
+        with pytest.raises(end):
+            guard.deactivate(simulation.context.components["r0.pose"], end())
+        assert not simulation.context.failed
+    assert "rename it" not in caplog.text
