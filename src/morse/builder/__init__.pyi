@@ -14,11 +14,14 @@ from morse.builder.actuators import ForceTorque as ForceTorque
 from morse.builder.actuators import Gripper as Gripper
 from morse.builder.actuators import Hydrodynamics as Hydrodynamics
 from morse.builder.actuators import Keyboard as Keyboard
+from morse.builder.actuators import LiftDrag as LiftDrag
 from morse.builder.actuators import MotionVW as MotionVW
+from morse.builder.actuators import MotionVWAckermann as MotionVWAckermann
 from morse.builder.actuators import MotionVWDiff as MotionVWDiff
 from morse.builder.actuators import MotionXYW as MotionXYW
 from morse.builder.actuators import Orientation as Orientation
 from morse.builder.actuators import PA10 as PA10
+from morse.builder.actuators import Propeller as Propeller
 from morse.builder.actuators import QuadrotorDynamicControl as QuadrotorDynamicControl
 from morse.builder.actuators import RotorcraftAttitude as RotorcraftAttitude
 from morse.builder.actuators import RotorcraftVelocity as RotorcraftVelocity
@@ -215,6 +218,7 @@ __all__ = [
     "LaserScanner",
     "LaserSensorWithArc",
     "LedArray",
+    "LiftDrag",
     "Light",
     "LocalizedPR2",
     "Magnetometer",
@@ -237,6 +241,7 @@ __all__ = [
     "MorseWrongArgsError",
     "Morsy",
     "MotionVW",
+    "MotionVWAckermann",
     "MotionVWDiff",
     "MotionXYW",
     "NavPR2",
@@ -253,6 +258,7 @@ __all__ = [
     "Pioneer3DX",
     "Plane",
     "Pose",
+    "Propeller",
     "Proximity",
     "QUAD2012",
     "Quadrotor",

@@ -24,13 +24,16 @@ __all__ = [
     "Keyboard",
     "KukaLWR",
     "LedArray",
+    "LiftDrag",
     "Light",
     "MotionVW",
+    "MotionVWAckermann",
     "MotionVWDiff",
     "MotionXYW",
     "Orientation",
     "PA10",
     "PTU",
+    "Propeller",
     "QuadrotorDynamicControl",
     "RotorcraftAttitude",
     "RotorcraftVelocity",
@@ -99,6 +102,26 @@ class Keyboard(ActuatorCreator):
         self, *, ControlType: Literal["Position", "Velocity", "Differential"] = ..., Speed: float = ..., **kwargs: Any
     ) -> None: ...
 
+class LiftDrag(ActuatorCreator):
+    """Lift, drag and moment of a wing that moves through air or water"""
+    def properties(
+        self,
+        *,
+        Area: float = ...,
+        Density: float = ...,
+        ZeroAngle: float = ...,
+        StallAngle: float = ...,
+        LiftSlope: float = ...,
+        DragSlope: float = ...,
+        MomentSlope: float = ...,
+        LiftSlopeStalled: float = ...,
+        DragSlopeStalled: float = ...,
+        MomentSlopeStalled: float = ...,
+        Joint: str = ...,
+        FlapLift: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
 class MotionVW(ActuatorCreator):
     """Motion controller using linear and angular speeds"""
     def properties(
@@ -114,6 +137,28 @@ class MotionVW(ActuatorCreator):
         **kwargs: Any,
     ) -> None: ...
 
+class MotionVWAckermann(ActuatorCreator):
+    """Motion controller using linear and angular speeds, by driven and steered wheels"""
+    def properties(
+        self,
+        *,
+        MaxSpeed: float = ...,
+        MaxAcceleration: float = ...,
+        MaxJerk: float = ...,
+        MaxAngularSpeed: float = ...,
+        MaxAngularAcceleration: float = ...,
+        MaxAngularJerk: float = ...,
+        LeftWheels: str = ...,
+        RightWheels: str = ...,
+        LeftSteering: str = ...,
+        RightSteering: str = ...,
+        WheelRadius: float = ...,
+        WheelBase: float = ...,
+        WheelSeparation: float = ...,
+        SteeringLimit: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
 class MotionVWDiff(ActuatorCreator):
     """Motion controller using linear and angular speeds, by the wheels"""
     def properties(
@@ -125,6 +170,10 @@ class MotionVWDiff(ActuatorCreator):
         MaxAngularSpeed: float = ...,
         MaxAngularAcceleration: float = ...,
         MaxAngularJerk: float = ...,
+        LeftWheels: str = ...,
+        RightWheels: str = ...,
+        WheelRadius: float = ...,
+        WheelSeparation: float = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -157,6 +206,24 @@ class Orientation(ActuatorCreator):
 class PA10(ActuatorCreator):
     """Turns the segments of a Mitsubishi PA-10 arm"""
     def properties(self, *, Speed: float = ..., Tolerance: float = ..., **kwargs: Any) -> None: ...
+
+class Propeller(ActuatorCreator):
+    """Thrust and torque of a propeller at a commanded speed"""
+    def properties(
+        self,
+        *,
+        Joint: str = ...,
+        MotorConstant: float = ...,
+        MomentConstant: float = ...,
+        RotorDrag: float = ...,
+        RollingMoment: float = ...,
+        Direction: float = ...,
+        TimeConstantUp: float = ...,
+        TimeConstantDown: float = ...,
+        MaxSpeed: float = ...,
+        Slowdown: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
 
 class QuadrotorDynamicControl(ActuatorCreator):
     """Motion controller using the speeds of the rotors of a quadrotor"""

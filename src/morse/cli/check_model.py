@@ -60,6 +60,8 @@ def _rows(library: Library) -> Iterator[tuple[str, str]]:
     yield "solid", f"{sum(node.body.collides for node in meshes)} shapes"
     if library.sensors:
         yield "sensors", ", ".join(f"{one.name} ({one.product})" for one in library.sensors)
+    if library.actuators:
+        yield "actuators", ", ".join(f"{one.name} ({one.product})" for one in library.actuators)
     if lights := [node for node in nodes if node.light is not None]:
         yield "lights", _counted(node.light.type.lower() for node in lights if node.light is not None)
     if library.world:

@@ -1,4 +1,4 @@
-"""Sensors that a model file declares."""
+"""Sensors and actuators that a model file declares."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DeclaredSensor:
-    """A sensor of a robot, as declared in the file of the robot.
+    """A sensor or actuator of a robot, as declared in the file of the robot.
 
     Attributes:
         name: name in the file.
@@ -28,5 +28,5 @@ class DeclaredSensor:
     link: str
     position: tuple[float, float, float]
     rotation: Rotation9
-    properties: tuple[tuple[str, float | int], ...] = ()
+    properties: tuple[tuple[str, float | int | str], ...] = ()
     frequency: float | None = None

@@ -61,6 +61,7 @@ def _read(path: Path, includes: Includes) -> Library:
             continue
         library.roots.append(node)
         library.sensors += models.sensors
+        library.actuators += models.actuators
         library.robot = node.name if model is main else library.robot
     add_world(library, scope, world if world is not None else root, includes)
     if not library.roots and world is None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.assets.sdf.flat import FlatLink, joints_of, links_of
 from morse.assets.sdf.inertials import inertial_in
 from morse.assets.sdf.joints import JointTree
+from morse.assets.sdf.plugins import Plugins
 from morse.assets.sdf.scope import WORLD
 from morse.assets.sdf.values import ValueMistakeError, boolean
 from morse.assets.sdf.worlds import light_node
@@ -14,6 +17,7 @@ from morse.assets.urdf.document import Document, Link, check_counts
 from morse.assets.urdf.reader import robot_library
 from morse.assets.urdf.sensors import declared_sensors
 from morse.mathutils import Matrix
+from morse.scene import Control
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,17 +32,23 @@ if TYPE_CHECKING:
     from morse.scene.declared_sensor import DeclaredSensor
 
 
+#: m/s^2
+_GRAVITY = 9.81
+_DRIVES = ("MotionVWDiff", "MotionVWAckermann")
+
+
 class Models:
     """Converts models to nodes.
 
     Attributes:
-        sensors: those of the last model.
+        sensors, actuators: those of the last model.
     """
 
     def __init__(self, path: Path, includes: Includes, geometry: Geometry) -> None:
         self._path, self._includes, self._geometry = path, includes, geometry
         self._warn = includes.warn
         self.sensors: list[DeclaredSensor] = []
+        self.actuators: list[DeclaredSensor] = []
         self._moving = 0
 
     def node(self, model: Scope, pose: Matrix, *, prefix: str = "") -> Node | None:
@@ -55,6 +65,7 @@ class Models:
             return None
         joints = list(joints_of(model, self._warn))
         document = self._document(model, links, joints, prefix)
+        self.actuators = self._plugins(model, document, list(links), prefix)
         library = robot_library(self._path, document)
         for warning in library.warnings:
             self._warn(warning)
@@ -67,6 +78,27 @@ class Models:
             base = links[document.root.removeprefix(prefix)].pose
             armature.location, armature.rotation_euler = list(base.translation), list(base.to_euler())
         return root
+
+    def _plugins(self, model: Scope, document: Document, links: list[str], prefix: str) -> list[DeclaredSensor]:
+        """The actuators of a model.
+
+        Wheels that turn without an end, and that none of them drives, roll freely. The motors of driven wheels are just
+        strong enough to let the wheels slip: without a limit, a wheel that stops at once would throw the robot over.
+        """
+        first = document.root.removeprefix(prefix)
+        links.sort(key=lambda name: name != first)
+        plugins = Plugins({joint.name: joint for joint in document.joints}, links, prefix, self._warn)
+        plugins.read(model)
+        weight = _GRAVITY * sum(link.inertial.mass for link in document.links.values() if link.inertial is not None)
+        for drive in (dict(one.properties) for one in plugins.actuators if one.product in _DRIVES):
+            wheels = f"{drive['LeftWheels']}, {drive['RightWheels']}".split(", ")
+            for joint in document.joints:
+                is_wheel = joint.kind in ("revolute", "continuous") and not joint.dynamics.limited
+                if is_wheel and joint.name not in plugins.driven:
+                    joint.dynamics = replace(joint.dynamics, control=Control.EFFORT)
+                elif joint.name in wheels and math.isinf(joint.dynamics.effort):
+                    joint.dynamics = replace(joint.dynamics, effort=max(weight * float(drive["WheelRadius"]), 1e-3))
+        return plugins.actuators
 
     def _document(self, model: Scope, links: dict[str, FlatLink], joints: list[FlatJoint], prefix: str) -> Document:
         poses = {name: link.pose for name, link in links.items()} | {WORLD: Matrix.Identity(4)}

@@ -1,4 +1,4 @@
-"""Sensors that the file of a robot declares."""
+"""Sensors and actuators that the file of a robot declares."""
 
 from __future__ import annotations
 
@@ -16,16 +16,18 @@ if TYPE_CHECKING:
     from morse.scene.declared_sensor import DeclaredSensor
 
 
-def add_sensors(robot: AbstractComponent, declarations: Iterable[DeclaredSensor]) -> dict[str, Any]:
-    """Create the sensors of a file on the links of a robot, and return them by name."""
+def add_sensors(
+    robot: AbstractComponent, declarations: Iterable[DeclaredSensor], package: str = "sensors"
+) -> dict[str, Any]:
+    """Create the sensors or actuators of a file on the links of a robot, and return them by name."""
     sensors: dict[str, Any] = {}
     for one in declarations:
-        name = base = re.sub(r"\W", "_", one.name, flags=re.ASCII) or "sensor"
+        name = base = re.sub(r"\W", "_", one.name, flags=re.ASCII) or package[:-1]
         number = 1
         while name in sensors:
             number += 1
             name = f"{base}_{number}"
-        sensor = load_class(f"morse.builder.sensors.{one.product}")(name)
+        sensor = load_class(f"morse.builder.{package}.{one.product}")(name)
         r = one.rotation
         rotation = Matrix((r[:3], r[3:6], r[6:]))
         if hasattr(sensor, "rotate") and sensor.scene_node.rotation_euler[:] == list(MOUNTED):

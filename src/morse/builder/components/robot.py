@@ -29,11 +29,13 @@ class Robot(Component):
             without a body.
         name: its name, if it differs from the name of the variable that refers to it.
         blender_object_name: the object of the file that is the body; None for the object without a parent.
-        sensors: whether the sensors that the file declares (URDF, SDF, MJCF) are created.
+        sensors: whether the sensors that the file declares (URDF, SDF, MJCF), and the actuators that its plugins stand
+            for, are created.
         keyframe: name of the pose of an MJCF file in which the robot starts; empty for that of the bodies of the file.
 
     Attributes:
         sensors: the sensors that the file declares, by name.
+        actuators: the actuators that plugins of the file stand for, by name.
     """
 
     _kind = "robot"
@@ -59,17 +61,21 @@ class Robot(Component):
         if name is not None:
             self.name = name
         self.sensors: dict[str, AbstractComponent] = {}
+        self.actuators: dict[str, AbstractComponent] = {}
         if not filename:
             return
         library = self._library()
         if keyframe:
             set_keyframe(self.scene_node, library, checks.text(keyframe, "Robot(keyframe)"))
-        names = {node.source_name for node in self.own_nodes()}
-        declarations = [one for one in library.sensors if one.link in names] if sensors else []
-        if declarations:
+        if sensors and (library.sensors or library.actuators):
             from morse.builder.components.file_sensors import add_sensors
 
-            self.sensors = add_sensors(self, declarations)
+            names = {node.source_name for node in self.own_nodes()}
+            for package, parts, declarations in (
+                ("actuators", self.actuators, library.actuators),
+                ("sensors", self.sensors, library.sensors),
+            ):
+                parts.update(add_sensors(self, [one for one in declarations if one.link in names], package))
 
     def add_default_interface(self, stream: str) -> None:
         """Connect all components of the robot to a middleware; existing streams are not changed.

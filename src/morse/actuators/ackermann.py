@@ -1,0 +1,86 @@
+"""Drives a car: two wheels steer, two wheels drive."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from morse.actuators.speed_command import SpeedCommand
+from morse.helpers.components import add_property
+from morse.helpers.joint_motors import JointMotors, joint_names
+from morse.scene import Control
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
+
+
+class MotionVWAckermann(SpeedCommand):
+    """Steers and turns the wheels of a car so that it drives and turns at the commanded speeds.
+
+    The wheels are joints of the robot. The middle of the axle that does not steer follows a circle of the radius
+    R = v / w. The front wheels point along their own circles about the same centre: tan(angle) = L / (R -+ s / 2), with
+    the wheel base L and the distance s between the steering joints (Ackermann steering). Each driven wheel turns at the
+    speed of its place on the circle. A car that stands cannot turn.
+    """
+
+    _name = "Ackermann steering"
+    _short_desc = "Motion controller using linear and angular speeds, by driven and steered wheels"
+
+    add_property("_left", "", "LeftWheels", "string", "Driven joints on the left, separated by commas")
+    add_property("_right", "", "RightWheels", "string", "Driven joints on the right")
+    add_property("_left_steering", "", "LeftSteering", "string", "Joint that steers the wheel on the left")
+    add_property("_right_steering", "", "RightSteering", "string", "Joint that steers the wheel on the right")
+    add_property("_radius", 0.1, "WheelRadius", "float", "Radius of the wheels", unit="m", low=1e-3, high=100.0)
+    add_property("_base", 1.0, "WheelBase", "float", "Distance between the axles", unit="m", low=1e-3, high=100.0)
+    add_property(
+        "_separation",
+        0.5,
+        "WheelSeparation",
+        "float",
+        "Distance between left and right wheels",
+        unit="m",
+        low=1e-3,
+        high=100.0,
+    )
+    add_property("_limit", 0.5, "SteeringLimit", "float", "Largest angle of a wheel", unit="rad", low=1e-3, high=1.5)
+
+    _left: str
+    _right: str
+    _left_steering: str
+    _right_steering: str
+    _radius: float
+    _base: float
+    _separation: float
+    _limit: float
+
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
+        super().__init__(obj, parent)
+        body = self.robot_parent.bge_object
+        left, right = joint_names(self._left), joint_names(self._right)
+        steering = joint_names(self._left_steering) + joint_names(self._right_steering)
+        self._wheels: JointMotors | None = None
+        self._steering: JointMotors | None = None
+        if left and right and len(steering) == 2:
+            self._wheels = JointMotors(body, left + right, Control.VELOCITY)
+            self._steering = JointMotors(body, steering, Control.POSITION)
+        else:
+            self.context.complaints.warn(
+                f"{self.name()}: no joints",
+                f"{self.name()} moves nothing, it needs the joints of the wheels: properties(LeftWheels='rear_left', "
+                "RightWheels='rear_right', LeftSteering='left_steering', RightSteering='right_steering')",
+            )
+        self._sides = (-1.0,) * len(left) + (1.0,) * len(right)
+
+    def default_action(self) -> None:
+        """Steer and turn the wheels."""
+        (v,), w = self.speeds()
+        if self._wheels is None or self._steering is None:
+            return
+        half = 0.5 * self._separation
+        # curvature, 1/m, up to that of the largest angle
+        most = math.tan(self._limit) / self._base
+        curvature = min(max(w / v, -most), most) if abs(v) > 1e-6 else 0.0
+        angles = [math.atan(self._base * curvature / (1.0 + side * half * curvature)) for side in (-1.0, 1.0)]
+        self._steering.tell([min(max(angle, -self._limit), self._limit) for angle in angles])
+        self._wheels.tell([v * (1.0 + side * half * curvature) / self._radius for side in self._sides])
