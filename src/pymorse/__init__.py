@@ -9,6 +9,7 @@
         print(simu.robot.pose.get())
 """
 
+from pymorse.aio import AsyncComponent, AsyncMorse
 from pymorse.component import Component, Robot
 from pymorse.errors import (
     MorseServiceError,
@@ -28,6 +29,8 @@ __all__ = [
     "PREEMPTED",
     "SUCCESS",
     "TIMEOUT",
+    "AsyncComponent",
+    "AsyncMorse",
     "Component",
     "Morse",
     "MorseExecutor",

@@ -10,8 +10,9 @@ import os
 import threading
 import time as _time
 import weakref
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
+from pymorse.aio import AsyncMorse
 from pymorse.binary import BinaryConnection, BinaryStream
 from pymorse.discovery import discover
 from pymorse.errors import MorseServiceFailed, MorseTimeoutError
@@ -19,6 +20,7 @@ from pymorse.future import MorseFuture
 from pymorse.interruption import end_quietly
 from pymorse.names import normalize_name, series, suggestion
 from pymorse.poller import Poller
+from pymorse.reconnection import Reconnection
 from pymorse.requests import ServiceConnection
 from pymorse.stream import TIMEOUT, StreamJSON, connect, connect_locally
 
@@ -48,6 +50,8 @@ class Morse:
             simu.robot.motion.publish({"v": 1.0, "w": 0.0})
             print(simu.robot.pose.get())
 
+    In a program with asyncio, ``async with Morse() as simu`` has the same names: see `pymorse.aio.AsyncMorse`.
+
     Args:
         host: name or address of the host of the simulation.
         port: TCP port of its services, which the simulation prints. The default is the environment variable
@@ -57,6 +61,9 @@ class Morse:
             installed.
         path: path of the Unix socket of the simulation (its environment variable ``MORSE_SOCKET_PATH``), which carries
             its services instead of the port.
+        reconnect: whether to connect again when the simulation has ended and another one is started at the same
+            address. Components and subscriptions stay; what is called or read in the meantime raises
+            ``ConnectionError``. The log of ``pymorse`` tells it.
 
     Attributes:
         robots: names of the robots.
@@ -66,9 +73,15 @@ class Morse:
     """
 
     def __init__(
-        self, host: str = "localhost", port: int | None = None, *, binary: bool = False, path: str | None = None
+        self,
+        host: str = "localhost",
+        port: int | None = None,
+        *,
+        binary: bool = False,
+        path: str | None = None,
+        reconnect: bool = False,
     ) -> None:
-        self.host = host
+        self.host, self._path = host, path
         self.port = port = _default_port() if port is None else port
         self.robots: list[str] = []
         self._robots: dict[str, Robot] = {}
@@ -80,19 +93,28 @@ class Morse:
         self._latest_poller: Poller | None = None
         self._streams: list[StreamJSON | BinaryConnection] = []
         self._binary_port: int | None = None
+        self._is_binary = binary
+        self._reconnection: Reconnection | None = None
+        self._async: AsyncMorse | None = None
         self._every: BinaryConnection | None = None
         self._latest: BinaryConnection | None = None
         self._service_poller.start()
         try:
-            self._services = _greet(host, port, self._service_poller, path)
-            if binary:
-                self._binary_port = self._find_binary_port()
+            self._connect()
             self._learn()
         except BaseException:
             self._closed = True
             self._service_poller.syncstop(_PARTING_TIMEOUT)
             raise
+        if reconnect:
+            self._reconnection = Reconnection(self)
         _open.add(self)
+
+    def _connect(self) -> None:
+        """Open the connection for services."""
+        self._services = _greet(self.host, self.port, self._service_poller, self._path)
+        if self._is_binary:
+            self._binary_port = self._find_binary_port()
 
     def _find_binary_port(self) -> int:
         try:
@@ -105,12 +127,14 @@ class Morse:
 
     def _learn(self) -> None:
         for robot in discover(self):
-            attribute = normalize_name(robot.name)
-            self.robots.append(attribute)
-            self._robots[attribute] = robot
-            self._expose(attribute, robot)
+            self._add_robot(normalize_name(robot.name), robot)
         for plural, members in series(self.robots).items():
             self._expose(plural, [self._robots[member] for member in members])
+
+    def _add_robot(self, attribute: str, robot: Robot) -> None:
+        self.robots.append(attribute)
+        self._robots[attribute] = robot
+        self._expose(attribute, robot)
 
     def _expose(self, attribute: str, value: object) -> None:
         if hasattr(type(self), attribute) or attribute in vars(self):
@@ -362,6 +386,8 @@ class Morse:
         """
         if self._closed:
             return
+        if self._reconnection is not None:
+            self._reconnection.close()
         try:
             if cancel_async_services:
                 self._abort_pending()
@@ -389,7 +415,7 @@ class Morse:
             if stream is not None and not stream.drain(max(0.0, deadline - _time.monotonic())):
                 logger.error("%s did not receive all published messages, because it does not read", stream.peer)
 
-    def __enter__(self) -> Morse:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -398,6 +424,16 @@ class Morse:
         if isinstance(error, KeyboardInterrupt):
             end_quietly(error)
         self.close(cancel_async_services=kind is not None)
+
+    async def __aenter__(self) -> AsyncMorse:
+        self._async = AsyncMorse(self)
+        return self._async
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        assert self._async is not None
+        await self._async.close(cancel_async_services=kind is not None)
 
 
 def _full_name(part: str | Component) -> str:

@@ -1,0 +1,90 @@
+"""Writes a module with the types of a running simulation, for editors and type checkers."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+from pymorse.errors import MorseServiceError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pymorse.component import Component
+    from pymorse.pymorse import Morse
+
+_HEAD = '''"""The types of a simulation; written by `python -m pymorse`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypedDict
+
+from pymorse import Morse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pymorse import Component, MorseFuture
+    from pymorse import Robot as AnyRobot
+'''
+_READING = """    def get(self, timeout: float | None = None) -> {data} | None: ...
+    def last(self, n: int = 1) -> {data} | None: ...
+    def subscribe(self, callback: Callable[[{data}], object], latest: bool = False) -> None: ...
+    def unsubscribe(self, callback: Callable[[{data}], object]) -> None: ...
+"""
+_SIMULATION = '''
+
+class Simulation(Morse):
+    """This simulation."""
+
+    if TYPE_CHECKING:'''
+_END = ""
+_NAMES = {bool: "bool", int: "int", float: "float", str: "str", type(None): "Any"}
+
+
+def stubs(morse: Morse) -> str:
+    """Return the text of a module with a class ``Simulation``."""
+    classes = [line for name in morse.robots for line in _classes(morse[name])]
+    lines = [_HEAD, *("    " + line if line else "" for line in "\n".join(classes).splitlines())]
+    names = [f"        {name}: {_class_name(morse[name])}" for name in morse.robots]
+    return "\n".join([*lines, _SIMULATION, *names, _END])
+
+
+def _class_name(component: Component) -> str:
+    # a robot may be called robot, or simulation
+    words = (component.fqn if "." in component.fqn else f"{component.fqn}.robot").replace(".", "_").split("_")
+    name = "".join(word[:1].upper() + word[1:] for word in words)
+    return "".join(letter if letter.isalnum() else "_" for letter in name)
+
+
+def _classes(component: Component) -> Iterator[str]:
+    """The classes of a component and of its parts, the innermost first."""
+    for part in component._parts.values():
+        yield from _classes(part)
+    name, data, fields = _class_name(component), f"{_class_name(component)}Data", _fields(component)
+    if component._directions:
+        entries = ", ".join(f"{field!r}: {_type_of(value)!r}" for field, value in fields.items())
+        yield f"\n\n{data} = TypedDict({data!r}, {{{entries}}}, total=False)"
+    base = "AnyRobot" if not component.fqn.count(".") else "Component"
+    body = [f"    {attribute}: {_class_name(part)}" for attribute, part in component._parts.items()]
+    if "OUT" in component._directions:
+        body.append(_READING.format(data=data).rstrip())
+    if "IN" in component._directions:
+        body.append(f"    def publish(self, msg: {data}) -> None: ...")
+    body += [f"    def {service}(self, *args: Any) -> MorseFuture: ..." for service in component._services]
+    yield "\n".join([f"\n\nclass {name}({base}):", *(body or ["    pass"])])
+
+
+def _fields(component: Component) -> dict[str, Any]:
+    with contextlib.suppress(MorseServiceError, KeyError):
+        fields = component._morse.rpc(component.fqn, component._services["get_local_data"])
+        if isinstance(fields, dict):
+            return {name: value for name, value in fields.items() if isinstance(name, str)}
+    return {}
+
+
+def _type_of(value: Any) -> str:
+    if isinstance(value, list):
+        kinds = {_type_of(item) for item in value[:100]}
+        return f"list[{kinds.pop() if len(kinds) == 1 else 'Any'}]"
+    return "dict[str, Any]" if isinstance(value, dict) else _NAMES.get(type(value), "Any")
