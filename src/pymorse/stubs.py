@@ -64,7 +64,9 @@ def _classes(component: Component) -> Iterator[str]:
     name, data, fields = _class_name(component), f"{_class_name(component)}Data", _fields(component)
     if component._directions:
         entries = ", ".join(f"{field!r}: {_type_of(value)!r}" for field, value in fields.items())
-        yield f"\n\n{data} = TypedDict({data!r}, {{{entries}}}, total=False)"
+        # only sensors tell their fields
+        of_type = f"TypedDict({data!r}, {{{entries}}}, total=False)" if fields else "dict[str, Any]"
+        yield f"\n\n{data} = {of_type}"
     base = "AnyRobot" if not component.fqn.count(".") else "Component"
     body = [f"    {attribute}: {_class_name(part)}" for attribute, part in component._parts.items()]
     if "OUT" in component._directions:
