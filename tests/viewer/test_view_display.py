@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from view_pages import until
+from view_pages import toasts, until
 from view_worlds import playground
+
+from morse.viewer.page_messages import Reset
+from morse.viewer.view_messages import FileMistake, Log, SavedFiles
 
 pytestmark = pytest.mark.browser
 
@@ -59,3 +62,31 @@ def test_a_layout_opens_these_panels_alone(running, open_page) -> None:
     until(lambda: page.locator("section.bottom").is_visible())
     assert page.locator("aside.left").is_hidden()
     assert page.locator("aside.right").is_hidden()
+
+
+def test_a_mistake_in_a_saved_file_stays_on_the_page_and_opens_the_log(running, open_page) -> None:
+    driver, url = running
+    driver.server.send(Log("error", "eyes.py was saved, but ...: SyntaxError: expected ':'", "", 1.0, 0))
+    driver.server.send(SavedFiles([FileMistake("eyes.py", 24, "SyntaxError: expected ':'")], []))
+    page = open_page(url, width=1200, height=700)
+    mistake = page.get_by_role("button", name="eyes.py, line 24")
+    mistake.wait_for()
+    mistake.click()
+    until(lambda: page.locator(".log p.found").is_visible())
+    driver.server.send(SavedFiles([], ["default.py"]))
+    until(lambda: mistake.count() == 0)
+    driver.events.clear()
+    page.get_by_role("button", name="reload").click()
+    until(lambda: any(isinstance(event, Reset) for event in driver.events))
+    # the dialogue of F11 says the same
+    page.keyboard.press("F11")
+    until(lambda: "default.py was saved" in page.locator("dialog.ask").inner_text())
+
+
+def test_an_error_of_a_component_names_its_line(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, width=1200, height=700)
+    until(lambda: page.evaluate("morse.seat.drives.value"))
+    text = "robot0.lidar: KeyError: 'lefft'\n  File \"/home/me/src/eyes.py\", line 24, in default_action"
+    driver.server.send(Log("error", text, "", 1.0, 0))
+    until(lambda: any("'lefft' (eyes.py, line 24)" in told for told in toasts(page)))

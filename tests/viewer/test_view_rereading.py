@@ -88,3 +88,22 @@ def test_a_script_with_a_mistake_is_not_taken(edited: Edited) -> None:
         until(lambda: all(text in edited.log() for text in told), limit=60.0)
     assert edited.x() == pytest.approx(1.0, abs=0.01)
     assert len(edited.addresses()) == 1
+
+
+def test_a_saved_script_is_announced_and_a_mistake_stays_until_it_is_mended(edited: Edited) -> None:
+    with Client(edited.url) as page:
+        page.expect("seat", pages=1)
+        edited.script.write_text(SCENE.replace("ATRV(", "ATRV(("))
+        (mistake,) = page.expect("saved_files", waiting=[])["mistakes"]
+        assert (mistake["file"], mistake["line"]) == ("scene.py", 5)
+        assert "never closed" in mistake["text"]
+        with Client(edited.url) as later:  # it is there for a page that opens later
+            assert later.expect("saved_files")["mistakes"] == [mistake]
+        edited.script.write_text(SCENE.replace("ATRV", "ATVR"))
+        assert page.expect("saved_files", mistakes=[])["waiting"] == ["scene.py"]
+        page.send("reset")
+        (mistake,) = page.expect("saved_files", waiting=[])["mistakes"]
+        assert (mistake["file"], mistake["line"]) == ("scene.py", 5)
+        assert "ATRV" in mistake["text"]  # the nearest word
+        edited.script.write_text(SCENE)
+        page.expect("saved_files", mistakes=[])

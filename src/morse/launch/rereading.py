@@ -71,6 +71,10 @@ class Rereading:
             logger.error("[ERROR][MORSE] the edited scene cannot be loaded, the previous scene is restarted: %s", first)
             if rest:
                 logger.error("%s", rest)
+            for path in edited:
+                simulation.edits.take(path)
+            mend = error.mend if isinstance(error, ScriptError) else ""
+            simulation.edits.refuse(edited[0], f"{error}. {mend}" if mend else str(error))
             if isinstance(project, ProjectImports):
                 project.stay()
             return False

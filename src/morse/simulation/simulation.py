@@ -33,6 +33,7 @@ from morse.simulation.ticks.loop import Loop
 from morse.simulation.ticks.profile import Profile
 from morse.simulation.ticks.stepping import Stepping
 from morse.simulation.ticks.ticking import Ticker
+from morse.simulation.watching.edits import Edits
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -61,6 +62,7 @@ class Simulation(Recorded, Handles):
         context: the interface of the simulation for components.
         observers: objects that are notified before and after each tick, in order.
         view: the live view, which is one of the observers, or None.
+        edits: files that were saved while it runs.
         failed: whether the simulation has to end because a part of it cannot continue.
     """
 
@@ -91,6 +93,7 @@ class Simulation(Recorded, Handles):
         self.view: Any = None
         #: callback that loads the edited scene instead of this one; it returns False if nothing has changed
         self.reread: Callable[[], bool] | None = None
+        self.edits = Edits()
         self.profile: Profile | None = None
         #: profile of the sensors for which the script requests a profile
         self.sensor_profile = Profile() if any(d.profile for d in scene.components) else None

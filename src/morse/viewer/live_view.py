@@ -13,6 +13,7 @@ from morse.viewer import page_messages as page
 from morse.viewer.display import has_display
 from morse.viewer.feeds.clouds import ViewClouds
 from morse.viewer.feeds.debug_properties import ViewDebug
+from morse.viewer.feeds.edits import EditsFeed
 from morse.viewer.feeds.frustums import ViewFrustums
 from morse.viewer.feeds.log import LogFeed
 from morse.viewer.feeds.overlays import ViewOverlays
@@ -107,6 +108,7 @@ class View(Observer):
             ViewDebug(simulation, server),
             self._frustums,
             self._sounds,
+            EditsFeed(simulation.edits, server),
             RecordingsFeed(simulation, server, possible=self.changeable),
         ]
         self._log = LogFeed(context, server)
@@ -271,6 +273,8 @@ class View(Observer):
     def edited(self) -> None:
         """A model or the class of a component was replaced: the saved states are no longer valid."""
         self._history.restarted()
+        # fields may have changed, and the mistake that a page shows is mended
+        self._told_names.clear()
 
     def rearranged(self) -> None:
         """Components or objects were added or removed, or another state was restored."""

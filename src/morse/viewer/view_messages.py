@@ -147,6 +147,21 @@ class Log(ServerMessage, frozen=True):
     _about: ClassVar[tuple[str, ...] | None] = ("place",)
 
 
+class FileMistake(Struct, frozen=True):
+    """An error in a file that was saved; ``line`` is 0 if it is not known."""
+
+    file: str
+    line: int
+    text: str
+
+
+class SavedFiles(ServerMessage, frozen=True):
+    """The saved files with errors, and the names of those that are read at the next restart."""
+
+    mistakes: list[FileMistake]
+    waiting: list[str]
+
+
 class DebugProperty(Struct, frozen=True):
     """A property of an object, with its value as text."""
 

@@ -30,8 +30,8 @@ export class Components {
     // the log is sent after this, if there is one
     connection.on("welcome", () => this.complaints.clear());
     connection.on("tree", ({ components }) => {
-      // a restarted simulation has no problems yet
-      if (this.all.value.length > 0) this.complaints.clear();
+      // who acts again has been mended, or begins anew
+      for (const { name, active } of components) if (active) this.complaints.delete(name);
       this.all.set(components);
     });
     connection.on("values", ({ component, time, data, note }) => {

@@ -26,6 +26,8 @@ export class Clock {
   private told = 1;
   private until = Infinity;
   private pace: Pace | null = null;
+  /** files that are read again at a restart */
+  private edited: string[] = [];
 
   constructor(private readonly connection: Connection) {
     const reset = iconButton(icons.reset, "Reset", () => this.reset(), "F11");
@@ -34,6 +36,7 @@ export class Clock {
     this.speed.append(h("option", { value: "max" }, "max"));
     this.speed.value = "1";
     this.element = h("div", { class: "clock" }, this.play, this.stepButton, reset, this.speed, this.time, this.factor);
+    connection.on("saved_files", ({ waiting }) => (this.edited = waiting));
     connection.on("pace", (pace) => {
       this.pace = pace;
       this.showPace();
@@ -79,7 +82,8 @@ export class Clock {
 
   /** Restart after a confirmation. */
   reset(): void {
-    ask("Reset everything to the beginning?", "reset", () => this.connection.send({ type: "reset" }));
+    const also = this.edited.length > 0 ? ` ${this.edited.join(", ")} was saved, and is read again.` : "";
+    ask(`Reset everything to the beginning?${also}`, "reset", () => this.connection.send({ type: "reset" }));
   }
 
   /** End the simulation after a confirmation. */

@@ -18,6 +18,8 @@ export class LogPanel {
     private readonly components: Components,
     private readonly toasts: Toasts,
     private readonly onNews: (level: Log["level"]) => void,
+    /** a message of a line was clicked */
+    private readonly onOpen: (text: string) => void,
   ) {
     this.element.append(this.empty);
     // lines that were added while the log was hidden are shown from the end
@@ -28,6 +30,14 @@ export class LogPanel {
     });
     connection.on("seat", () => (this.fresh = true));
     connection.on("log", (line) => this.add(line));
+  }
+
+  /** Scroll to the last error that contains a text. */
+  reveal(text: string): void {
+    const line = [...this.element.querySelectorAll("p.error, p.warning")].filter((one) => one.textContent?.includes(text)).at(-1);
+    for (const other of this.element.querySelectorAll(".found")) other.classList.remove("found");
+    line?.classList.add("found");
+    line?.scrollIntoView({ block: "center" });
   }
 
   private add({ level, text, component, time, shown }: Log): void {
@@ -42,11 +52,17 @@ export class LogPanel {
     if (component !== "") this.components.complain(component, level, text);
     if (!this.fresh || shown) return;
     this.onNews(level);
-    this.toasts.show(firstLine(text), level === "error" ? "error" : "info");
+    this.toasts.show(firstLine(text) + placeIn(text), level === "error" ? "error" : "info", () => this.onOpen(text));
   }
 }
 
 function firstLine(text: string): string {
   const [line = ""] = text.split("\n");
   return line.length > 300 ? `${line.slice(0, 300)}…` : line;
+}
+
+/** File and line of an error in the code of a user: the innermost one. */
+function placeIn(text: string): string {
+  const place = [...text.matchAll(/File "([^"\n]+)", line (\d+)/g)].at(-1);
+  return place ? ` (${(place[1] as string).split(/[\\/]/).at(-1)}, line ${place[2]})` : "";
 }

@@ -24,6 +24,7 @@ import type { Plot } from "./plot";
 import { PlotsPanel } from "./plots";
 import { Rate } from "./rate";
 import { RecordingPanel } from "./recording";
+import { SavedPanel } from "./saved";
 import { TouchPad } from "./touchpad";
 import { TreePanel } from "./tree";
 import { ViewMenu } from "./viewmenu";
@@ -67,7 +68,12 @@ export class Panels {
     );
     shell.left.append(tree.element);
     shell.right.append(inspector.element);
-    const log = new LogPanel(connection, components, toasts, (level) => shell.flag("bottom", level));
+    const openLog = (text: string): void => {
+      shell.show("bottom");
+      log.reveal(text);
+    };
+    const log: LogPanel = new LogPanel(connection, components, toasts, (level) => shell.flag("bottom", level), openLog);
+    const saved = new SavedPanel(connection, ({ file, text }) => openLog(text || file));
     shell.bottom.append(this.plots.element, log.element);
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
     this.sounds = new Sounds(connection, stage, app.poses);
@@ -76,6 +82,7 @@ export class Panels {
     this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
     const pad = new TouchPad(app.keyboard, app.seat.drives, app.listener.robots);
     shell.view.append(this.layers.names.element, this.history.element, pad.element, new Rate(stage).element, new LinkBanner(connection).element, toasts.element);
+    toasts.element.append(saved.element);
     document.body.append(this.help.element);
     components.selected.watch((name) => shell.fill(name !== null));
     components.selected.watch((name) => this.highlight.show(name === null ? null : (stage.world?.find(name) ?? null)));

@@ -54,7 +54,8 @@ class Watch(Observer):
         self._unread: dict[str, float] = {}
         self._reading = "a saved file"
         self._stop = threading.Event()
-        self._files.look(self._watched())
+        # the script also if it can be reloaded only later
+        self._files.look([*self._watched(), self._script])
         self._thread = threading.Thread(target=self._run, name="morse watch", daemon=True)
         self._thread.start()
 
@@ -84,7 +85,7 @@ class Watch(Observer):
             saved = self._files.look(self._watched())
             if self._script in saved:
                 saved.remove(self._script)
-                logger.info("%s was saved: %s", self._script, _AT_START)
+                self._ready.append(self._script_saved)
             modules = [path for path in saved if path.endswith(".py")]
             if modules:
                 self._ready.append(lambda files=modules: self._exchange(files))  # type: ignore[misc]
@@ -111,6 +112,16 @@ class Watch(Observer):
 
     # -- between two ticks -------------------------------------------------------------------
 
+    def _script_saved(self) -> None:
+        """A syntax error is told at once, others when the script is executed."""
+        try:
+            compile(Path(self._script).read_bytes(), self._script, "exec", dont_inherit=True)
+        except (SyntaxError, ValueError, OSError) as error:
+            self._refuse(self._script, _syntax(error, self._script))
+            return
+        self._simulation.edits.take(self._script, waits=True)
+        logger.info("%s was saved: %s", self._script, _AT_START)
+
     def _show(self, edit: models.ModelEdit) -> None:
         simulation = self._simulation
         if edit.arrangement != simulation.world.arrangement:
@@ -123,6 +134,7 @@ class Watch(Observer):
         except BaseException as error:
             self._refuse(edit.path, describe(error))
             return
+        simulation.edits.take(edit.path)
         logger.info("%s was saved: %s", Path(edit.path).name, edit.summary())
         for warning in edit.warnings:
             logger.warning("%s: %s", Path(edit.path).name, warning)
@@ -134,14 +146,14 @@ class Watch(Observer):
         except SystemExit as error:
             self._refuse(files[0], f"it exits the program (SystemExit: {error})")
         except SyntaxError as error:
-            path = error.filename or files[0]
-            place = f'\n  File "{path}", line {error.lineno}' if error.lineno else ""
-            self._refuse(path, f"{type(error).__name__}: {error.msg}{place}")
+            self._refuse(files[0], _syntax(error, files[0]))
         except KeyboardInterrupt:
             raise
         except BaseException as error:
             self._refuse(files[0], str(error) if isinstance(error, MorseError) else describe(error))
         else:
+            for file in files:
+                self._simulation.edits.take(file, waits=not names and self._simulation.reread is not None)
             if not names:
                 again = _AT_START if self._simulation.reread is not None else "it takes effect in the next simulation"
                 logger.info("%s was saved: %s", files[0], again)
@@ -160,6 +172,15 @@ class Watch(Observer):
             simulation.context.guard.tell(simulation.observers, methodcaller(method))
 
     def _refuse(self, path: str, reason: str) -> None:
+        self._simulation.edits.refuse(path, reason)
         logger.error(
             "[ERROR][MORSE] %s was saved, but the simulation continues with the previous version: %s", path, reason
         )
+
+
+def _syntax(error: Exception, path: str) -> str:
+    """The message of an error in the text of a file, and its place."""
+    if not isinstance(error, SyntaxError):
+        return describe(error)
+    place = f'\n  File "{error.filename or path}", line {error.lineno}' if error.lineno else ""
+    return f"{type(error).__name__}: {error.msg}{place}"

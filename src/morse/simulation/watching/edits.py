@@ -1,0 +1,51 @@
+"""Files that were saved while the simulation runs, and are not in use as they are now."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+#: the lines of an error in user code, and the beginning of an error of a scene script
+_PLACES = (re.compile(r'File "([^"\n]+)", line (\d+)'), re.compile(r"^(?:.*: )?([^\n:]+\.py):(\d+): ", re.MULTILINE))
+
+
+class Mistake(NamedTuple):
+    """Why a file cannot be used.
+
+    Attributes:
+        path: the file with the error.
+        line: number of the line; 0 if it is not known.
+        text: the error, one line.
+    """
+
+    path: str
+    line: int
+    text: str
+
+
+class Edits:
+    """The present mistakes, and what waits for a restart.
+
+    Attributes:
+        mistakes: by the path of the file that was saved.
+        waiting: files that are read when the simulation is restarted, in the order in which they were saved.
+    """
+
+    def __init__(self) -> None:
+        self.mistakes: dict[str, Mistake] = {}
+        self.waiting: dict[str, None] = {}
+
+    def refuse(self, path: str, reason: str) -> None:
+        """A saved file has an error."""
+        places = [place for pattern in _PLACES for place in pattern.findall(reason)]
+        file, line = places[-1] if places else (path, "0")
+        # an error of a scene script begins with its place
+        text = re.sub(r"^[^\n:]+\.py:\d+: ", "", reason.partition("\n")[0])
+        self.mistakes[path] = Mistake(file, int(line), text)
+
+    def take(self, path: str, *, waits: bool = False) -> None:
+        """A saved file is in use, or waits for the next restart."""
+        self.mistakes.pop(path, None)
+        self.waiting.pop(path, None)
+        if waits:
+            self.waiting[path] = None
