@@ -28,6 +28,7 @@ def test_create_writes_the_files_of_the_tutorial_and_registers(morse):
     directory = morse.directory / "ranger_sim"
     assert files_below(directory) == [
         "default.py",
+        "pyproject.toml",
         "scripts/ranger_sim_client.py",
         "src/ranger_sim/__init__.py",
         "src/ranger_sim/builder/__init__.py",

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets.formats import suffixes
 from morse.core.classes.plugins import entry_points
+from morse.core.reports.quoting import short
 from morse.system import variables
 
 if TYPE_CHECKING:
@@ -113,6 +114,37 @@ def find(name: str, category: str = "") -> Path:
             if file is not None:
                 return file.absolute()
     raise AssetNotFoundError(_not_found(name, category))
+
+
+def find_file(name: str, *folders: Path) -> Path:
+    """A file that is no model, such as a sound: in the current directory, or where the models of the project are.
+
+    Args:
+        name: a path.
+        folders: searched before the directories of models.
+
+    Raises:
+        AssetNotFoundError: the file does not exist.
+        ValueError: the name cannot be the name of a file.
+    """
+    if "\0" in name or not name.strip():
+        raise ValueError(f"{name!r} is not the name of a file")
+    path, directories = Path(name).expanduser(), [*folders, *resource_dirs(), *component_dirs()]
+    for candidate in (path, *(directory / path for directory in directories)):
+        if os.path.isfile(candidate):
+            return candidate.absolute()
+    beside = {other.name for one in directories for other in _siblings(one / path)}
+    near = difflib.get_close_matches(path.name, beside, n=1)
+    hint = f"; did you mean '{path.parent / near[0]}'?" if near else ""
+    searched = ", ".join(map(str, dict.fromkeys([Path.cwd(), *directories])))
+    raise AssetNotFoundError(f"there is no file '{short(name)}'{hint} (searched: {searched})")
+
+
+def _siblings(path: Path) -> Iterator[Path]:
+    try:
+        yield from itertools.islice(path.parent.iterdir(), _MAX_ENTRIES)
+    except OSError:
+        return
 
 
 def _candidates(name: str, category: str) -> Iterator[Path]:

@@ -22,6 +22,7 @@ _APPEND = "#APPEND\n"
 _TEMPLATES = {
     "basic": (
         "default.py",
+        "pyproject.toml",
         "scripts/@env@_client.py",
         "src/@env@/__init__.py",
         "src/@env@/builder/__init__.py",

@@ -8,11 +8,16 @@ from typing import Any
 from morse.builder import workspace
 from morse.builder.assembly import shapes
 from morse.builder.creator import ComponentCreator, SensorCreator
-from morse.mathutils import Euler, Vector
+from morse.builder.errors import checks
+from morse.mathutils import Euler, Matrix, Vector
 from morse.scene import Material, Node, NodeKind
 
 #: orientation of a camera that looks along the X axis of the robot: its X is to the right, its Y down, its Z forward
 MOUNTED = (math.pi / 2, math.pi, math.pi / 2)
+
+
+#: shortest distance of a point that a camera looks at, m, and steepest slope at which up is up in the image
+_NEAREST, _STEEP = 1e-6, 0.999999
 
 
 class CameraCreator(SensorCreator):
@@ -46,6 +51,26 @@ class CameraCreator(SensorCreator):
         the vertical axis, y rotates it up, and z rotates it clockwise about its viewing direction.
         """
         super().rotate(x=y, y=z, z=x)
+
+    def look_at(self, x: float, y: float, z: float) -> None:
+        """Turn it towards a point, with the upper edge of the image up. Call it after `translate`.
+
+        Args:
+            x, y, z: the point, m, in the frame of what carries the camera: for a robot X forward, Y left, Z up.
+
+        Raises:
+            ValueError: the point is that of the camera.
+        """
+        target = Vector(checks.triple((x, y, z), "camera.look_at(x, y, z)"))
+        ahead = target - Vector(self.scene_node.location)
+        if ahead.length < _NEAREST:
+            raise ValueError(f"camera.look_at takes another point than that of the camera, got {tuple(target)}")
+        ahead.normalize()
+        # straight up or down, the front of the robot is above the centre of the image, or below it
+        up = Vector((0.0, 0.0, 1.0)) if abs(ahead.z) < _STEEP else Vector((-math.copysign(1.0, ahead.z), 0.0, 0.0))
+        right = ahead.cross(up).normalized()
+        down = ahead.cross(right)
+        self.scene_node.rotation_euler[:] = Matrix((right, down, ahead)).transposed().to_euler()
 
 
 class _Colors(CameraCreator):

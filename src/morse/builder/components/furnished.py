@@ -6,10 +6,12 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets.search import find_file
 from morse.builder import workspace
 from morse.builder.assembly import shapes
 from morse.builder.creator import ActuatorCreator
 from morse.builder.errors import checks
+from morse.builder.names import frames
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import Light as Lamp
 from morse.scene import Material, Node, NodeKind
@@ -43,14 +45,17 @@ class Sound(ActuatorCreator):
         """Set the sound file.
 
         Args:
-            path: path of the file, relative to the directory in which the simulation is started.
+            path: path of the file; a relative path is that below the directory in which the simulation is started, the
+                folder of the script, or the ``data`` of the project, as for models.
 
         Raises:
             MorseBuilderError: there is no such file.
         """
-        file = Path(path).expanduser()
-        if not file.is_file():
-            raise MorseBuilderError(f"Sound.open(path): there is no file {str(path)!r}")
+        where = frames.source_line(self)
+        try:
+            file = find_file(str(path), *([Path(where.file).parent] if where else []))
+        except (OSError, ValueError) as error:
+            raise MorseBuilderError(f"Sound.open(path): {error}") from None
         self.properties(file=str(file.resolve()))
 
 

@@ -89,6 +89,9 @@ class Environment(ViewMethods, TimeMethods):
         def __getattr__(self, name: str) -> NoReturn:
             unknown_attribute(self, name)
 
+    def __repr__(self) -> str:
+        return f"<Environment '{self.filename}'>"
+
     def _name_components(self) -> None:
         frame: FrameType | None = sys._getframe(1)
         # the variables belong to the script, not to a subclass of Environment
