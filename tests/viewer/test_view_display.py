@@ -90,3 +90,16 @@ def test_an_error_of_a_component_names_its_line(running, open_page) -> None:
     text = "robot0.lidar: KeyError: 'lefft'\n  File \"/home/me/src/eyes.py\", line 24, in default_action"
     driver.server.send(Log("error", text, "", 1.0, 0))
     until(lambda: any("'lefft' (eyes.py, line 24)" in told for told in toasts(page)))
+
+
+@pytest.mark.parametrize("step", [1e-9, 1e-5, 0.002, 0.5, 20.0, 5e7])
+def test_ticks_of_a_plot_differ_and_have_units(shown, step) -> None:
+    _, page = shown
+    page.evaluate("morse.panels.plots.plot('robot0.lidar', 'x')")
+    until(lambda: page.evaluate("morse.panels.plots.plots[0].curves.length") == 1)
+    unit = page.evaluate("morse.panels.plots.plots[0].curves[0].unit")
+    ticks = page.evaluate(f"morse.panels.plots.plots[0].ticks({[n * step for n in range(-3, 4)]})")
+    assert len(set(ticks)) == 7
+    assert unit != ""
+    assert all(tick.endswith(f" {unit}") for tick in ticks)
+    assert [float(tick.split()[0]) for tick in ticks] == pytest.approx([n * step for n in range(-3, 4)])

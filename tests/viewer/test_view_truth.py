@@ -489,6 +489,12 @@ def test_a_telephone_reaches_every_panel_with_targets_for_fingers(running, open_
         .filter(([, r]) => r.width > 0 && (r.height < 43.5 || r.width < 43.5))
         .map(([e, r]) => `${e.tagName} ${e.ariaLabel ?? e.textContent} ${r.width}x${r.height}`)"""
     assert page.evaluate(small) == []
+    # tapping a component opens its panel, and closes the tree
+    page.get_by_role("button", name="Robots and components").tap()
+    page.locator('[data-name="robot1.lidar"]').tap()
+    until(lambda: page.locator(".right").is_visible() and page.locator(".left").is_hidden())
+    page.get_by_role("heading", name="robot1.lidar").wait_for()
+    page.get_by_role("button", name="Details").tap()
     for name, panel in (("Robots and components", ".left"), ("Details", ".right"), ("Plots and messages", ".bottom")):
         page.get_by_role("button", name=name).tap()
         until(lambda p=panel: page.locator(p).is_visible())
@@ -497,3 +503,6 @@ def test_a_telephone_reaches_every_panel_with_targets_for_fingers(running, open_
         assert place["x"] >= 0
         assert place["x"] + place["width"] <= 390.5
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    plots, log = (page.locator(part).bounding_box() for part in (".plots", ".log"))
+    assert log["y"] >= plots["y"] + plots["height"] - 1  # below each other
+    assert min(plots["width"], log["width"]) >= 380

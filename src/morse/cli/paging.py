@@ -39,10 +39,11 @@ def page(
     from morse.launch.timelines import timeline_of
     from morse.viewer.tape.html import page_of
     from morse.viewer.tape.winding import Span, wind
+    from morse.viewer.titles import title_of
 
     with contextlib.ExitStack() as stack:
         simulation, timeline = timeline_of(recording, stack, scene, say, trust=trust, projects=projects)
-        title = simulation.scene.environment or "MORSE"
+        title = title_of(recording.facts.get("script", ""), simulation.scene.environment)
         text = page_of(wind(simulation, timeline, recording, title, Span(*span)), title)
     path.write_text(text, encoding="utf-8", newline="\n")
     say(f"{path}: {len(text.encode()) / 1e6:.1f} MB. Open it in a browser; it needs nothing else.")

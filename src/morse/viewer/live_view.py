@@ -33,6 +33,7 @@ from morse.viewer.notebook import Frame, frame
 from morse.viewer.requests import PageLeft
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import Snapshot
+from morse.viewer.titles import title_of
 from morse.viewer.view_messages import Listening, Pace, Tree, Viewpoint
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ class View(Observer):
             host=options.host,
             port=options.view_port,
             token=options.view_token,
-            title=simulation.scene.environment or "MORSE",
+            title=title_of(options.script, simulation.scene.environment),
             origins=options.view_origins,
         )
         self._layout = -1

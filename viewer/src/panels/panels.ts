@@ -57,7 +57,7 @@ export class Panels {
     app.navigation.claims = (event) => this.mover.claims(event);
     this.viewMenu = new ViewMenu(stage, follow, components, this.layers, camerasMenu(this.images, components));
     this.highlight = new Highlight(stage);
-    const tree = new TreePanel(components, app.world, (name) => this.focus(name));
+    const tree = new TreePanel(components, app.world, (name) => this.focus(name), () => shell.narrow && shell.show("right"));
     const inspector = new Inspector(
       connection,
       components,
@@ -112,9 +112,10 @@ export class Panels {
   }
 
   private fillHeader(): void {
-    const { shell, clock, listener, seat, world } = this.app;
+    const { shell, clock, connection, listener, seat, world } = this.app;
     const scene = h("span", { class: "scene" });
-    world.watch((now) => (scene.textContent = now?.description.environment ?? ""));
+    connection.on("welcome", ({ title }) => (scene.textContent = title));
+    world.watch((now) => (scene.title = now?.description.environment ?? ""));
     const themeButton = iconButton(icons.moon, "Light or dark", toggleTheme);
     theme.watch((now) => (themeButton.innerHTML = now === "light" ? icons.moon : icons.sun));
     // rarely used controls: beside the others, or behind a button in narrow windows

@@ -161,7 +161,7 @@ export class Plot {
         cursor: { y: false },
         hooks: { setCursor: [(chart) => this.label(chart.cursor.idx ?? this.times.length - 1)] },
         scales: { x: { time: false, range } },
-        axes: [{ ...axis, size: 30, values: (_chart, splits) => splits.map((split) => `${Number(split.toFixed(3))} s`) }, axis],
+        axes: [{ ...axis, size: 30, values: (_chart, splits) => splits.map((split) => `${Number(split.toFixed(3))} s`) }, { ...axis, size: 64, values: (_chart, splits) => this.ticks(splits) }],
         series: [
           {},
           ...this.curves.map((_curve, i) => ({ stroke: colorOf(i), width: 1.6, spanGaps: true, points: { show: false } })),
@@ -183,6 +183,20 @@ export class Plot {
     });
     const awaited = this.awaited.map(({ component, field }) => h("li", { class: "quiet" }, `${component}.${field} has no value yet…`));
     this.legend.replaceChildren(...items, ...awaited);
+  }
+
+  /** Different texts for different numbers, with the unit that all curves have. */
+  private ticks(splits: number[]): string[] {
+    const [unit = ""] = this.curves.map((curve) => curve.unit);
+    const common = this.curves.every((curve) => curve.unit === unit) ? ` ${unit}` : "";
+    const step = Math.abs((splits[1] ?? 1) - (splits[0] ?? 0)) || 1;
+    const largest = Math.max(...splits.map(Math.abs));
+    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    const text = (split: number): string => {
+      if (Math.abs(split) < step / 1000) return "0";
+      return digits > 4 || largest >= 1e6 ? split.toExponential(Math.max(0, Math.round(Math.log10(largest / step)))) : split.toFixed(digits);
+    };
+    return splits.map((split) => `${text(split)}${common}`);
   }
 
   private size(): { width: number; height: number } {

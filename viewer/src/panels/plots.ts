@@ -16,11 +16,15 @@ interface KeptPlot {
   window: number;
 }
 
+const HINT = matchMedia("(pointer: coarse)").matches
+  ? "Tap the name of a field in the details twice to plot it."
+  : "Drop a field of the inspector here to plot it, or double-click it there.";
+
 /** The plots, side by side; a dropped field creates a new plot or is added to one. */
 export class PlotsPanel {
   readonly element = h("section", { class: "plots", "aria-label": "plots" });
   readonly plots: Plot[] = [];
-  private readonly hint = h("p", { class: "drop quiet" }, "Drop a field of the inspector here to plot it, or double-click it there.");
+  private readonly hint = h("p", { class: "drop quiet" }, HINT);
 
   constructor(
     private readonly components: Components,

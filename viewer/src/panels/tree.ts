@@ -29,6 +29,8 @@ export class TreePanel {
     private readonly components: Components,
     private readonly world: Signal<World | null>,
     private readonly onOpen: (name: string) => void,
+    /** a component was clicked, not only reached by keys */
+    private readonly onChosen: () => void,
   ) {
     this.element = h("section", { class: "panel tree-panel" }, this.filter, this.list);
     this.filter.addEventListener("input", () => this.render());
@@ -87,9 +89,14 @@ export class TreePanel {
     const item = h("div", { role: "treeitem", "aria-level": row.level, "data-name": row.name, title: row.name }, fold, icon, row.label);
     if (open !== null) item.setAttribute("aria-expanded", String(open));
     this.dress(row.name, item);
-    item.addEventListener("click", () => (row.name === OBJECTS ? this.toggle(OBJECTS) : this.components.selected.set(row.name)));
+    item.addEventListener("click", () => (row.name === OBJECTS ? this.toggle(OBJECTS) : this.choose(row.name)));
     item.addEventListener("dblclick", () => this.onOpen(row.name));
     return item;
+  }
+
+  private choose(name: string): void {
+    this.components.selected.set(name);
+    this.onChosen();
   }
 
   /** Show whether a component is active, and whether it has a problem. */

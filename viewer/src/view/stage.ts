@@ -1,7 +1,5 @@
 import { ACESFilmicToneMapping, PCFShadowMap, Scene, Vector3, WebGLRenderer } from "three";
 import type { ViewDescription } from "../generated/protocol";
-import type { Theme } from "../ui/theme";
-import { theme } from "../ui/theme";
 import { lookOf } from "../world/batches";
 import { Ground } from "../world/ground";
 import { Lights } from "../world/lights";
@@ -51,7 +49,7 @@ export class Stage {
     });
     this.renderer.domElement.addEventListener("webglcontextrestored", this.invalidate);
     new ResizeObserver(() => this.resize()).observe(element);
-    theme.watch((now) => this.paint(now));
+    this.paint();
   }
 
   /** Something has changed: render a frame soon. */
@@ -78,14 +76,14 @@ export class Stage {
     this.world = world;
     this.scene.add(world.root);
     const dark = this.lights.install(world);
-    this.paint(theme.value);
+    this.paint();
     return dark;
   }
 
   /** The lamps of the world have changed. */
   relight(): void {
     if (this.world) this.lights.install(this.world);
-    this.paint(theme.value);
+    this.paint();
   }
 
   start(): void {
@@ -129,11 +127,10 @@ export class Stage {
     this.renderer.render(this.scene, this.view.camera);
   }
 
-  private paint(now: Theme): void {
+  private paint(): void {
     const view: ViewDescription | null = this.world?.description.view ?? null;
-    this.sky.paint(now, view, this.lights.towardsSun);
-    this.ground.paint(now);
-    this.lights.paint(now, view);
+    this.sky.paint(view, this.lights.towardsSun);
+    this.lights.paint(view);
     this.invalidate();
   }
 

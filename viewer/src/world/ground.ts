@@ -1,6 +1,5 @@
 import type { Scene } from "three";
 import { Color, DoubleSide, Mesh, PlaneGeometry, ShaderMaterial } from "three";
-import type { Theme } from "../ui/theme";
 
 const vertex = /* glsl */ `
 varying vec2 place;
@@ -42,10 +41,10 @@ const BELOW = -0.02;
 /** Ground lines at every metre and every ten metres, X red and Y green. */
 export class Ground {
   private readonly uniforms = {
-    line: { value: new Color() },
+    line: { value: new Color(0x55606b) },
     axisX: { value: new Color(0xd2473c) },
     axisY: { value: new Color(0x4b9c3f) },
-    strength: { value: 1 },
+    strength: { value: 0.5 },
     reach: { value: 80 },
   };
   readonly mesh: Mesh;
@@ -78,10 +77,5 @@ export class Ground {
       this.mesh.updateMatrixWorld();
     };
     scene.add(this.mesh);
-  }
-
-  paint(theme: Theme): void {
-    this.uniforms.line.value.set(theme === "light" ? 0x55606b : 0xc3d2e0);
-    this.uniforms.strength.value = theme === "light" ? 0.5 : 0.4;
   }
 }

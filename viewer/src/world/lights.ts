@@ -1,7 +1,6 @@
 import type { Light, Object3D, Scene } from "three";
 import { Color, DirectionalLight, HemisphereLight, PointLight, SpotLight, Vector3 } from "three";
 import type { LightDescription, ViewDescription } from "../generated/protocol";
-import type { Theme } from "../ui/theme";
 import type { WorldNode } from "./node";
 import type { World } from "./world";
 
@@ -78,12 +77,12 @@ export class Lights {
     return strongest.slice(MOST_LAMPS).map((node) => node.name);
   }
 
-  paint(theme: Theme, view: ViewDescription | null): void {
-    const dim = (theme === "light" ? 1 : 0.62) * (view?.daylight ?? 1);
+  paint(view: ViewDescription | null): void {
+    const dim = view?.daylight ?? 1;
     this.sun.intensity = FULL * ((this.sun.userData["energy"] as number | undefined) ?? 0.95) * dim * 0.85 * (this.mixed ? BESIDE.sun : 1);
     const ambient = view?.ambient_color;
-    this.sky.color.set(theme === "light" ? 0xdfeeff : 0xb9cbe4);
-    this.sky.groundColor.set(theme === "light" ? 0xb9aea0 : 0x6a6560);
+    this.sky.color.set(0xdfeeff);
+    this.sky.groundColor.set(0xb9aea0);
     if (ambient) this.sky.color.lerp(new Color().setRGB(...ambient), 0.5);
     this.sky.intensity = FULL * (this.lit ? 0.5 : 0.62) * dim * (this.mixed ? BESIDE.sky : 1);
   }

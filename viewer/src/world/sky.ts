@@ -1,12 +1,8 @@
 import type { Scene } from "three";
 import { BackSide, Color, Fog, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from "three";
 import type { ViewDescription } from "../generated/protocol";
-import type { Theme } from "../ui/theme";
 
-const SKIES: Record<Theme, { horizon: number; zenith: number; nadir: number }> = {
-  light: { horizon: 0xf4f8fb, zenith: 0x6ea6de, nadir: 0xc3cad0 },
-  dark: { horizon: 0x4a5866, zenith: 0x16202c, nadir: 0x262d35 },
-};
+const SKY = { horizon: 0xf4f8fb, zenith: 0x6ea6de, nadir: 0xc3cad0, glow: 0xfff1d6 };
 
 const vertex = /* glsl */ `
 varying vec3 direction;
@@ -65,21 +61,20 @@ export class Sky {
     return this.uniforms.horizon.value;
   }
 
-  /** Colours of the theme, or those of the script. */
-  paint(theme: Theme, view: ViewDescription | null, towardsSun: Vector3): void {
+  /** A clear day, or the colours of the script. */
+  paint(view: ViewDescription | null, towardsSun: Vector3): void {
     const { horizon, zenith, nadir, glow, sun } = this.uniforms;
     const asked = view?.horizon_color;
     if (asked) {
-      // in the dark theme the same sky, at dusk
-      horizon.value.setRGB(...asked).multiplyScalar(theme === "light" ? 1 : 0.4);
+      horizon.value.setRGB(...asked);
       zenith.value.copy(horizon.value).multiplyScalar(0.55);
       nadir.value.copy(horizon.value).multiplyScalar(0.7);
     } else {
-      horizon.value.set(SKIES[theme].horizon);
-      zenith.value.set(SKIES[theme].zenith);
-      nadir.value.set(SKIES[theme].nadir);
+      horizon.value.set(SKY.horizon);
+      zenith.value.set(SKY.zenith);
+      nadir.value.set(SKY.nadir);
     }
-    glow.value.set(theme === "light" ? 0xfff1d6 : 0x3a4a5c);
+    glow.value.set(SKY.glow);
     if (asked) glow.value.multiplyScalar(0.3);
     for (const color of [horizon, zenith, nadir, glow]) color.value.multiplyScalar(view?.daylight ?? 1);
     sun.value.copy(towardsSun);
