@@ -12,7 +12,7 @@ from morse.version import __version__ as release  # noqa: E402, F401
 project = "MORSE"
 author = "The MORSE developers"
 copyright = "2026, The MORSE developers"
-extensions = ["myst_parser", "component_library"]
+extensions = ["myst_parser", "component_library", "tour"]
 exclude_patterns = ["_build", "measured"]
 myst_enable_extensions = ["deflist", "fieldlist"]
 myst_heading_anchors = 3

@@ -23,6 +23,10 @@ from studio import Studio, beside, save
 import morse
 import pymorse
 
+# the run of the documentation is that of its front page
+sys.path.append(str(Path(__file__).parents[1]))
+from tour import write_page
+
 # the modules of the tests of the tutorial are used here, too
 sys.path.append(str(Path(__file__).parents[2] / "tests" / "journey"))
 from steps import Person, block, wait_for
@@ -261,9 +265,23 @@ def thermal(journey: Journey) -> None:
     heat.thermal(journey.person.folder)
 
 
+def tour(journey: Journey) -> None:
+    """What the live view shows: a film of a recorded run."""
+    page_file = journey.person.folder / "run.html"
+    write_page(page_file)
+    frames = []
+    with Studio(1000, 600) as studio:
+        studio.watch(page_file.as_uri())
+        studio.page.evaluate("morse.connection.send({ type: 'pause' })")
+        for number in range(30):
+            studio.page.evaluate(f"morse.connection.send({{ type: 'rewind', time: {1.0 + 0.4 * number} }})")
+            frames.append(studio.shot().resize((800, 480), Image.Resampling.LANCZOS))
+    save("tour", frames, 200, limit=900_000)
+
+
 PICTURES = {
     made.__name__: made
-    for made in (morsy, keys, view, ranger, controller, eyes, playroom, moods, robots, gallery, thermal)
+    for made in (tour, morsy, keys, view, ranger, controller, eyes, playroom, moods, robots, gallery, thermal)
 }
 
 

@@ -106,7 +106,7 @@ def beside(left: Image.Image, right: Image.Image) -> Image.Image:
     return both
 
 
-def save(name: str, frames: Sequence[Image.Image], milliseconds: int = 0) -> Path:
+def save(name: str, frames: Sequence[Image.Image], milliseconds: int = 0, limit: int = LIMIT) -> Path:
     """Write a picture, or a film of several frames, with the best quality that the size limit allows.
 
     Raises:
@@ -114,11 +114,11 @@ def save(name: str, frames: Sequence[Image.Image], milliseconds: int = 0) -> Pat
     """
     path = HERE / f"{name}.webp"
     first, *others = frames
-    for quality in (90, 82, 74, 66, 58, 50):
+    for quality in (90, 82, 74, 66, 58, 50, 42, 34):
         buffer = io.BytesIO()
         options = {"save_all": True, "append_images": others, "duration": milliseconds, "loop": 0} if others else {}
         first.save(buffer, "WEBP", quality=quality, method=6, **options)
-        if buffer.tell() <= LIMIT:
+        if buffer.tell() <= limit:
             path.write_bytes(buffer.getvalue())
             return path
-    raise ValueError(f"{path.name} would have more than {LIMIT} bytes")
+    raise ValueError(f"{path.name} would have more than {limit} bytes")

@@ -191,10 +191,11 @@ export class Plot {
     const common = this.curves.every((curve) => curve.unit === unit) ? ` ${unit}` : "";
     const step = Math.abs((splits[1] ?? 1) - (splits[0] ?? 0)) || 1;
     const largest = Math.max(...splits.map(Math.abs));
-    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    const power = (size: number): number => Math.floor(Math.log10(size) + 1e-9);
+    const digits = Math.max(0, -power(step));
     const text = (split: number): string => {
       if (Math.abs(split) < step / 1000) return "0";
-      return digits > 4 || largest >= 1e6 ? split.toExponential(Math.max(0, Math.round(Math.log10(largest / step)))) : split.toFixed(digits);
+      return digits > 4 || largest >= 1e6 ? split.toExponential(Math.max(0, power(largest) - power(step))) : split.toFixed(digits);
     };
     return splits.map((split) => `${text(split)}${common}`);
   }
