@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 from morse.assets.formats import suffixes
 from morse.core.classes.plugins import entry_points
-from morse.core.reports.quoting import short
 from morse.system import variables
 
 if TYPE_CHECKING:
@@ -137,7 +136,7 @@ def find_file(name: str, *folders: Path) -> Path:
     near = difflib.get_close_matches(path.name, beside, n=1)
     hint = f"; did you mean '{path.parent / near[0]}'?" if near else ""
     searched = ", ".join(map(str, dict.fromkeys([Path.cwd(), *directories])))
-    raise AssetNotFoundError(f"there is no file '{short(name)}'{hint} (searched: {searched})")
+    raise AssetNotFoundError(f"there is no file {name[:200]!r}{hint} (searched: {searched})")
 
 
 def _siblings(path: Path) -> Iterator[Path]:
