@@ -1,6 +1,6 @@
 """The definitions of the messages of ROS 2 Jazzy that are in use.
 
-Names and types are those of the packages common_interfaces, rcl_interfaces, geometry2 and vision_msgs.
+Names and types are those of the packages common_interfaces, rcl_interfaces, rmw_dds_common, geometry2 and vision_msgs.
 """
 
 from __future__ import annotations
@@ -26,6 +26,10 @@ std_msgs/Float32MultiArray: std_msgs/MultiArrayLayout layout, float32[] data
 std_msgs/Float64MultiArray: std_msgs/MultiArrayLayout layout, float64[] data
 std_msgs/ColorRGBA: float32 r, float32 g, float32 b, float32 a
 rosgraph_msgs/Clock: builtin_interfaces/Time clock
+rmw_dds_common/Gid: uint8[16] data
+rmw_dds_common/NodeEntitiesInfo: string node_namespace, string node_name,
+    rmw_dds_common/Gid[] reader_gid_seq, rmw_dds_common/Gid[] writer_gid_seq
+rmw_dds_common/ParticipantEntitiesInfo: rmw_dds_common/Gid gid, rmw_dds_common/NodeEntitiesInfo[] node_entities_info_seq
 rcl_interfaces/Log: builtin_interfaces/Time stamp, uint8 level, string name, string msg,
     string file, string function, uint32 line
 geometry_msgs/Vector3: float64 x, float64 y, float64 z

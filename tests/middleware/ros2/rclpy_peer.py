@@ -50,8 +50,15 @@ def main() -> None:
         odometry = got["/robot/odometry"]
         if all(len(messages) > 5 for messages in got.values()) and odometry[-1].pose.pose.position.x > 0.3:
             break
-    types = dict(node.get_topic_names_and_types())
-    print(json.dumps({"messages": {topic: plain(m[-6:]) for topic, m in got.items()}, "types": types}))
+    said = {
+        "messages": {topic: plain(m[-6:]) for topic, m in got.items()},
+        "types": dict(node.get_topic_names_and_types()),
+        "publishers": [info.node_name for info in node.get_publishers_info_by_topic("/robot/pose")],
+    }
+    if ("morse", "/") in node.get_node_names_and_namespaces():
+        said["published"] = dict(node.get_publisher_names_and_types_by_node("morse", "/"))
+        said["subscribed"] = dict(node.get_subscriber_names_and_types_by_node("morse", "/"))
+    print(json.dumps(said))
     node.destroy_node()
     rclpy.shutdown()
 

@@ -64,6 +64,10 @@ def test_a_node_of_rclpy_drives_the_robot_and_sees_what_it_does(simulation: Any)
     messages = said["messages"]
     assert said["types"]["/robot/scan"] == ["sensor_msgs/msg/LaserScan"]
     assert said["types"]["/robot/cmd_vel"] == ["geometry_msgs/msg/Twist"]
+    # the simulation is a node, to which its topics belong
+    assert said["publishers"] == ["morse"]
+    assert {"/clock", "/robot/pose", "/robot/scan"} <= said["published"].keys()
+    assert "/robot/cmd_vel" in said["subscribed"]
     for topic, frame in (("pose", "map"), ("odometry", "robot/odom"), ("scan", "robot/scan")):
         received = messages[f"/robot/{topic}"]
         stamps = [seconds(message["header"]["stamp"]) for message in received]

@@ -9,7 +9,10 @@ from morse.rosmsgs.options import ROS2_MANAGER, STREAM_OPTIONS, TOPIC_OPTIONS
 BACKENDS = ("rclpy", "cyclonedds")
 #: the largest domain with ports below 65536
 LAST_DOMAIN = 232
+#: the name of the simulation in the graph of ROS
+NODE = "morse"
 INSTALL = "pip install 'morse-simulator[ros2]'"
+INSTALL_ROS = "sudo apt install ros-jazzy-ros-base && source /opt/ros/jazzy/setup.bash"
 
 MANAGER_OPTIONS = {
     "backend": Option(str, None, "library for the topics; default: rclpy if it can be imported", choices=BACKENDS),

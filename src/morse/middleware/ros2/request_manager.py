@@ -13,6 +13,7 @@ from morse.middleware.ros2.actions import ActionServer
 from morse.middleware.ros2.calls import Call
 from morse.middleware.ros2.domain import join, options_of
 from morse.middleware.ros2.feedback import Feedback
+from morse.middleware.ros2.mapping import INSTALL_ROS
 from morse.middleware.ros2.simulation_interfaces import SimulationInterfaces
 from morse.rosmsgs.cdr import CdrError
 from morse.rosmsgs.names import Names, cleaned
@@ -70,8 +71,10 @@ class Ros2RequestManager(AnsweredRequests):
         announce(self._backend, "ros2")
         if not self._backend.has_services:
             logger.warning(
-                "ros2: %s has no services, only topics: services of components are on the socket; rclpy has both",
+                "ros2: %s has topics, but no services, actions and parameters of ROS: services are on the "
+                "socket. rclpy has all of them: %s",
                 self._backend.name,
+                INSTALL_ROS,
             )
         return True
 

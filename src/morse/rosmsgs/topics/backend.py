@@ -131,6 +131,9 @@ class Backend(ABC):
     def close(self) -> None:
         """Leave the domain."""
 
+    def tell_graph(self) -> None:  # noqa: B027: most backends have nothing to tell
+        """Tell other nodes which topics were opened and closed; called at the end of each tick."""
+
     def service(self, name: str, type_name: str) -> ServiceServer | None:
         """Offer a service; None if this backend has no services, or does not have the type.
 

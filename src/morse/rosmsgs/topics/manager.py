@@ -250,6 +250,7 @@ class TopicManager(DatastreamManager):
             self.robots.publish()
         if self._log is not None and self._log.lines:
             self._log.publish(stamp)
+        self.backend.tell_graph()
 
     def _flush_frames(self, stamp: int) -> None:
         if self._tf is not None:

@@ -1,7 +1,7 @@
 """ROS 2 without ROS: topics over Cyclone DDS, with the names that ROS nodes use.
 
-There is no node in the graph of ROS, and no services, actions or parameters: tools list the topics as those of a DDS
-application without a node.
+There are no services, actions or parameters. Nodes on Fast DDS address the answer of a service by a parameter of its
+packet (OMG DDS-RPC, related sample identity) that the Python library of Cyclone DDS can neither read nor write.
 """
 
 from __future__ import annotations
@@ -24,14 +24,15 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.ros2.backends.cyclone_graph import GraphNode
 from morse.middleware.ros2.backends.cyclone_types import sample_type
 from morse.middleware.ros2.backends.loopback import Confined, confined, described
+from morse.middleware.ros2.mapping import NODE
+from morse.rosmsgs.qos import Qos
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from morse.rosmsgs.qos import Qos
 
 #: time for which a reliable writer waits for a reader with a full queue; the simulation must not wait
 _NO_TIME = 0.0
@@ -118,8 +119,10 @@ def _qos(qos: Qos) -> DdsQos:
 
 
 class _Writer(Publisher):
-    def __init__(self, participant: DomainParticipant, topic: Any, qos: Qos) -> None:
-        self._writer = DataWriter(participant, topic, qos=_qos(qos))
+    def __init__(self, backend: CycloneBackend, topic: Any, qos: Qos) -> None:
+        self._graph = backend.graph
+        self._writer = DataWriter(backend.participant, topic, qos=_qos(qos))
+        self._graph.add(self._writer)
         self._sample = topic.data_type()
 
     def publish(self, data: bytes) -> bool:
@@ -135,6 +138,8 @@ class _Writer(Publisher):
         return bool(self._writer.get_publication_matched_status().current_count)
 
     def close(self) -> None:
+        if self._writer is not None:
+            self._graph.remove(self._writer)
         self._writer = None
 
 
@@ -142,6 +147,7 @@ class _Reader(Subscription):
     def __init__(self, backend: CycloneBackend, topic: Any, qos: Qos) -> None:
         self._backend, self._topic = backend, topic
         self._reader = DataReader(backend.participant, topic, qos=_qos(qos))
+        backend.graph.add(self._reader)
 
     def other_types(self) -> set[str]:
         names = self._backend.take_types(self._topic.name) - {self._topic.typename}
@@ -152,6 +158,8 @@ class _Reader(Subscription):
         return [sample.data for sample in self._reader.take(_MOST) if sample.sample_info.valid_data]
 
     def close(self) -> None:
+        if self._reader is not None:
+            self._backend.graph.remove(self._reader)
         self._reader = None
 
 
@@ -165,6 +173,8 @@ class CycloneBackend(Backend):
         self._domain = domain = options["domain_id"]
         self.participant, place = _join(domain, options["interface"])
         self.opens = f"domain {domain}, UDP {place}"
+        self.graph = GraphNode(self.participant, NODE, _qos(Qos(1, latched=True)))
+        self.graph.tell()
         self._topics: dict[tuple[str, str], Any] = {}
         self._endpoints: Any = None
         #: types of discovered publishers by the DDS names of the topics of this participant
@@ -191,15 +201,21 @@ class CycloneBackend(Backend):
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """See `Backend.publisher`."""
-        return _Writer(self.participant, self._topic(topic, type_name), qos)
+        return _Writer(self, self._topic(topic, type_name), qos)
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription:
         """See `Backend.subscription`."""
         return _Reader(self, self._topic(topic, type_name), qos)
 
+    def tell_graph(self) -> None:
+        """See `Backend.tell_graph`."""
+        if self.graph.changed:
+            self.graph.tell()
+
     def close(self) -> None:
         """See `Backend.close`."""
         self._endpoints = None
+        del self.graph
         self._topics.clear()
         del self.participant
         _leave(self._domain)

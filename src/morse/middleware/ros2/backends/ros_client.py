@@ -17,6 +17,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros2.backends.loopback import Confined, confined, described
+from morse.middleware.ros2.mapping import NODE
 from morse.rosmsgs.topics.backend import Backend, Publisher, ServiceServer, Subscription
 
 if TYPE_CHECKING:
@@ -206,7 +207,7 @@ class RclpyBackend(Backend):
                 rclpy.init(args=[], context=self._context, domain_id=options["domain_id"])
                 # parameter services would need a thread, and a simulation has no parameters
                 self._node = rclpy.create_node(
-                    "morse", context=self._context, start_parameter_services=False, enable_rosout=False
+                    NODE, context=self._context, start_parameter_services=False, enable_rosout=False
                 )
             except Exception as error:  # rclpy has no common class for errors of an RMW
                 raise MorseMiddlewareError(
