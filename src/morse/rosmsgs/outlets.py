@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from morse.core.kinds import Message
 
 COMMAND = Qos(1)
-#: queue depth of clouds and images: more of them would fill the memory of slow readers
-LARGE = Qos(2)
 
 
 class Outlet(NamedTuple):

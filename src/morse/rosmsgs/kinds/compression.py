@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.rosmsgs.outlets import LARGE, Outlet
+from morse.rosmsgs.outlets import Outlet
 from morse.rosmsgs.parts import header
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def compressed_outlet(encoding: str, unit: str | None, form: Form | None) -> Out
         make, topic = _depth, "image/compressedDepth"
     else:
         return None
-    return Outlet(_TYPE, partial(make, form=form), topic, LARGE, or_none=True, takes_long=True)
+    return Outlet(_TYPE, partial(make, form=form), topic, or_none=True, takes_long=True)
 
 
 def _jpeg(message: Message, frame: str, form: Form | None) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from morse.rosmsgs.kinds.compression import compressed_outlet
 from morse.rosmsgs.kinds.image_forms import encoding_of, form_of
-from morse.rosmsgs.outlets import LARGE, Inlet, Outlet
+from morse.rosmsgs.outlets import Inlet, Outlet
 from morse.rosmsgs.parts import header
 from morse.rosmsgs.table import TopicTable, topics
 
@@ -41,7 +41,7 @@ class VisionKinds(TopicTable):
     @topics("cloud")
     def cloud(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """With all fields of each point."""
-        return [Outlet("sensor_msgs/msg/PointCloud2", _cloud, qos=LARGE, takes_long=True)]
+        return [Outlet("sensor_msgs/msg/PointCloud2", _cloud, takes_long=True)]
 
     @topics("image")
     def image(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
@@ -50,7 +50,7 @@ class VisionKinds(TopicTable):
         make = _image if form is None else partial(_image, form=form)
         small = compressed_outlet(*encoding_of(stream, bound), form)
         return [
-            Outlet("sensor_msgs/msg/Image", make, "image", LARGE, takes_long=True),
+            Outlet("sensor_msgs/msg/Image", make, "image", takes_long=True),
             *([] if small is None else [small]),
         ]
 

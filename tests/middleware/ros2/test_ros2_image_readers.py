@@ -1,0 +1,107 @@
+"""Reliable readers of images: they get all that was sent, and none harms the others."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from other_side import DOMAIN, PYTHON, SETTINGS, environment, need
+
+from morse.rosmsgs.qos import Qos
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+PERIOD, LIMIT = 1 / 30, 60.0
+SIZE = 640 * 480 * 3
+TYPE = "sensor_msgs/msg/Image"
+
+
+class Reader:
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        command = [PYTHON, str(Path(__file__).parent / "image_peer.py"), str(DOMAIN)]
+        with file.open("w") as said:
+            self.process = subprocess.Popen(command, stdout=said, stderr=said, env=environment(PYTHON))
+
+    def images(self) -> list[int]:
+        lines = [line.split() for line in self._file.read_text().splitlines() if line[:1].isdigit()]
+        assert all(int(size) == SIZE for _, size in lines[:-1])
+        return [int(number) for number, *_ in lines]
+
+
+@pytest.fixture
+def backend(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    need("cyclonedds")
+    need("rclpy", PYTHON)
+    for name in SETTINGS:
+        monkeypatch.delenv(name, raising=False)
+    from morse.middleware.ros2.backends.cyclone import CycloneBackend
+
+    made = CycloneBackend({"domain_id": DOMAIN, "interface": "lo"})
+    yield made
+    made.close()
+
+
+def until(condition: Any) -> bool:
+    end = time.monotonic() + LIMIT
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+    return bool(condition())
+
+
+def send(backend: Any, publisher: Any, numbers: range) -> set[int]:
+    """Send images at 30 Hz; returns the numbers of those that were sent."""
+    sent = set()
+    for number in numbers:
+        message = {"header": {"stamp": {"sec": number}}, "height": 480, "width": 640, "encoding": "rgb8", "step": 1920}
+        if publisher.publish(backend.encode(TYPE, {**message, "data": bytes(SIZE)})):
+            sent.add(number)
+        time.sleep(PERIOD)
+    return sent
+
+
+def reach(backend: Any, publisher: Any, readers: list[Reader]) -> bool:
+    """Send images until all readers get them.
+
+    Fast DDS 2.14 also keeps a part of an image for ever that was on its way when the reader was found.
+    """
+    matched = publisher._writer.get_publication_matched_status
+    assert until(lambda: matched().current_count == len(readers))
+    end = time.monotonic() + LIMIT
+    while not all(reader.images() for reader in readers) and time.monotonic() < end:
+        send(backend, publisher, range(1))
+    return all(reader.images() for reader in readers)
+
+
+def test_a_reader_gets_every_image_that_was_sent(backend: Any, tmp_path: Path) -> None:
+    publisher = backend.publisher("/eye/image", TYPE, Qos())
+    reader = Reader(tmp_path / "said")
+    try:
+        assert reach(backend, publisher, [reader])
+        sent = send(backend, publisher, range(1, 61))
+        assert len(sent) > 10
+        assert until(lambda: sent <= set(reader.images())), sorted(sent - set(reader.images()))
+    finally:
+        reader.process.kill()
+        reader.process.wait()
+
+
+@pytest.mark.slow
+def test_a_reader_that_does_not_answer_does_not_stop_the_others(backend: Any, tmp_path: Path) -> None:
+    publisher = backend.publisher("/eye/image", TYPE, Qos())
+    readers = [Reader(tmp_path / "one"), Reader(tmp_path / "other")]
+    try:
+        assert reach(backend, publisher, readers)
+        readers[0].process.send_signal(signal.SIGSTOP)
+        sent = send(backend, publisher, range(1, 121))
+        assert max(sent) > 100, "images are sent again after a second"
+        assert until(lambda: max(readers[1].images()) > 100)
+    finally:
+        for reader in readers:
+            reader.process.kill()
+            reader.process.wait()
