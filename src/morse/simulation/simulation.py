@@ -15,11 +15,11 @@ from morse.core.context import Context, Controls, acting, forget
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
 from morse.core.node_name import node_name
 from morse.core.parts.overwritten import uncover
-from morse.core.reports.faults import name_of
 from morse.core.request_manager import MorseServices
 from morse.middleware.registry import needs_network
 from morse.physics import World
 from morse.simulation.ending import Ending
+from morse.simulation.finalizing import Finalizing
 from morse.simulation.handles.component_handles import normalized
 from morse.simulation.handles.handles import Handles
 from morse.simulation.loader import Loaded, LoadError, connect, load_components, make_stream_manager
@@ -27,6 +27,7 @@ from morse.simulation.offering import offer_services
 from morse.simulation.ownership import Ownership
 from morse.simulation.population import Population, check_newcomer
 from morse.simulation.recordings.recorded import Recorded
+from morse.simulation.showing import Showing
 from morse.simulation.states.saving import Saving
 from morse.simulation.states.state import State
 from morse.simulation.ticks.loop import Loop
@@ -52,7 +53,7 @@ def _nobody(_outcome: tuple[str, Any]) -> None:
     """Default callback for the end of requested ticks."""
 
 
-class Simulation(Recorded, Handles):
+class Simulation(Recorded, Finalizing, Handles, Showing):
     """A loaded scene that can be run; it is created by `morse.load`.
 
     Robots are attributes, and their components are attributes of the robots, with the interface of `pymorse.Morse`: see
@@ -322,42 +323,6 @@ class Simulation(Recorded, Handles):
     def _tell(self, event: str) -> None:
         self.context.guard.tell(self.observers, methodcaller(event))
 
-    def show(self, height: int = 480) -> Any:
-        """Return the live view as an HTML frame, which a notebook displays if it is the value of a cell.
-
-        Args:
-            height: height of the frame, px.
-
-        Raises:
-            RuntimeError: the simulation was not loaded with ``view="web"``, or is closed.
-        """
-        self._check_open()
-        show = getattr(self.view, "show", None)
-        if show is None:
-            raise RuntimeError("there is no live view: load the simulation with view='web'")
-        return show(height)
-
-    def picture(self, width: int = 960, height: int = 600, **view: Any) -> Any:
-        """Render an image of the present world, from the initial viewpoint of the live view.
-
-        Args:
-            width: pixels.
-            height: pixels.
-            view: ``location``, m, and ``rotation``, Euler angles in rad (``[0, 0, 0]`` looks straight down), of the
-                camera; ``focal_length``, mm, of a sensor 32 mm wide.
-
-        Returns:
-            (height, width, 3) uint8, red, green and blue.
-
-        Raises:
-            ValueError: an argument is not valid for an image.
-            RuntimeError: the simulation is closed.
-        """
-        self._check_open()
-        from morse.rendering import photograph
-
-        return photograph(self.world, width, height, **view)
-
     # -- state -----------------------------------------------------------------------------
 
     def seed(self) -> int:
@@ -500,39 +465,6 @@ class Simulation(Recorded, Handles):
             self.restart()
 
     # -- the end ---------------------------------------------------------------------------
-
-    def finalize_components(self) -> None:
-        """Finalize the components and modifiers."""
-        loaded, self.loaded = self.loaded, Loaded()
-        overlays = list(self.context.overlays.values())
-        self.context.overlays.clear()
-        for part in [*overlays, *loaded.actuators, *loaded.sensors, *loaded.robots, *loaded.modifier_objects]:
-            self._finalize(part)
-        self.ending.rest()
-
-    def finalize_one(self, part: Any) -> None:
-        """Finalize a component, a modifier or an overlay."""
-        self._finalize(part)
-        self.ending.rest()
-
-    def _finalize(self, part: Any) -> None:
-        self._end_part(part, name_of(part), lambda: part.finalize())
-
-    def _end_part(self, part: Any, who: str, end: Callable[[], object]) -> None:
-        guard = self.context.guard
-        guard.run(lambda: self.ending.run(who, end), lambda error: guard.failed(part, who, "ended", error))
-
-    def finalize_services(self) -> None:
-        """Stop the request managers."""
-        for manager in self.context.services.everybody():
-            self._end_part(manager, type(manager).__name__, manager.finish)
-        self.ending.rest()
-
-    def finalize_observers(self) -> None:
-        """Close the observers: streams are sent and closed, the view ends."""
-        for observer in list(self.observers):
-            self._end_part(observer, type(observer).__name__, observer.close)
-        self.ending.rest()
 
     def end(self) -> None:
         """Stop the network as the last step."""

@@ -129,7 +129,7 @@ def own_attributes(cls: type[Any]) -> set[str] | None:
     """The attributes that MORSE's classes among the bases of a class set; None for all, if the class is MORSE's."""
     if is_of_morse(cls):
         return None
-    return set(properties(cls)).union(*(_set_by(base) for base in cls.__mro__ if is_of_morse(base)))
+    return set(properties(cls)).union(*(assigned_by(base) for base in cls.__mro__ if is_of_morse(base)))
 
 
 @cache
@@ -141,13 +141,6 @@ def created_by(cls: Any) -> frozenset[type]:
     functions = [function for base in cls.__mro__ if is_of_morse(base) for function in _functions(base)]
     values = [function.__globals__.get(name) for function in functions for name in function.__code__.co_names]
     return frozenset(value for value in values if isinstance(value, type) and is_of_morse(value))
-
-
-@cache
-def _set_by(cls: Any) -> frozenset[str]:
-    """The names of the attributes to which the functions of a class assign values."""
-    steps = [step for function in _functions(cls) for step in dis.get_instructions(function.__code__)]
-    return frozenset(str(step.argval) for step in steps if step.opname == "STORE_ATTR")
 
 
 @cache

@@ -1,0 +1,61 @@
+"""The end of the parts of a simulation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.reports.faults import name_of
+from morse.simulation.loader import Loaded
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.context import Context
+    from morse.core.observer import Observer
+    from morse.simulation.ending import Ending
+
+
+class Finalizing:
+    """The part of `morse.simulation.simulation.Simulation` that ends components, services and observers."""
+
+    context: Context
+    loaded: Loaded
+    ending: Ending
+
+    @property
+    def observers(self) -> list[Observer]:
+        """The observers."""
+        raise NotImplementedError
+
+    def finalize_components(self) -> None:
+        """Finalize the components and modifiers."""
+        loaded, self.loaded = self.loaded, Loaded()
+        overlays = list(self.context.overlays.values())
+        self.context.overlays.clear()
+        for part in [*overlays, *loaded.actuators, *loaded.sensors, *loaded.robots, *loaded.modifier_objects]:
+            self._finalize(part)
+        self.ending.rest()
+
+    def finalize_one(self, part: Any) -> None:
+        """Finalize a component, a modifier or an overlay."""
+        self._finalize(part)
+        self.ending.rest()
+
+    def _finalize(self, part: Any) -> None:
+        self._end_part(part, name_of(part), lambda: part.finalize())
+
+    def _end_part(self, part: Any, who: str, end: Callable[[], object]) -> None:
+        guard = self.context.guard
+        guard.run(lambda: self.ending.run(who, end), lambda error: guard.failed(part, who, "ended", error))
+
+    def finalize_services(self) -> None:
+        """Stop the request managers."""
+        for manager in self.context.services.everybody():
+            self._end_part(manager, type(manager).__name__, manager.finish)
+        self.ending.rest()
+
+    def finalize_observers(self) -> None:
+        """Close the observers: streams are sent and closed, the view ends."""
+        for observer in list(self.observers):
+            self._end_part(observer, type(observer).__name__, observer.close)
+        self.ending.rest()
