@@ -104,13 +104,13 @@ def columns_of(many):
     return columns
 
 
-def assert_equal(column, value, what):
-    if column.dtype == object:
-        assert column == value or not np.size(value), what
+def assert_equal(present, value, what):
+    if not isinstance(present, (np.ndarray, np.generic)):
+        assert present == value or not np.size(value), what
     elif np.size(value):
         value = np.asarray(value)
         colours = value.dtype == np.uint8 and value.ndim == 3
-        np.testing.assert_array_equal(column, value[..., :3] if colours else value, err_msg=what)
+        np.testing.assert_array_equal(present, value[..., :3] if colours else value, err_msg=what)
 
 
 def check_rows(scene, scripts, ticks, measure):

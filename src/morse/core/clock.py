@@ -54,10 +54,10 @@ class Clock:
         self._mean = 0.0
         self._square = 0.0
 
-    def advance(self) -> None:
+    def advance(self, ticks: int = 1) -> None:
         """Begin the next tick."""
         own = self._own
-        own["tick"] = tick = self.tick + 1
+        own["tick"] = tick = self.tick + ticks
         own["time"] = self._origin + tick / self.frequency
 
     def stamp(self, seconds: float | None = None) -> int:

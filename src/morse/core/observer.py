@@ -12,6 +12,19 @@ class Observer:
     An observer must not change the simulation: input from outside consists of commands, services and controls only.
     """
 
+    @property
+    def waits(self) -> bool:
+        """Whether the methods for ticks have nothing to do until robots touch something; False for most observers."""
+        return False
+
+    @property
+    def sees_steps(self) -> bool:
+        """Whether it is enough to be notified of the ticks in which robots may touch something, and of the last tick.
+
+        Such an observer does nothing before a tick. False for most observers.
+        """
+        return False
+
     def before_tick(self) -> None:
         """Called at the beginning of a tick, or when a paused simulation polls for input."""
 

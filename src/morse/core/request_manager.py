@@ -130,6 +130,11 @@ class RequestManager(ABC):
         self.main()
         self.answer()
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a call is running, or has ended without an answer."""
+        return bool(self._running or self._arrivals)
+
     def finish(self) -> None:
         """Send the last outcomes and stop."""
         self.answer()
@@ -380,6 +385,11 @@ class MorseServices:
             component: [name for name in names if name in self._managers] for component, names in self._mapping.items()
         }
         guard.run(manager.finalization, lambda again: guard.failed(manager, who, "is left as it is", again))
+
+    @property
+    def is_quiet(self) -> bool:
+        """Whether no client can call, and no call is running."""
+        return not self._managers and not any(manager.is_busy for manager in self._internal)
 
     def answer(self) -> None:
         """Send the outcomes of the calls that have ended in this tick."""

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 from morse.core.actuator import Actuator
 from morse.core.reports.faults import ENDINGS
 from morse.core.reports.hints import nearest
+from morse.core.rows.unread import present_data
 from morse.core.sensor import Sensor
 from morse.many.commands import CommandColumn
 from morse.many.layout import Layout
 from morse.many.readings import ContactColumn, DataColumn
 from morse.many.rows import only_row_of, rows_of, seeds_of, values_of, vectors_of
 from morse.many.scenes import Scenes
+from morse.simulation.ownership import Ownership
 from morse.simulation.states.state import State
 
 if TYPE_CHECKING:
@@ -70,10 +72,13 @@ class Batch:
         self._simulations: list[Simulation] = []
         self._commands: list[CommandColumn] = []
         self._readings: list[DataColumn | ContactColumn] = []
+        self._time = Ownership(_nothing)
         self._samples: dict[str, Mapping[str, Any]] | None = None
         try:
             for row, one in enumerate(self.seeds):
-                self._simulations.append(self._scenes.load(row, one))
+                simulation = self._scenes.load(row, one)
+                simulation.delays_interrupts = False
+                self._simulations.append(simulation)
         except BaseException:
             self.close()
             raise
@@ -183,7 +188,7 @@ class Batch:
     def _layout(self, component: str, fields: tuple[str, ...]) -> Layout:
         """The sizes of the data are those of a measurement in a simulation of the scene that is then closed."""
         handle = self._handles(component)[0]
-        data = handle.component.local_data
+        data = present_data(handle.component)
         for name in fields:
             if name not in data:
                 raise KeyError(f"{component} has no field '{name}'{nearest(name, list(data))}")
@@ -192,7 +197,7 @@ class Batch:
                 probe.step(1, measure=True)
                 context = probe.context
                 self._samples = {
-                    name: part.local_data for name, part in {**context.robots, **context.components}.items()
+                    name: dict(present_data(part)) for name, part in {**context.robots, **context.components}.items()
                 }
         # what was spawned is not there
         data = self._samples.get(handle.fqn, data)
@@ -218,18 +223,11 @@ class Batch:
         self._simulations[0].check_step(ticks, measure)
         for column, (rows, _) in [(column, column.check()) for column in self._commands]:
             column.publish(rows)
-        self._each(range(len(self)), lambda row: self._run(row, ticks, measure))
-        self._update(range(len(self)))
-
-    def _run(self, row: int, ticks: int, measure: bool | Sequence[str]) -> None:
-        simulation = self._simulations[row]
-        end = simulation.ticks + ticks
-        try:
-            simulation.step(ticks, measure=measure)
-        except KeyboardInterrupt:
-            # the rows stay in the same tick
-            simulation.step(end - simulation.ticks, measure=measure)
-            raise
+        simulations = self._simulations
+        # Ctrl+C takes effect after all rows: they stay in the same tick
+        with self._time:
+            self._each(range(len(self)), lambda row: simulations[row].step(ticks, measure=measure))
+            self._update(range(len(self)))
 
     def measure(self, rows: Any = None, sensors: Sequence[str] | None = None) -> None:
         """Let sensors measure now, between two ticks, as after `place`; see `Simulation.measure`.
@@ -376,6 +374,10 @@ class Batch:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _nothing() -> None:
+    """A step of all rows is completed in any case."""
 
 
 def _handle(simulation: Simulation, name: str) -> Any:

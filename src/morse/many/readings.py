@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.rows.unread import present_data
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -33,7 +35,7 @@ class DataColumn:
     def begin(self, rows: Iterable[int]) -> None:
         """Take the data of rows that may not have measured yet: arrays are then empty, and stay 0 here."""
         for row in rows:
-            data = self._handles[row].component.local_data
+            data = self._data_of(row)
             self._values[row] = None if self._values.dtype == object else 0
             if all(np.size(data[name]) for name in self._layout.fields):
                 self._layout.fill(self._values, row, data)
@@ -42,7 +44,12 @@ class DataColumn:
         """Take the present data."""
         fill, values = self._layout.fill, self._values
         for row in rows:
-            fill(values, row, self._handles[row].component.local_data)
+            fill(values, row, self._data_of(row))
+
+    def _data_of(self, row: int) -> Mapping[str, Any]:
+        component = self._handles[row].component
+        # columns of objects keep what they refer to
+        return component.local_data if self._values.dtype == object else present_data(component)
 
 
 class Contacts(np.ndarray):

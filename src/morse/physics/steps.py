@@ -33,12 +33,16 @@ _NO_CONTACTS = np.empty((0, 2), dtype=np.int32)
 
 
 class Steps:
-    """Runs the steps of the engine for a tick."""
+    """Runs the steps of the engine for a tick.
+
+    Attributes:
+        passage: moves the robots that glide.
+    """
 
     def __init__(self, state: EngineState, gliding: Gliding, rescue: Rescue, crowding: Crowding) -> None:
         self._state = state
         self._gliding = gliding
-        self._passage = Passage(state, gliding)
+        self.passage = Passage(state, gliding)
         self._rescue = rescue
         self._crowding = crowding
         rescue.attach(state, gliding)
@@ -76,7 +80,7 @@ class Steps:
         state, data = self._state, self._data
         if state.is_stirred or state.has_forces or data.nv_awake != 6 * len(self._gliding.glides):
             return False
-        touched = self._passage.alone()
+        touched = self.passage.alone()
         if touched:
             self._disturb(touched)
             return False
@@ -140,7 +144,7 @@ class Steps:
         if watch is not None:
             watch.before_step()
         while self._gliding.glides:
-            touched = self._passage.beside(closely)
+            touched = self.passage.beside(closely)
             if touched is not None and not touched:
                 return
             mujoco.mj_setState(model, data, self._saved, _STATE)

@@ -18,6 +18,7 @@ from morse.physics.driving.traction import Traction
 from morse.physics.driving.wheel_fleet import WheelFleet
 from morse.physics.forward import forward, without_contacts
 from morse.physics.gliding.floor_planes import FloorPlanes
+from morse.physics.gliding.free_run import FreeRun
 from morse.physics.gliding.gliding import Gliding
 from morse.physics.model import motors
 from morse.physics.model.compile import compile_scene
@@ -104,6 +105,7 @@ class World(ObjectWorld):
         if self.touches is not None:
             self.watch = self.touches = Touches(self, self._contact_points, self.touches.impulses)
         self._arrange_tick()
+        self._free_run = FreeRun(self, self.gliding, self._steps.passage, self.drives, self._is_idle)
         self._saving = Saving(self, self.gliding, self._steps, self._names)
         self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
         self._variations = Variations(self, self._pristine)
@@ -304,6 +306,17 @@ class World(ObjectWorld):
             act()
         kinematics.sync(self)
 
+    def step_freely(self, ticks: int) -> int:
+        """See `morse.core.world.World.step_freely`."""
+        return self._free_run.run(ticks)
+
+    def _is_idle(self) -> bool:
+        """Whether no part of the physics but the drives has work."""
+        touches = self.touches
+        if len(self._tick.before) != 1 + (touches is not None) or len(self._tick.after) != len(self._tick.before):
+            return False
+        return touches is None or touches.is_idle
+
     @property
     def recoveries(self) -> Sequence[Recovery]:
         """The last bodies that diverged and were reset, one entry per event; see `morse.physics.rescue`."""
@@ -466,13 +479,20 @@ class World(ObjectWorld):
         """Raise `ValueError` if `set_state` would refuse the state."""
         self._saving.checked(state)
 
+    def validated(self, state: object) -> saved.SavedWorld:
+        """Return a state for `set_state`, which does not validate it again.
+
+        Raises:
+            ValueError: see `set_state`.
+        """
+        return self._saving.checked(state)
+
     def set_state(self, state: object) -> None:
         """Restore a state that `get_state` returned, of this world or of another world of the same scene.
 
         Raises:
             ValueError: the state is damaged, or belongs to another scene; the world is then unchanged.
         """
-        world_state = self._saving.checked(state)
-        self._saving.set_state(world_state)
+        self._saving.set_state(state if isinstance(state, saved.SavedWorld) else self._saving.checked(state))
         if self.touches is not None:
             self.touches.forget()

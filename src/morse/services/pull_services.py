@@ -38,6 +38,11 @@ class PullServices(AbstractObject):
         """``simulation``."""
         return "simulation"
 
+    @property
+    def waiting(self) -> tuple[Any, ...]:
+        """The body that is pulled; see `morse.core.rows.rows.waiting`."""
+        return self._pulled or ()
+
     @service
     def pull(self, object_name: str, anchor: Point, target: Point) -> None:
         """Pull a point of an object towards a position with a virtual spring, until `let_go`.

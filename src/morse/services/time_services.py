@@ -102,6 +102,11 @@ class TimeServices(AbstractObject):
         for callback in alarms.values():
             callback((status.PREEMPTED, None))
 
+    @property
+    def waiting(self) -> list[tuple[float, int]]:
+        """The alarms, which an action may end; see `morse.core.rows.rows.waiting`."""
+        return self._order
+
     def action(self) -> None:
         """End the alarms that are due, the earliest first."""
         if not self._order:

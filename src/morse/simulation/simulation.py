@@ -64,6 +64,7 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
         observers: objects that are notified before and after each tick, in order.
         view: the live view, which is one of the observers, or None.
         edits: files that were saved while it runs.
+        delays_interrupts: whether Ctrl+C takes effect after a complete tick; somebody else does that for a batch.
         failed: whether the simulation has to end because a part of it cannot continue.
     """
 
@@ -100,6 +101,7 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
         self.sensor_profile = Profile() if any(d.profile for d in scene.components) else None
         self._set_up_profiles()
         self.failed = self.finished = False
+        self.delays_interrupts = True
         self._time = Ownership(self.stop)
         self.ending = Ending()
         self.loaded = Loaded()
@@ -190,13 +192,14 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
         self.check_step(ticks, measure)
         for contacts in self._contacts.values():
             contacts.begin()
-        tick, stepping, time = self._ticker.tick, self._stepping, self._time
-        time.holds_back = ticks > 1
+        advance, stepping, time = self._ticker.advance, self._stepping, self._time
+        time.holds_back = ticks > 1 and self.delays_interrupts
         with time:
             stepping.forced = True
             try:
-                for _ in range(ticks):
-                    tick()
+                left = ticks
+                while left:
+                    left -= advance(left, measure is True)
                     stepping.count()
                     if self._failure is not None or time.interrupted:
                         break

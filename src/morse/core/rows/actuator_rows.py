@@ -57,6 +57,22 @@ class ActuatorRows(Rows):
         if self._each:
             self._act(self._each)
 
+    @property
+    def lasts(self) -> bool:
+        """Whether the robots go on at the same speeds while no command arrives."""
+        return bool(self._rows) and not (self.is_changed or self._each or self._always or any(self._signs))
+
+    def go_on(self) -> None:
+        """Do what `action` does if nothing has arrived or changed."""
+        self.stamp += 1
+        self._poses = self._snapshots.now()
+        self._context.world.drive_fleet(self._fleet)
+
+    def went_on(self, ticks: int) -> None:
+        """Take note of ticks in which the robots went on, of `World.step_freely`."""
+        self.stamp += ticks
+        self._poses = self._snapshots.before()
+
     def _take_input(self) -> None:
         busy = {id(member): member for member in self._always}
         busy.update((id(member), member) for member, sign in self._waiting if sign)

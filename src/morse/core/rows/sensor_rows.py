@@ -48,6 +48,20 @@ class SensorRows(Rows):
         """Simulated time of the last action, s."""
         return float(self._time)
 
+    @property
+    def remembers(self) -> bool:
+        """Whether the sensors need the poses of the previous measurement."""
+        return hasattr(type(self.members[0]), "remember")
+
+    def may_skip(self) -> bool:
+        """Whether a measurement may be left out, if the sensors measure again before anybody reads their data."""
+        self._look()
+        return not (self.is_changed or self._each or self._taps or any(self._signs))
+
+    def skip(self, count: int) -> None:
+        """Leave measurements out, of which the last one is followed by one that is not; see `remembers`."""
+        self.stamp += count
+
     def _take(self) -> None:
         self._datas = [own.pop("local_data") for own in self._attributes]
         # the stamp of the last action whose results the attributes of each row contain
@@ -55,7 +69,7 @@ class SensorRows(Rows):
         self._before = self._poses
         self._time = self._time_before = self._context.clock.time
         self._taps = self._context.row_taps
-        self._remembers = hasattr(type(self.members[0]), "remember")
+        self._remembers = self.remembers
         self._observes = type(self.members[0]).observe is not Sensor.observe
 
     def _release(self, member: Any) -> None:

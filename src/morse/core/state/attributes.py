@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import properties, state_variables
@@ -43,9 +43,14 @@ def check_name(cls: Any, name: Any) -> None:
         raise StateError(f"the saved state is damaged: an attribute has the name {name!r:.40}")
     if name in left_out(cls):
         raise StateError(f"the attribute '{name:.40}' is not part of a saved state")
-    attribute = inspect.getattr_static(cls, name, None)
-    if inspect.isdatadescriptor(attribute) and not inspect.ismemberdescriptor(attribute):
+    if _is_computed(cls, name):
         raise StateError(f"'{name:.40}' is computed by the class {cls.__name__}, and is not part of a saved state")
+
+
+@lru_cache(4096)
+def _is_computed(cls: type, name: str) -> bool:
+    attribute = inspect.getattr_static(cls, name, None)
+    return inspect.isdatadescriptor(attribute) and not inspect.ismemberdescriptor(attribute)
 
 
 def replace(owner: Any, present: Iterable[str], state: Mapping[str, Any]) -> None:

@@ -73,6 +73,13 @@ class World(WorldPoses, Protocol):
     def step(self) -> None:
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""
 
+    def step_freely(self, ticks: int) -> int:
+        """Run at most that many ticks in which robots only glide, with the commands for the next tick.
+
+        Returns:
+            The number of ticks, with the bits of as many calls of `step`; 0 if the next tick needs more than that.
+        """
+
     def linkage(self, armature: Body, bones: Sequence[Bone], hanging: Sequence[Hanging]) -> Linkage:
         """Create a linkage: objects on bones that joints move."""
 

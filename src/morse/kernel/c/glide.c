@@ -2,12 +2,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#include "export.h"
-#include "gliders.h"
+#include "glide.h"
 #include "turns.h"
-
-MORSE_EXPORT int64_t morse_glide_begin(const Gliders *all);
-MORSE_EXPORT void morse_glide_end(const Gliders *all);
 
 // Writes the velocities of a tick; returns the number of rows in `others`.
 int64_t morse_glide_begin(const Gliders *all) {

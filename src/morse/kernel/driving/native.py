@@ -77,6 +77,8 @@ class NativeGliders:
         pointers = dict(zip([*names, *stances], addresses(*parts), strict=True))
         self._structure = _GlidersStructure(count=len(arrays.slots), period=arrays.period, **pointers)
         self._all = ctypes.byref(self._structure)
+        #: address of the structure; its ``rotations`` may be those of an earlier tick
+        self.place = ctypes.addressof(self._structure)
         self._begin, self._end = library.morse_glide_begin, library.morse_glide_end
         self._push = library.morse_push
         self._push.argtypes = c_void_p, c_int64, c_int64

@@ -19,6 +19,7 @@ from morse.physics.poses import rigid
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.kernel.driving.arrays import GliderWork
     from morse.physics.bodies import Bodies
     from morse.physics.driving.fleet import Fleet
     from morse.physics.gliding.gliding import Gliding
@@ -232,10 +233,21 @@ class Drives:
         self._turn_after.clear()
         if self._drag.ends:
             self._slow_down()
-        self._commands.clear()
         for fleet in self._fleets:
             fleet.end()
+        self.clear()
+
+    def clear(self) -> None:
+        """Remove all commands: each holds for one tick."""
+        self._commands.clear()
         self._fleets.clear()
+
+    def only_fleet(self) -> GliderWork | None:
+        """Return what drives a fleet, if no other body has a command for the next tick or had one in the last tick."""
+        if len(self._fleets) != 1 or self._commands or self._turn_after or self._drag.ends:
+            return None
+        fleet = self._fleets[0]
+        return None if fleet.is_partial or self._sliding.difference(fleet.rows) else fleet.work_of(self._state)
 
     def _slow_down(self) -> None:
         """Set the velocities that losses within the tick leave at its end."""

@@ -77,6 +77,15 @@ class Fleet:
         """Remove the command of one slot, because the slot gets no command, or a command from another caller."""
         self._withdrawn.add(self.rows[slot])
 
+    @property
+    def is_partial(self) -> bool:
+        """Whether commands of some bodies were removed."""
+        return bool(self._withdrawn)
+
+    def work_of(self, state: EngineState) -> GliderWork | None:
+        """Return what drives the robots of a world; None if they were not driven before."""
+        return self._work if self._state is state else None
+
     def commands(self) -> dict[int, Command]:
         """Return the commands as single commands, by slot."""
         return {

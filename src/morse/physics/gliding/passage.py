@@ -75,6 +75,18 @@ class Passage:
         self._qvel[self._dofs] = self._end
         return _NOBODY
 
+    @property
+    def is_straight(self) -> bool:
+        """Whether no robot swings around its centre of mass; False if that has to be found out first."""
+        return self._arrangement == self._gliding.arrangement and not self._swings
+
+    def will_be_near(self) -> bool:
+        """Detect what is near to the robots; return whether a robot could touch something within the next tick."""
+        self._gliding.tick += 1
+        is_near = self._is_near()
+        self._gliding.tick -= 1
+        return is_near
+
     # -- a tick with steps of the engine ---------------------------------------------------
 
     def beside(self, closely: bool) -> set[int] | None:

@@ -24,12 +24,15 @@ def place_as_compiled(state: EngineState) -> None:
     """Set every slot to its pose in the scene."""
     count = len(state.slots)
     moving = state.moving
-    state.positions, state.rotations = Rows(np.zeros((count, 3)), moving), Rows(np.zeros((count, 9)), moving)
-    for index, slot in enumerate(state.slots):
-        state.positions[index] = tuple(slot.pose.position)
-        state.rotations[index] = tuple(v for row in slot.pose.rotation for v in row)
+    if len(state.compiled_poses) != count:
+        turns = [tuple(float(v) for row in slot.pose.rotation for v in row) for slot in state.slots]
+        places = [tuple(map(float, slot.pose.position)) for slot in state.slots]
+        state.compiled_poses = list(zip(places, turns, map(rigid.quaternion, turns), strict=True))
+    places, turns, quaternions = map(list, zip(*state.compiled_poses, strict=True)) if count else ([], [], [])
+    state.positions = Rows(np.array(places, dtype=np.float64).reshape(-1, 3), moving)
+    state.rotations = Rows(np.array(turns, dtype=np.float64).reshape(-1, 9), moving)
     state.relocated.clear()
-    state.quaternions = [rigid.quaternion(state.rotations[index]) for index in range(count)]
+    state.quaternions = quaternions
 
 
 def sync(state: EngineState) -> None:

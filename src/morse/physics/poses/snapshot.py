@@ -78,6 +78,8 @@ class Snapshots:
         self._index, self._rows = np.array(self._slots, dtype=np.int64), range(len(self._slots))
         self._displacements = -1
         self._mountings: list[Mounting] = []
+        #: whether the engine moves all of them; None if that is not known
+        self._moves: bool | None = None
 
     def now(self) -> Snapshot:
         """Return a snapshot of the present poses, with copies of those of the rigid groups of the objects."""
@@ -85,6 +87,22 @@ class Snapshots:
         if self._displacements != state.displacements:
             self._look()
         positions, rotations = state.positions.array.take(index, 0), state.rotations.array.take(index, 0)
+        return Snapshot(positions, rotations, self._rows, self._mountings)
+
+    def before(self) -> Snapshot:
+        """Return a snapshot of the poses at the beginning of the last tick of `World.step_freely`."""
+        state, index = self._state, self._index
+        if self._displacements != state.displacements:
+            self._look()
+        before_positions, before_rotations = state.poses_before
+        if self._moves is None:
+            self._moves = bool((index < state.moving).all())
+        if self._moves:
+            positions, rotations = before_positions.take(index, 0), before_rotations.take(index, 0)
+        else:
+            positions, rotations = state.positions.array.take(index, 0), state.rotations.array.take(index, 0)
+            rows = np.flatnonzero(index < state.moving)
+            positions[rows], rotations[rows] = before_positions[index[rows]], before_rotations[index[rows]]
         return Snapshot(positions, rotations, self._rows, self._mountings)
 
     def _look(self) -> None:

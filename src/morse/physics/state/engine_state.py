@@ -56,7 +56,10 @@ class EngineState:
         moving: number of slots that the engine moves.
         engine_positions, engine_rotations: present poses of these slots in the engine, if they are its first bodies.
         engine_rows: bodies of these slots, or None if they are the first bodies.
+        compiled_poses: positions, rotations and quaternions of all slots in the scene, once they are needed.
         by_hand: slots that are only moved by explicit calls, because they have neither joints nor shapes.
+        poses_before: positions (K, 3) and rotations (K, 9) of these slots at the beginning of the last tick of
+            `morse.physics.gliding.free_run`, which overwrites them.
         stamp: changes whenever an object has moved.
         displacements: changes whenever an object was moved within its slot.
         positions: position of each slot, [x, y, z] in m, world frame.
@@ -125,8 +128,10 @@ class EngineState:
             index for index in range(self.moving, len(self.slots)) if self.slots[index].frame.motion is not Motion.FIXED
         )
         self.file_motors: list[FileMotor] = compiled.file_motors
+        self.poses_before = np.zeros((self.moving, 3)), np.zeros((self.moving, 9))
         self.stamp = 0
         self.displacements = 0
+        self.compiled_poses: list[tuple[Sequence[float], Sequence[float], Sequence[float]]] = []
         self.positions, self.rotations = Rows(np.zeros((0, 3))), Rows(np.zeros((0, 9)))
         self.quaternions: list[Sequence[float]] = []
         self.touched: set[int] = set()

@@ -60,6 +60,16 @@ class Contacts(Observer):
         """The sum of the magnitudes of all impulses, N·s."""
         return sum(contact.impulse for contact in self.events)
 
+    @property
+    def waits(self) -> bool:
+        """Whether nothing touches the body."""
+        return not (self._lasting or self._impulses)
+
+    @property
+    def sees_steps(self) -> bool:
+        """Whether nobody has subscribed."""
+        return not self._callbacks
+
     def subscribe(self, callback: Callable[[Contact], object]) -> None:
         """Call ``callback(contact)`` after each tick in which a contact begins; one that fails is removed."""
         self._callbacks.append(callback)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from morse.core.context import acting
 from morse.core.modifier import AbstractModifier
@@ -11,6 +12,7 @@ from morse.core.object import Object
 from morse.core.overlay import MorseOverlay
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.state import NoReferences, Reader, StateError, Writer
+from morse.core.state.kinds import is_of_morse
 from morse.simulation.states.own_state import ClockState, ControlsState, InputsState, check_population
 from morse.simulation.states.state import State
 from morse.simulation.states.state_parts import StateParts
@@ -33,6 +35,10 @@ class Saving:
         self._simulation = simulation
         self._parts = StateParts(simulation)
         self._said: set[str] = set()
+        #: states of this simulation that need no check, while the world has the arrangement of that number
+        self._valid: WeakKeyDictionary[State, int] = WeakKeyDictionary()
+        #: their physics, as the world has validated it
+        self._physics: WeakKeyDictionary[State, Any] = WeakKeyDictionary()
 
     def save(self, *, tell: bool = True) -> State:
         """Return the present state.
@@ -51,7 +57,9 @@ class Saving:
             if tell and unsaved not in self._said:
                 self._said.add(unsaved)
                 logger.warning("%s cannot be saved: it does not change when a state is restored", unsaved)
-        return State(parts, tuple(writer.unsaved), self._simulation.population.makers())
+        state = State(parts, tuple(writer.unsaved), self._simulation.population.makers())
+        self._valid[state] = self._simulation.world.arrangement
+        return state
 
     def restore(self, state: State, begin: Callable[[], object]) -> None:
         """Restore a state.
@@ -62,6 +70,10 @@ class Saving:
         Raises:
             StateError: the state is damaged, or belongs to another scene; the simulation is then unchanged.
         """
+        if self._valid.get(state) == self._simulation.world.arrangement and self._is_of_morse():
+            begin()
+            self._apply(state, trusted=True, valid=True)
+            return
         population = self._simulation.population
         before, were = self.save(), population.get_state()
         there = self._read_population(state)
@@ -71,10 +83,16 @@ class Saving:
             self._check(state)
             begin()
             self._apply(state)
+            self._valid[state] = self._simulation.world.arrangement
         except Exception as error:
             population.set_state(were, before.makers)
             self._apply(before, trusted=True)
             raise _refusal(error) from error
+
+    def _is_of_morse(self) -> bool:
+        """Whether no class of a user has a state, which may refuse what it has returned itself."""
+        holders = (_with_attributes(holder) for _, holder in self._holders())
+        return all(is_of_morse(type(holder)) for holder in holders if holder is not None)
 
     def arrange(self, state: State, *, described: bool) -> None:
         """Restore who is there and where, to show a recorded run; the components keep their states.
@@ -138,13 +156,17 @@ class Saving:
             )
             raise StateError(f"the state belongs to another scene{text}")
 
-    def _apply(self, state: State, *, trusted: bool = False) -> None:
+    def _apply(self, state: State, *, trusted: bool = False, valid: bool = False) -> None:
         holders = dict(self._holders())
         self._parts.look_up()
         reader = Reader(self._parts, trusted=trusted)
         with acting(self._simulation.context):
             for name, holder in holders.items():
-                read = reader.part(name, state.parts[name], _state_of(name, holder), _with_attributes(holder))
+                read = self._physics.get(state) if valid and holder is self._simulation.world else None
+                if read is None:
+                    read = reader.part(name, state.parts[name], _state_of(name, holder), _with_attributes(holder))
+                    if valid and holder is self._simulation.world:
+                        read = self._physics[state] = holder.validated(read)
                 try:
                     holder.set_state(read)
                 except StateError as error:

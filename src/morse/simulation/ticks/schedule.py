@@ -54,6 +54,10 @@ class Schedule(Generic[_C]):
     def __iter__(self) -> Iterator[_C]:
         return (entry[0] for entry in self._entries)
 
+    def place(self, tick: int) -> int | None:
+        """Return a number that is equal for ticks in which, and after which, the same components act; or None."""
+        return tick % self._pattern if self._pattern and tick >= self._first else None
+
     def due(self, tick: int) -> list[_C]:
         """Return the components that act in a tick, counted from 0. The list must not be modified."""
         if not self._pattern or tick < self._first:

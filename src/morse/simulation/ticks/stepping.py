@@ -35,6 +35,11 @@ class Stepping:
         """Whether no tick may be executed now."""
         return self.paused and not self._left and not self.forced
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether no ticks are requested."""
+        return not self._left
+
     def add(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
         """Request ``ticks`` ticks, after earlier requests; ``ended((status, None))`` is called after the last tick.
 

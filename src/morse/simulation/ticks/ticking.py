@@ -12,9 +12,10 @@ from morse.core.guard import after_tick, before_tick
 from morse.core.realism import Realism, phase_of
 from morse.core.reports.faults import name_of
 from morse.core.requests import serve
-from morse.core.rows.rows import Rows
+from morse.core.rows.rows import Rows, waiting
 from morse.core.sensor import Sensor
 from morse.simulation.ticks.arranging import arranged
+from morse.simulation.ticks.leaping import Leaping
 from morse.simulation.ticks.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -76,6 +77,9 @@ class Ticker:
         sensors = [sensor for sensor in loaded.sensors if isinstance(sensor, Sensor)]
         self._asking_actuators = Schedule([a for a in loaded.actuators if a.requests], frequency)
         self._asking_sensors = Schedule([s for s in loaded.sensors if s.requests], frequency, _phase)
+        #: by the place in the schedule: sensors that are not due in a tick, and those of them with requests
+        self._others: dict[int, tuple[list[Any], list[Any]]] = {}
+        self._leaping = Leaping(self._context, self._actuators, self._sensors)
         self._delayed = [s.realism for s in sensors if isinstance(s.realism, Realism) and s.realism.delay]
 
     def separate(self) -> None:
@@ -109,6 +113,49 @@ class Ticker:
             self._show()
         return True
 
+    def advance(self, most: int, measured: bool) -> int:
+        """Run some ticks within a step; return their number, at least 1.
+
+        Args:
+            most: largest number.
+            measured: whether all sensors measure after that many ticks.
+        """
+        if most == 1 or not self._may_leap():
+            self.tick()
+            return 1
+        with self._acting:
+            self._take_input()
+            self._serve()
+            self._actuate()
+            count, skips = 1, []
+            if not (self._busy or any(_has_work(one.action) for one in self._served)) and self._leaping.look():
+                if self._review_at > self._due:
+                    most, measured = min((most, measured), (self._review_at - self._due, False))
+                count, skips = self._leaping.ticks(self._due, most, measured)
+            if count == 1:
+                self._move()
+            else:
+                self._leaping.run(count, self.observers)
+                for rows, number in skips:
+                    rows.skip(number)
+                self._due += count - 1
+            self._answer_sensors()
+            self._sense()
+            self._show()
+        return count
+
+    def _may_leap(self) -> bool:
+        """Whether nothing but a component can have work in a tick."""
+        return (
+            self._leaping.is_possible
+            and not (self.profiles or self.component_profiles or self._delayed)
+            and not any(map(_has_work, self.before_physics))
+            and self._context.network is None
+            and self._context.services.is_quiet
+            and self._stepping.is_idle
+            and all(observer.sees_steps for observer in self.observers)
+        )
+
     def _measured_tick(self) -> bool:
         """Run one tick, and measure the time of each phase."""
         profiles = self.profiles
@@ -139,6 +186,18 @@ class Ticker:
             names: full names; None for all.
             again: whether those measure, too, that have measured in the last tick.
         """
+        place = None if again or names is not None else self._sensors.place(self._due)
+        if place is not None:
+            if place not in self._others:
+                due = self._sensors.due(self._due)
+                units = [unit for unit in self._sensors if not any(unit is one for one in due)]
+                self._others[place] = units, [sensor for sensor in _members(units) if sensor.requests]
+            units, asking = self._others[place]
+            with self._acting:
+                if asking:
+                    serve(asking, self._guard)
+                self._act(units)
+            return
         measured = () if again else map(id, self._sensors.due(self._due))
         before, units, released = set(measured), [], []
         for unit in self._sensors:
@@ -153,10 +212,10 @@ class Ticker:
                 released.append(unit)
                 units += wanted
         with self._acting:
-            sensors = [one for unit in units for one in (unit.members if isinstance(unit, Rows) else (unit,))]
+            sensors = _members(units)
             if again:
                 self._guard.each(sensors, _look_again, self._guard.deactivate)
-            if asking := [sensor for sensor in sensors if getattr(sensor, "requests", ())]:
+            if asking := [sensor for sensor in sensors if sensor.requests]:
                 serve(asking, self._guard)
             self._act(units)
         for unit in released:
@@ -269,6 +328,15 @@ class Ticker:
 def _look_again(sensor: Any) -> None:
     if isinstance(sensor, Sensor):
         sensor.look_again()
+
+
+def _members(units: Sequence[Any]) -> list[Any]:
+    return [one for unit in units for one in (unit.members if isinstance(unit, Rows) else (unit,))]
+
+
+def _has_work(function: Any) -> bool:
+    waits_for = waiting(function)
+    return waits_for is None or bool(waits_for)
 
 
 def _act(part: Any) -> None:

@@ -1,0 +1,67 @@
+"""The example that learns to drive: its gradients, its mirror, a short run, and at night the whole of it."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def example():
+    spec = importlib.util.spec_from_file_location("learn_to_drive", ROOT / "examples" / "learn_to_drive.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_gradients_are_those_of_differences(example):
+    rng = np.random.default_rng(3)
+    network = example.Network(rng, [5, 4, 3], 1.0)
+    values, wanted = rng.standard_normal((6, 5)), rng.standard_normal((6, 3))
+
+    def loss():
+        return float(0.5 * ((network(values) - wanted) ** 2).sum())
+
+    slopes = []
+    network.means = [np.zeros_like(weight) for weight in network.weights]
+    before = [weight.copy() for weight in network.weights]
+    for weight in network.weights:
+        slope = np.zeros_like(weight)
+        for place in np.ndindex(weight.shape):
+            weight[place] += 1e-6
+            above = loss()
+            weight[place] -= 2e-6
+            slope[place] = (above - loss()) / 2e-6
+            weight[place] += 1e-6
+        slopes.append(slope)
+    network.learn(network(values) - wanted, 0.0)
+    size = np.sqrt(sum((slope**2).sum() for slope in slopes))
+    for mean, slope, weight, first in zip(network.means, slopes, network.weights, before, strict=True):
+        assert mean == pytest.approx(0.1 * slope * min(1.0, 0.5 / size), abs=1e-6)
+        assert weight == pytest.approx(first)
+
+
+def test_the_mirror_of_the_mirror_is_the_arena(example):
+    rng = np.random.default_rng(4)
+    seen, actions = rng.standard_normal((7, 40)), rng.standard_normal((7, 2))
+    again = example.mirrored(*example.mirrored(seen, actions))
+    assert (again[0] == seen).all()
+    assert (again[1] == actions).all()
+
+
+def test_a_short_run(example):
+    driver, curve = example.train(2 * example.ROWS * example.LENGTH, tell=print)
+    assert [row[0] for row in curve] == [2048, 4096]
+    assert driver.policy.updates == 2 * example.PASSES * example.PARTS
+    ElementTree.fromstring(example.picture(curve, 0.5))
+
+
+@pytest.mark.slow
+def test_it_learns_to_drive_in_new_arenas(example):
+    assert example.main([]) >= 0.85
