@@ -200,8 +200,8 @@ class Batch:
                     name: dict(present_data(part)) for name, part in {**context.robots, **context.components}.items()
                 }
         # what was spawned is not there
-        data = self._samples.get(handle.fqn, data)
-        return Layout(component, fields or tuple(data), data)
+        sample = self._samples.get(handle.fqn, data)
+        return Layout(component, fields or tuple(sample), sample)
 
     # -- time ------------------------------------------------------------------------------
 

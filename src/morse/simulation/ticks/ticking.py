@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.observer import Observer
     from morse.core.robot import Robot
+    from morse.core.rows.sensor_rows import SensorRows
     from morse.simulation.loader import Loaded
     from morse.simulation.ticks.profile import Profile
     from morse.simulation.ticks.stepping import Stepping
@@ -127,7 +128,8 @@ class Ticker:
             self._take_input()
             self._serve()
             self._actuate()
-            count, skips = 1, []
+            count = 1
+            skips: list[tuple[SensorRows, int]] = []
             if not (self._busy or any(_has_work(one.action) for one in self._served)) and self._leaping.look():
                 if self._review_at > self._due:
                     most, measured = min((most, measured), (self._review_at - self._due, False))
