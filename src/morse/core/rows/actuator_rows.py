@@ -66,7 +66,7 @@ class ActuatorRows(Rows):
         """Do what `action` does if nothing has arrived or changed."""
         self.stamp += 1
         self._poses = self._snapshots.now()
-        self._context.world.drive_fleet(self._fleet)
+        self._fleet.drive()
 
     def went_on(self, ticks: int) -> None:
         """Take note of ticks in which the robots went on, of `World.step_freely`."""
