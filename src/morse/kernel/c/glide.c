@@ -1,8 +1,9 @@
 // Robots that are driven together over a level floor; the twin of `driving/reference.py`.
+#include "glide.h"
+
 #include <math.h>
 #include <stdint.h>
 
-#include "glide.h"
 #include "turns.h"
 
 // Writes the velocities of a tick; returns the number of rows in `others`.

@@ -15,10 +15,10 @@ typedef struct {
     void *data;
     Integrate integrate;
     Kinematics kinematics;
-    double *qpos;                          // of the engine
-    const double *positions, *rotations;   // (K, 3), (K, 9) of the engine: bodies that move
+    double *qpos;                                 // of the engine
+    const double *positions, *rotations;          // (K, 3), (K, 9) of the engine: bodies that move
     double *positions_before, *rotations_before;  // results: the same at the beginning of the last tick
-    int64_t count;                         // K
+    int64_t count;                                // K
 } Course;
 
 MORSE_EXPORT int64_t morse_glide_ticks(const Course *course, int64_t ticks);
