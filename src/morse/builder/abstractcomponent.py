@@ -62,6 +62,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         self._frequency: float | None = None
         self._exportable = True
         self._profiled = False
+        self._is_optional = False
         self._init_interfaces()
         if obj is not None:
             self.set_blender_object(obj)
@@ -326,6 +327,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             options=self._scene_options(),
             profile=self._profiled,
             where=self._where,
+            is_optional=self._is_optional,
         )
 
     def _scene_kind(self) -> str:

@@ -78,6 +78,8 @@ class ComponentDeclaration:
         managers: class paths of the request managers that offer its services.
         profile: whether to show its computation time.
         where: the line of the script that created it.
+        is_optional: whether the scene is loaded without it, with a warning, if it cannot work, because a model file
+            declares it.
     """
 
     node: Node
@@ -93,6 +95,7 @@ class ComponentDeclaration:
     options: dict[str, object] = field(default_factory=dict)
     profile: bool = False
     where: SourceLine | None = None
+    is_optional: bool = False
 
     @property
     def name(self) -> str:

@@ -93,7 +93,13 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
         for declaration in declarations:
             if declaration.kind in ("robot", "external_robot") or declaration.robot not in by_node:
                 continue
-            component = make_component(context, declaration, by_node[declaration.robot])
+            try:
+                component = make_component(context, declaration, by_node[declaration.robot])
+            except LoadError as error:
+                if not declaration.is_optional:
+                    raise
+                logger.warning("a model file declares it, but it is left out: %s", error)
+                continue
             context.components[declaration.name] = component
             (loaded.sensors if declaration.kind == "sensor" else loaded.actuators).append(component)
             unclaimed.add(component)

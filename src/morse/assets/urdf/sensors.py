@@ -32,6 +32,14 @@ _PRODUCTS = {
     "gps": "GPS",
     "navsat": "GPS",
     "magnetometer": "Magnetometer",
+    "air_pressure": "Barometer",
+    "air_speed": "Airspeed",
+    "thermal": "ThermalCamera",
+    "thermal_camera": "ThermalCamera",
+    "segmentation": "SegmentationCamera",
+    "segmentation_camera": "SegmentationCamera",
+    "boundingbox_camera": "SemanticCamera",
+    "logical_camera": "SemanticCamera",
 }
 _MOST_PIXELS, _MOST_RAYS = 4096, 100_000
 _FARTHEST = 1e6

@@ -38,6 +38,7 @@ def add_sensors(
             sensor.properties(**dict(one.properties))
         if one.frequency is not None:
             sensor.frequency(one.frequency)
+        sensor._is_optional = True
         robot.append(sensor, one.link)
         sensors[name] = sensor
     return sensors
