@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.core.reports.hints import nearest
+from morse.core.reports.hints import closest, nearest
 from morse.core.reports.quoting import escaped, quoted, short, shown
 
 anything = st.recursive(
@@ -57,3 +58,20 @@ def test_a_name_of_megabytes_is_compared_with_none(monkeypatch: pytest.MonkeyPat
 
 def test_the_list_of_names_does_not_grow_without_end() -> None:
     assert len(nearest("xyz", [f"component{n}" for n in range(10_000)])) < 1000
+
+
+def test_a_wrong_name_is_compared_with_few_of_many_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A client that sends wrong names must not use the time of the others."""
+    names = [f"/robot{number}/front_camera/depth/image_raw" for number in range(2000)]
+    compared: list[str] = []
+    ratio = difflib.SequenceMatcher.ratio
+
+    def counted(matcher: difflib.SequenceMatcher[str]) -> float:
+        compared.append(str(matcher.a))
+        return ratio(matcher)
+
+    monkeypatch.setattr(difflib.SequenceMatcher, "ratio", counted)
+    for number in (0, 17, 123):
+        compared.clear()
+        assert closest(f"/robot{number}/front_camra/depth/image_raw", names) == names[number]
+        assert len(compared) <= 40
