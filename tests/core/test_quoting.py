@@ -74,4 +74,4 @@ def test_a_wrong_name_is_compared_with_few_of_many_names(monkeypatch: pytest.Mon
     for number in (0, 17, 123):
         compared.clear()
         assert closest(f"/robot{number}/front_camra/depth/image_raw", names) == names[number]
-        assert len(compared) <= 40
+        assert len(set(compared)) <= 40

@@ -99,7 +99,8 @@ class Node(Observer):
     def _report(self) -> None:
         is_up = self._connection.is_up
         if is_up and not self._was_up:
-            logger.info("connected to the multi-node server %s", self._place)
+            # a server may break every connection
+            self._complaints.log(logging.INFO, "connected", f"connected to the multi-node server {self._place}")
         elif not is_up and self._connection.problem:
             self._complaints.warn(
                 "absent",
