@@ -107,7 +107,7 @@ def find(name: str, category: str = "") -> Path:
             return candidate.absolute()
     for folder in _folders(name):
         if os.path.isdir(folder):
-            from morse.assets.sdf.files import model_file
+            from morse.assets.model_folders import model_file
 
             file = model_file(folder)
             if file is not None:

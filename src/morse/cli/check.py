@@ -91,7 +91,7 @@ def _model(name: str) -> Path | None:
     """The model file of that name, or in a folder of that name; None for a script or an environment."""
     path = Path(name).expanduser()
     if path.is_dir():
-        from morse.assets.sdf.files import CONFIG, model_file
+        from morse.assets.model_folders import CONFIG, model_file
 
         return model_file(path) if (path / CONFIG).is_file() else None
     return path if path.suffix.lower() in suffixes() and path.is_file() else None

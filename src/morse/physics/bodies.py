@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.physics.gliding.gliding import Gliding
-    from morse.physics.model.compile import Slot
+    from morse.physics.model.slot import Slot
     from morse.physics.state.engine_state import EngineState
     from morse.scene import CollisionShape, Node
 

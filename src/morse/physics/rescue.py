@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics.gliding.gliding import Gliding
-    from morse.physics.model.compile import Slot
+    from morse.physics.model.slot import Slot
     from morse.physics.state.engine_state import EngineState
 
 logger = logging.getLogger(__name__)

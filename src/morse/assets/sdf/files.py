@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
+from morse.assets.model_folders import CONFIG, model_file
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.xml_files import MOST_BYTES, parse_xml, read_xml
 from morse.system.regular_files import read_regular
@@ -14,23 +15,10 @@ from morse.system.regular_files import read_regular
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-CONFIG = "model.config"
 _MOST_PREFIXES = 50
 _ROOTS = ("sdf", "gazebo")
 _PREFIX = re.compile(rb"[<\s/]([A-Za-z_][\w.-]{0,40}):[A-Za-z_]")
 _OPENING = re.compile(rb"<(sdf|gazebo)\b")
-
-
-def model_file(folder: Path) -> Path | None:
-    """The SDF file of a model: the newest one that its ``model.config`` names, or ``model.sdf``; None without any."""
-    config = folder / CONFIG
-    elements = read_xml(config).iter("sdf") if config.is_file() else ()
-    names = [(version_of(element), (element.text or "").strip()) for element in elements]
-    for _, name in sorted(names, reverse=True):
-        if name and "\0" not in name and (folder / name).is_file():
-            return folder / name
-    usual = folder / "model.sdf"
-    return usual if usual.is_file() else None
 
 
 def find_model(uri: str, model: Path) -> Path:
@@ -76,12 +64,6 @@ def _downloaded(uri: str, model: Path) -> Path:
         raise FileRefusedError(
             f"nothing is downloaded: put the model into a folder '{name:.80}' in one of GZ_SIM_RESOURCE_PATH"
         ) from None
-
-
-def version_of(element: Element) -> tuple[int, ...]:
-    """The version of SDF in an element: (1, 6)."""
-    words = re.findall(r"\d{1,6}", element.get("version") or "")
-    return tuple(int(word) for word in words[:2]) or (1, 4)
 
 
 def read_root(path: Path) -> Element:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
-from morse.assets.sdf.files import version_of
+from morse.assets.model_folders import version_of
 from morse.assets.sdf.flat import joints_of
 from morse.assets.sdf.geometry import Geometry
 from morse.assets.sdf.includes import Includes

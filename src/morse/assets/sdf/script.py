@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
-from morse.assets.sdf.files import version_of
+from morse.assets.model_folders import version_of
 from morse.assets.sdf.flat import links_of
 from morse.assets.sdf.includes import Includes
 from morse.assets.sdf.reader import read_sdf

@@ -23,7 +23,7 @@ from morse.physics.poses.kinematics import contact_pairs
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from morse.physics.model.compile import Slot
+    from morse.physics.model.slot import Slot
     from morse.physics.state.engine_state import EngineState
 
 #: radius at which a robot without feet touches the floor, m

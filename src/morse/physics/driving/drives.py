@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from morse.physics.bodies import Bodies
     from morse.physics.driving.fleet import Fleet
     from morse.physics.gliding.gliding import Gliding
-    from morse.physics.model.compile import Slot
+    from morse.physics.model.slot import Slot
     from morse.physics.state.engine_state import EngineState
     from morse.physics.state.saved import SavedDrives
     from morse.scene import Node

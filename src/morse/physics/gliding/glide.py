@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.physics.gliding.floors import Floor
-    from morse.physics.model.compile import Slot
+    from morse.physics.model.slot import Slot
 
 #: number of ticks before a disturbed robot may glide again: initial and maximum
 FIRST_WAIT, LONGEST_WAIT = 4, 256

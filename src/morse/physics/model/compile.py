@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,13 +16,14 @@ from morse.physics.driving.calibration import friction_of
 from morse.physics.driving.wheel_casters import caster_floor, is_caster, rise
 from morse.physics.gliding.feet import Stance, stance, trimmed
 from morse.physics.gliding.plane_builder import PlaneBuilder
-from morse.physics.model.articulated import Articulated, JointSlot, is_single_link
+from morse.physics.model.articulated import Articulated, is_single_link
 from morse.physics.model.couplings import CouplingBuilder
 from morse.physics.model.damping import set_damping
 from morse.physics.model.file_options import are_all_from_files, level, models_of, set_ground, set_options
 from morse.physics.model.files import Files
 from morse.physics.model.inertia import bounding_box, robot_inertia, volume
 from morse.physics.model.layout import Frame, Motion, frames_of
+from morse.physics.model.slot import Slot
 from morse.physics.model.unusable_hulls import replace_unusable_hulls
 from morse.physics.model.wheel_shapes import wheel_axis, wheel_size
 from morse.physics.poses.poses import as_array, relative_pose
@@ -65,42 +66,6 @@ _TYPES = {
     ShapeKind.ELLIPSOID: mujoco.mjtGeom.mjGEOM_ELLIPSOID,
     ShapeKind.CONVEX: mujoco.mjtGeom.mjGEOM_MESH,
 }
-
-
-@dataclass(eq=False, slots=True)
-class Slot:
-    """The indices of a frame in the arrays of the engine; -1 or empty if the frame has no such item.
-
-    Attributes:
-        body: id of the MuJoCo body; 0 for static shapes that belong to the world, at their poses in it.
-        qpos: address of the free joint (7 numbers) or hinge (1).
-        dof: address of its velocity (6 or 1).
-        mocap: mocap id.
-        actuator: id of the wheel motor.
-        geoms: geom ids by node, one for each shape of the node.
-        feet: geom ids of the spheres on which a driven robot stands.
-        joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first one.
-    """
-
-    frame: Frame
-    pose: RigidFrame
-    body: int = -1
-    qpos: int = -1
-    dof: int = -1
-    mocap: int = -1
-    actuator: int = -1
-    geoms: dict[Node, list[int]] = field(default_factory=dict)
-    feet: list[int] = field(default_factory=list)
-    joints: list[JointSlot] = field(default_factory=list)
-
-    @property
-    def numbers(self) -> tuple[int, int]:
-        """Number of positions and velocities of the slot in the engine."""
-        if self.qpos < 0:
-            return 0, 0
-        if self.frame.motion is Motion.FREE:
-            return 7, 6
-        return sum(joint.width for joint in self.joints) or 1, sum(joint.dofs for joint in self.joints) or 1
 
 
 @dataclass(eq=False, slots=True)

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics.model.compile import Slot
     from morse.physics.model.layout import Frame
+    from morse.physics.model.slot import Slot
     from morse.scene import Node
     from morse.scene.couplings import Constraint
 

@@ -10,7 +10,7 @@ from morse.physics.driving.calibration import FREE_DAMPING
 if TYPE_CHECKING:
     import mujoco
 
-    from morse.physics.model.compile import Slot
+    from morse.physics.model.slot import Slot
 
 
 def set_damping(model: mujoco.MjModel, slot: Slot, of_1_4: bool) -> None:

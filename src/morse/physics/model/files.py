@@ -21,8 +21,8 @@ from morse.physics.model.layout import Motion
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.physics.model.compile import Slot
     from morse.physics.model.layout import Frame
+    from morse.physics.model.slot import Slot
     from morse.scene import Node
     from morse.scene.mjcf import MjcfModel
 

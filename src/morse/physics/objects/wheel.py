@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import mujoco
 
     from morse.core.world import Body
-    from morse.physics.model.compile import Slot
+    from morse.physics.model.slot import Slot
     from morse.physics.objects.posed import Posed
     from morse.physics.state.engine_state import EngineState
 

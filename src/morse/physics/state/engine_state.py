@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.physics.model.articulated import JointSlot
-    from morse.physics.model.compile import Compiled, Slot
+    from morse.physics.model.compile import Compiled
     from morse.physics.model.file_motors import FileMotor
+    from morse.physics.model.slot import Slot
     from morse.scene import Node
 
 

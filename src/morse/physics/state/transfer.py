@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics.model.compile import Slot
+    from morse.physics.model.slot import Slot
     from morse.physics.state.engine_state import EngineState
 
 _OF_BODIES = ("body_pos", "body_quat")
