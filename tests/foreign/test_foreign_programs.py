@@ -1,0 +1,50 @@
+"""Programs of `examples` with software that others wrote, in closed loop."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+LIMIT = 1200.0
+
+pytestmark = pytest.mark.slow
+
+
+def numbers(program: str, pattern: str, tmp_path: Path) -> list[float]:
+    """What the program has said, by the groups of a pattern."""
+    said = subprocess.run(
+        [sys.executable, EXAMPLES / program], capture_output=True, text=True, timeout=LIMIT, cwd=tmp_path
+    )
+    assert said.returncode == 0, said.stderr[-2000:]
+    found = re.search(pattern, said.stdout)
+    assert found is not None, said.stdout
+    return [float(group) for group in found.groups()]
+
+
+@pytest.mark.skipif(find_spec("kiss_icp") is None, reason="there is no kiss_icp: pip install kiss-icp")
+def test_kiss_icp_drives_by_its_own_estimate(tmp_path: Path) -> None:
+    way, _, drift = numbers(
+        "kiss_icp/drive_by_lidar.py", r"driven ([\d.]+) m, final error ([\d.]+) m, drift ([\d.]+) %", tmp_path
+    )
+    assert way > 12.0, "two squares of 1.6 m"
+    assert drift < 1.0
+
+
+@pytest.mark.skipif(
+    find_spec("python_motion_planning") is None,
+    reason="there is no python_motion_planning: pip install python_motion_planning",
+)
+def test_a_planner_finds_the_way_round_a_wall(tmp_path: Path) -> None:
+    left, way, nearest = numbers(
+        "planner/drive_a_plan.py", r"within ([\d.]+) m, after ([\d.]+) m, never closer than ([\d.]+) m", tmp_path
+    )
+    assert left <= 0.15
+    # 7 m as the crow flies, across a wall of 4 m in the middle
+    assert 7.5 < way < 14.0
+    assert nearest > 0.3
