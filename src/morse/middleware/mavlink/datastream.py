@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import time
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +37,8 @@ logger = logging.getLogger(__name__)
 #: angle of the X axis of the world from east, counter-clockwise, rad
 _X_AXIS = {"enu": 0.0, "nwu": math.pi / 2.0}
 _EVERYBODY = 0
+#: wall-clock seconds: how long an autopilot in lockstep may take for a tick, and how often its answer is looked for
+_PATIENCE, _LOOK = 1.0, 1e-4
 #: maximum number of senders with an incomplete message on a link
 _MOST_FRAMERS = 16
 
@@ -147,6 +150,28 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         if self._is_changed:
             self._is_changed = False
             self._look_at_robots()
+        self._read()
+        self._keep_step()
+        stamp = self.context.clock.stamp()
+        for vehicle in self._vehicles.values():
+            if vehicle.pilot is not None:
+                vehicle.pilot.steer(stamp)
+
+    def _keep_step(self) -> None:
+        """Wait for the answers of autopilots in the loop to the measurements of the last tick."""
+        waiting = [vehicle for vehicle in self._vehicles.values() if vehicle.is_waiting]
+        if not waiting:
+            return
+        end = time.monotonic() + _PATIENCE
+        while any(vehicle.is_waiting for vehicle in waiting):
+            if time.monotonic() > end:
+                for vehicle in waiting:
+                    vehicle.lose_step()
+                return
+            time.sleep(_LOOK)
+            self._read()
+
+    def _read(self) -> None:
         is_paced = self.context.paced()
         has_time = self._share.begin() or not is_paced
         for device, link in self._links.items():
@@ -173,10 +198,6 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
                     break
             if intake.lost:
                 self._complaints.warn(device, f"mavlink: {device} receives more than a tick can process: some is lost")
-        stamp = self.context.clock.stamp()
-        for vehicle in self._vehicles.values():
-            if vehicle.pilot is not None:
-                vehicle.pilot.steer(stamp)
 
     def drain(self) -> None:
         """See `DatastreamManager.drain`."""
@@ -207,6 +228,8 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
             if at == device and target in (_EVERYBODY, vehicle.system):
                 if vehicle.pilot is not None and vehicle.pilot.take(message):
                     continue
+                if message.get_type() == "HIL_ACTUATOR_CONTROLS":
+                    vehicle.answered(message.flags)
                 for stream in vehicle.streams if message.get_type() in COMMANDS else ():
                     stream.receive(message)
         return True

@@ -20,6 +20,8 @@ _NAN = math.nan
 _GAUSS, _HECTOPASCAL = 1e4, 1e-2
 _U16, _I16, _U8 = 0xFFFF, 0x7FFF, 0xFF
 _FIX_3D = 3
+#: dilution of precision, 0.01, of a good fix, horizontally and vertically; number of satellites
+_ACCURACY, _SEEN = (90, 110), 12
 #: names of frames in ODOMETRY: a local one with X forward, Y right, Z down; the vehicle
 _LOCAL_FRD, _BODY_FRD = 20, 12
 _RADIATION = {"ultrasound": 1, "infrared": 2, "radar": 3}
@@ -132,7 +134,8 @@ class Telemetry:
         time = m.stamp // 1000
         if stream.vehicle.hil:
             velocity = (_whole(v, -_I16, _I16, 0) for v in (north, east, -up))
-            stream.vehicle.measure("hil_gps", time, _FIX_3D, lat, lon, alt, _U16, _U16, speed, *velocity, course, _U8)
+            # PX4 does not use a fix whose accuracy is unknown
+            stream.vehicle.measure("hil_gps", time, _FIX_3D, lat, lon, alt, *_ACCURACY, speed, *velocity, course, _SEEN)
         else:
             stream.vehicle.measure("gps_raw_int", time, _FIX_3D, lat, lon, alt, _U16, _U16, speed, course, _U8, alt)
 

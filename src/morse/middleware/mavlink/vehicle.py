@@ -22,6 +22,10 @@ _AUTOPILOT = 1
 _INVALID, _PX4 = 8, 12
 _ACTIVE, _HIL = 4, 32
 _SECOND = 10**9
+#: of HIL_ACTUATOR_CONTROLS
+_LOCKSTEP = 1
+#: International Standard Atmosphere: m, hPa at the sea, exponent
+_STANDARD = (44330.77, 1013.25, 0.190263)
 #: what has no battery does not run out of it
 _NO_BATTERY = (0xFFFF, -1, 100)
 #: number of requested messages that are sent in a tick
@@ -67,6 +71,9 @@ class Vehicle:
         self._numbers: dict[str, int] = {}
         self._sensed: dict[str, float] = {}
         self._next_heartbeat = 0
+        self._in_step = False
+        #: whether an autopilot in lockstep has not yet answered the measurements of the last tick
+        self.is_waiting = False
         self._complaints = Complaints(logger)
 
     def number_of(self, name: str) -> int:
@@ -106,6 +113,19 @@ class Vehicle:
         """Add fields to the message that contains all sensors of the tick."""
         self._sensed.update(values)
 
+    def answered(self, flags: int) -> None:
+        """An autopilot in the loop has sent controls.
+
+        Args:
+            flags: of the message; the first bit says that the autopilot is in lockstep.
+        """
+        self._in_step, self.is_waiting = bool(flags & _LOCKSTEP), False
+
+    def lose_step(self) -> None:
+        """Do not wait any more, until controls arrive again."""
+        self.complain("lockstep", "the autopilot did not answer a tick; the simulation goes on without it")
+        self._in_step = self.is_waiting = False
+
     def greet(self) -> None:
         """Send the next heartbeat at the end of the tick."""
         self._next_heartbeat = 0
@@ -119,10 +139,15 @@ class Vehicle:
             stamp: simulated time, ns.
         """
         sensed, self._sensed = self._sensed, {}
+        if self.hil and "abs_pressure" in sensed:
+            # PX4 takes a pressure only together with its altitude and a temperature
+            altitude = _STANDARD[0] * (1.0 - (max(sensed["abs_pressure"], 0.0) / _STANDARD[1]) ** _STANDARD[2])
+            sensed = {"pressure_alt": altitude, "temperature": 15.0 - 0.0065 * altitude, **sensed}
         if sensed and (self.hil or "xacc" in sensed or "xmag" in sensed):
             bits = sum(1 << _BITS[name] for name in sensed)
             values = [sensed.get(name, 0.0) for name in _BITS]
             self.send("hil_sensor" if self.hil else "highres_imu", stamp // 1000, *values, bits)
+        self.is_waiting = bool(sensed) and self._in_step
         if self.pilot is not None:
             self.pilot.report(stamp)
         elif stamp >= self._next_heartbeat or stamp < self._next_heartbeat - _SECOND:

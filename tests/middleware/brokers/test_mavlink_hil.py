@@ -1,0 +1,104 @@
+"""An autopilot in the loop, as PX4 reads its messages: what it takes as a measurement, its clock, lockstep."""
+
+from __future__ import annotations
+
+import socket
+import threading
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+pytest.importorskip("pymavlink")
+
+from pymavlink.dialects.v20 import common
+
+import morse
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = pytest.mark.long
+
+#: bits of fields_updated that PX4 wants together
+ACCELERATION, RATES, FIELD, PRESSURE = 0b111, 0b111000, 0b111000000, 0b1101000000000
+SCENE = """
+from morse.builder import *
+robot = Quadrotor(); robot.translate(z=0.2)
+imu = IMU(); robot.append(imu)
+baro = Barometer(); robot.append(baro)
+gps = GPS(); gps.level("raw"); robot.append(gps)
+motors = QuadrotorDynamicControl(); robot.append(motors)
+for part in (imu, baro, gps):
+    part.add_stream("mavlink")
+    part.frequency(250)
+motors.add_stream("mavlink", full=800.0)
+env = Environment("empty", fastmode=True)
+env.simulator_frequency(250)
+env.properties(longitude=8.5456, latitude=47.3977, altitude=0.0)
+env.configure_stream_manager("mavlink", device="tcpin:127.0.0.1:{port}", hil=True, world="enu")
+"""
+
+
+class Autopilot(threading.Thread):
+    """Answers each HIL_SENSOR with controls, as PX4 does in lockstep, until it has enough."""
+
+    def __init__(self, port: int, count: int, flags: int = 1) -> None:
+        super().__init__()
+        self.mav = common.MAVLink(None, srcSystem=1, srcComponent=1)
+        self.socket = socket.create_connection(("127.0.0.1", port))
+        self.sensors: list[Any] = []
+        self.fixes: list[Any] = []
+        self._count, self._flags = count, flags
+
+    def run(self) -> None:
+        self.send(0)
+        while len(self.sensors) < self._count and (data := self.socket.recv(1 << 16)):
+            for message in self.mav.parse_buffer(bytearray(data)) or ():
+                if message.get_type() == "HIL_SENSOR":
+                    self.sensors.append(message)
+                    self.send(message.time_usec)
+                elif message.get_type() == "HIL_GPS":
+                    self.fixes.append(message)
+        self.socket.close()
+
+    def send(self, time_usec: int) -> None:
+        controls = self.mav.hil_actuator_controls_encode(time_usec, [0.1] * 4 + [0.0] * 12, 129, self._flags)
+        self.socket.sendall(controls.pack(self.mav))
+
+
+def test_px4_takes_every_measurement_and_is_kept_in_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    (tmp_path / "scene.py").write_text(SCENE.format(port=port))
+    with morse.load(tmp_path / "scene.py", sockets=True) as sim:
+        autopilot = Autopilot(port, 500)
+        autopilot.start()
+        while not autopilot.sensors:
+            sim.step()
+        first = len(autopilot.sensors)
+        sim.step(300)
+        received = len(autopilot.sensors)
+        assert received - first >= 299, "no tick went on without an answer"
+        # it stops to answer: the simulation goes on
+        while autopilot.is_alive():
+            sim.step()
+        before = sim.clock.tick
+        sim.step(5)
+        assert sim.clock.tick == before + 5
+        autopilot.join()
+    times = [one.time_usec for one in autopilot.sensors]
+    assert all(b - a == 4000 for a, b in pairwise(times[5:])), "250 Hz, the clock of PX4"
+    for wanted in (ACCELERATION, RATES, FIELD, PRESSURE):
+        assert all(one.fields_updated & wanted == wanted for one in autopilot.sensors[5:])
+    last = autopilot.sensors[-1]
+    # at the level of the sea in the standard atmosphere
+    assert last.abs_pressure == pytest.approx(1013.25, abs=2.0)
+    assert last.pressure_alt == pytest.approx(0.0, abs=10.0)
+    assert last.temperature == pytest.approx(15.0, abs=1.0)
+    fix = autopilot.fixes[-1]
+    assert fix.fix_type == 3
+    assert fix.eph < 300, "PX4 waits for less than 3 (EKF2_REQ_EPH)"
+    assert fix.satellites_visible >= 6, "EKF2_REQ_NSATS"
