@@ -72,6 +72,15 @@ class MotionVWAckermann(SpeedCommand):
             )
         self._sides = (-1.0,) * len(left) + (1.0,) * len(right)
 
+    def turning_speed(self, speed: float, angle: float) -> float:
+        """The angular speed of a car, rad/s.
+
+        Args:
+            speed: of the middle of the axle that does not steer, m/s.
+            angle: of a wheel in the middle between those that steer, rad, positive to the left.
+        """
+        return speed * math.tan(min(max(angle, -self._limit), self._limit)) / self._base
+
     def default_action(self) -> None:
         """Steer and turn the wheels."""
         (v,), w = self.speeds()

@@ -1,6 +1,7 @@
 """The definitions of the messages of ROS 2 Jazzy that are in use.
 
-Names and types are those of the packages common_interfaces, rcl_interfaces, rmw_dds_common, geometry2 and vision_msgs.
+Names and types are those of the packages common_interfaces, rcl_interfaces, rmw_dds_common, geometry2,
+ackermann_msgs and vision_msgs.
 """
 
 from __future__ import annotations
@@ -104,6 +105,9 @@ vision_msgs/BoundingBox3D: geometry_msgs/Pose center, geometry_msgs/Vector3 size
 vision_msgs/Detection3D: std_msgs/Header header, vision_msgs/ObjectHypothesisWithPose[] results,
     vision_msgs/BoundingBox3D bbox, string id
 vision_msgs/Detection3DArray: std_msgs/Header header, vision_msgs/Detection3D[] detections
+ackermann_msgs/AckermannDrive: float32 steering_angle, float32 steering_angle_velocity, float32 speed,
+    float32 acceleration, float32 jerk
+ackermann_msgs/AckermannDriveStamped: std_msgs/Header header, ackermann_msgs/AckermannDrive drive
 trajectory_msgs/JointTrajectoryPoint: float64[] positions, float64[] velocities, float64[] accelerations,
     float64[] effort, builtin_interfaces/Duration time_from_start
 trajectory_msgs/JointTrajectory: std_msgs/Header header, string[] joint_names,

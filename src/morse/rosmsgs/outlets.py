@@ -57,9 +57,11 @@ class Inlet(NamedTuple):
         take: converts a message to slots by name.
         topic: relative to that of the component; empty for the topic of the component.
         also: below the namespace of the robot, for the first component of the robot with this inlet.
+        or_none: nothing is subscribed to if the backend does not have the type.
     """
 
     type: str
     take: Callable[[Mapping[str, Any]], dict[str, Any]]
     topic: str = ""
     also: str = ""
+    or_none: bool = False

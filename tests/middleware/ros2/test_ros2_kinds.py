@@ -28,6 +28,7 @@ class Bound:
         self.kind, self.slots, self.topic, self.frame = KINDS[kind], slots, "", "own"
         self.component = self
         self.frequency = 10.0
+        self.sources = ()
 
     def has(self, slot: str) -> bool:
         return slot in self.slots

@@ -142,10 +142,17 @@ class SpatialKinds(TopicTable):
 
     @topics("twist", direction="IN")
     def take_twist(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
-        """A topic has one type: that of nav2 up to Jazzy, or with ``stamped=True`` the newer type."""
+        """A topic has one type: that of nav2 up to Jazzy, or with ``stamped=True`` the newer type.
+
+        A car also takes the angle of its steering.
+        """
+        inlet = Inlet("geometry_msgs/msg/Twist", _from_twist, also="cmd_vel")
         if stream.kwargs["stamped"]:
-            return [Inlet("geometry_msgs/msg/TwistStamped", lambda m: _from_twist(m["twist"]), also="cmd_vel")]
-        return [Inlet("geometry_msgs/msg/Twist", _from_twist, also="cmd_vel")]
+            inlet = Inlet("geometry_msgs/msg/TwistStamped", lambda m: _from_twist(m["twist"]), also="cmd_vel")
+        if not hasattr(bound.component, "turning_speed"):
+            return [inlet]
+        kind, name = "ackermann_msgs/msg/AckermannDriveStamped", "ackermann_cmd"
+        return [inlet, Inlet(kind, lambda m: _from_car(m["drive"], bound.component), name, also=name, or_none=True)]
 
     @topics("attitude", direction="IN")
     def take_attitude(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
@@ -186,6 +193,12 @@ def _twist(message: Message) -> dict[str, Any]:
 
 def _from_twist(message: Mapping[str, Any]) -> dict[str, Any]:
     return {"linear": from_xyz(message["linear"]), "angular": from_xyz(message["angular"])}
+
+
+def _from_car(drive: Mapping[str, Any], car: Any) -> dict[str, Any]:
+    speed = float(drive["speed"])
+    angular = car.turning_speed(speed, float(drive["steering_angle"]))
+    return {"linear": [speed, 0.0, 0.0], "angular": [0.0, 0.0, angular]}
 
 
 def _from_stick(message: Mapping[str, Any], *, by_rate: bool) -> dict[str, Any]:

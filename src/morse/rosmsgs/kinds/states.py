@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from morse.rosmsgs.table import Carrier
 
 _STRING, _BOOL, _FLOATS = "std_msgs/msg/String", "std_msgs/msg/Bool", "std_msgs/msg/Float32MultiArray"
+_NUMBERS, _TRAJECTORY = "std_msgs/msg/Float64MultiArray", "trajectory_msgs/msg/JointTrajectory"
 _QUANTITIES = ("position", "velocity", "effort")
 
 
@@ -65,8 +66,16 @@ class StateKinds(TopicTable):
 
     @topics("joints", direction="IN")
     def take_joints(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
-        """A subset of the joints is allowed; the others keep their commands."""
-        return [Inlet("sensor_msgs/msg/JointState", lambda m: _from_joints(m, bound))]
+        """A subset of the joints is allowed; the others keep their commands.
+
+        The other topics are those of the controllers of ros2_control: ``commands`` of the forward command controllers,
+        and ``joint_trajectory`` of the joint trajectory controller, of which only single points are taken.
+        """
+        return [
+            Inlet("sensor_msgs/msg/JointState", lambda m: _from_joints(m, bound)),
+            Inlet(_NUMBERS, lambda m: _from_numbers(m["data"], bound), "commands", or_none=True),
+            Inlet(_TRAJECTORY, lambda m: _from_trajectory(m, bound), "joint_trajectory", or_none=True),
+        ]
 
     @topics("actuators", direction="IN")
     def take_actuators(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
@@ -135,6 +144,25 @@ def _from_joints(message: Mapping[str, Any], bound: BoundKind) -> dict[str, Any]
             values[names.index(joint)] = value
         slots[quantity] = values
     return slots
+
+
+def _from_numbers(numbers: Any, bound: BoundKind) -> dict[str, Any]:
+    """Commands of the quantity that the motors control, in the order of the joints."""
+    present = bound.gather()
+    names, controlled = list(present.names), [quantity for quantity in _QUANTITIES if bound.has(quantity)]
+    if len(numbers) != len(names):
+        raise ValueError(f"{len(numbers)} numbers for {len(names)} joints: {', '.join(names)}")
+    columns = {quantity: np.asarray(getattr(present, quantity), dtype=np.float64) for quantity in controlled}
+    # a quantity is NaN for the joints whose motors control another one
+    return {quantity: np.where(np.isnan(column), column, numbers) for quantity, column in columns.items()}
+
+
+def _from_trajectory(message: Mapping[str, Any], bound: BoundKind) -> dict[str, Any]:
+    points = message["points"]
+    if len(points) != 1:
+        raise ValueError(f"{len(points)} points, expected one; the service 'trajectory' takes several")
+    point = {"position": points[0]["positions"], "velocity": points[0]["velocities"], "effort": points[0]["effort"]}
+    return _from_joints({"name": message["joint_names"], **point}, bound)
 
 
 def _from_text(message: Mapping[str, Any]) -> dict[str, Any]:

@@ -184,6 +184,9 @@ class TopicManager(DatastreamManager):
             key = (f"{stream.component_name} {topic}", inlet.type, qos)
             if key not in self._subscriptions:
                 made = self.backend.subscription(topic, inlet.type, qos)
+                if made is None and inlet.or_none:
+                    del self._claims[topic]
+                    continue
                 self._subscriptions[key] = self._made(made, stream, inlet.type)
             self._subscriptions[key].take()  # discard messages to a former component
             yield topic, self._subscriptions[key]
