@@ -29,6 +29,7 @@ from morse.builder.actuators import RotorcraftWaypoint as RotorcraftWaypoint
 from morse.builder.actuators import StabilizedQuadrotor as StabilizedQuadrotor
 from morse.builder.actuators import SteerForce as SteerForce
 from morse.builder.actuators import Teleport as Teleport
+from morse.builder.actuators import TimedPath as TimedPath
 from morse.builder.actuators import Waypoint as Waypoint
 from morse.builder.blenderobjects import Camera as Camera
 from morse.builder.blenderobjects import Cone as Cone
@@ -289,6 +290,7 @@ __all__ = [
     "ThermalCamera",
     "Thermometer",
     "TimeStrategies",
+    "TimedPath",
     "Torus",
     "UltrasonicRangeFinder",
     "UnexportableError",

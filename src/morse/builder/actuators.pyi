@@ -42,6 +42,7 @@ __all__ = [
     "StabilizedQuadrotor",
     "SteerForce",
     "Teleport",
+    "TimedPath",
     "Waypoint",
 ]
 
@@ -298,6 +299,10 @@ class SteerForce(ActuatorCreator):
 
 class Teleport(ActuatorCreator):
     """Motion controller which instantly changes the pose of the robot"""
+
+class TimedPath(ActuatorCreator):
+    """Moves the robot along points, each at its time"""
+    def properties(self, *, Points: str = ..., Loop: bool = ..., Delay: float = ..., **kwargs: Any) -> None: ...
 
 class Waypoint(ActuatorCreator):
     """Motion controller which drives the robot to a position"""

@@ -38,6 +38,7 @@ class Library:
             instances of their collection.
         images: images by name, for textures that no material uses.
         sensors: the sensors that the file declares.
+        walkers: actuators that move an object of a world, which its ``link`` names.
         actuators: actuators that plugins of the file stand for.
         robot: name of the root that is the robot if a robot is loaded from the file of a world; empty if all objects of
             the file belong to one robot.
@@ -54,6 +55,7 @@ class Library:
     images: dict[str, Image] = field(default_factory=dict)
     sensors: list[DeclaredSensor] = field(default_factory=list)
     actuators: list[DeclaredSensor] = field(default_factory=list)
+    walkers: list[DeclaredSensor] = field(default_factory=list)
     robot: str = ""
     has_free_joints: bool = False
     keyframes: dict[str, Keyframe] = field(default_factory=dict)

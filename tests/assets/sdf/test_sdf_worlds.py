@@ -278,6 +278,41 @@ def test_pictures_of_meshes_are_found_in_the_folder_of_textures(tmp_path) -> Non
     assert (folder / "materials" / "textures" / "green.png").read_bytes() == image.data
 
 
+def test_an_actor_walks(tmp_path, simulate) -> None:
+    path = world(
+        tmp_path,
+        """<actor name="walker"><skin><filename>missing.dae</filename></skin><script><loop>true</loop>
+      <delay_start>0</delay_start><auto_start>true</auto_start><trajectory id="0" type="walking">
+      <waypoint><time>0</time><pose>0 0 1 0 0 0</pose></waypoint>
+      <waypoint><time>2</time><pose>4 0 1 0 0 0</pose></waypoint>
+      <waypoint><time>3</time><pose>4 0 1 0 0 1.57</pose></waypoint></trajectory></script></actor>""",
+    )
+    (actor,) = load(path).walkers
+    text = dict(actor.properties)["Points"]
+    simulation = simulate(
+        f"""other = FakeRobot()
+walk = TimedPath()
+walk.properties(Points={text!r})
+other.append(walk)
+pose = Pose()
+other.append(pose)
+env = Environment({str(path)!r})
+""",
+        sockets=False,
+    )
+    # 2 m/s along X, then a turn in a second, then again from the beginning
+    for time, x, yaw in ((1.0, 2.0, 0.0), (2.5, 4.0, 0.785), (4.0, 2.0, 0.0)):
+        simulation.step(round((time - simulation.time()) * 60))
+        data = simulation.other.pose.get()
+        late = data["timestamp"] - time
+        assert late < 0.2
+        assert data["x"] == pytest.approx(x + (2.0 * late if x < 4.0 else 0.0), abs=0.04)
+        assert data["yaw"] == pytest.approx(yaw + (1.57 * late if x == 4.0 else 0.0), abs=0.03)
+        assert data["z"] == pytest.approx(1.0)
+    # the actor of the world is there, with its path
+    assert simulation.walker.path is not None
+
+
 # -- files of others that mean harm ---------------------------------------------------------------
 
 

@@ -130,7 +130,8 @@ class Models:
         for remark in remarks:
             self._warn(remark)
         return Document(
-            model.name,
+            # the engine has a body of this name
+            model.name if model.name != WORLD else f"{WORLD}_model",
             parts,
             tree.joints,
             f"{prefix}{root}",

@@ -65,7 +65,8 @@ class _Script:
             if part:
                 lines += [f"# {title}", *part, ""]
         lines += ['env = Environment("empty")', *settings]
-        remarks = [f"# {warning}" for warning in dict.fromkeys(self._library.warnings)]
+        left_out = [f"the actor '{one.name}' moves only in Environment(...)" for one in self._library.walkers]
+        remarks = [f"# {warning}" for warning in dict.fromkeys([*self._library.warnings, *left_out])]
         return "\n".join([*lines, *([""] if remarks else []), *remarks]) + "\n"
 
     def _lines(self, model: Scope, node: Node, *, is_robot: bool) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.assets.sdf.actors import add_actors
 from morse.assets.sdf.values import ValueMistakeError, boolean, number, text_of, vector
 from morse.mathutils import Vector
 from morse.mathutils.light import linear_light
@@ -30,8 +31,7 @@ def add_world(library: Library, scope: Scope, element: Element, includes: Includ
             library.roots.append(light_node(light, scope.place_of(frame)))
         except ValueMistakeError as error:
             includes.warn(f"the light '{(light.get('name') or '')[:80]}' is left out: {error}")
-    for actor, _ in scope.actors:
-        includes.warn(f"the actor '{(actor.get('name') or '')[:80]}' is left out")
+    add_actors(library, scope.actors, includes)
     if scope.joints:
         includes.warn(f"joints between the models of the world are left out: {', '.join(scope.joints)[:200]}")
     if element.tag != "world":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.components.cameras import MOUNTED
@@ -13,7 +14,25 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.builder.abstractcomponent import AbstractComponent
+    from morse.scene import Node
     from morse.scene.declared_sensor import DeclaredSensor
+
+
+def add_walkers(roots: Iterable[Node], declarations: Iterable[DeclaredSensor]) -> None:
+    """Make robots, which carry nothing but their path, of the objects of a world that move."""
+    from morse.builder import workspace
+
+    nodes = {root.source_name: root for root in roots}
+    for one in declarations:
+        node = nodes.get(one.link)
+        if node is None:
+            continue
+        robot = load_class("morse.builder.robots.FakeRobot")(re.sub(r"\W", "_", one.name, flags=re.ASCII) or "actor")
+        robot.scene_node.location[:] = node.location
+        robot.scene_node.rotation_euler[:] = node.rotation_euler
+        node.location[:] = node.rotation_euler[:] = 0.0, 0.0, 0.0
+        workspace.current().attach(robot.scene_node, node)
+        add_sensors(robot, [replace(one, name="path", link="")], "actuators")
 
 
 def add_sensors(
@@ -39,6 +58,6 @@ def add_sensors(
         if one.frequency is not None:
             sensor.frequency(one.frequency)
         sensor._is_optional = True
-        robot.append(sensor, one.link)
+        robot.append(sensor, one.link or None)
         sensors[name] = sensor
     return sensors

@@ -105,7 +105,12 @@ class Environment(ViewMethods, TimeMethods):
         naming.rename_all()
 
     def _load(self, library: Library) -> None:
-        workspace.current().add_model(*take(library, Choice("environment")))
+        roots, use = take(library, Choice("environment"))
+        workspace.current().add_model(roots, use)
+        if library.walkers:
+            from morse.builder.components.file_sensors import add_walkers
+
+            add_walkers(roots, library.walkers)
         viewpoint = viewpoint_of(library)
         if viewpoint is not None and viewpoint.camera is not None:
             self._look_from(viewpoint, viewpoint.camera)
