@@ -10,9 +10,20 @@ from effort import examples
 PLACES = [(0.0, 0.0, 0.0), (1.2, 0.5, 2.0), (-1.0, -1.5, -1.0)]
 
 
-def yard():
-    """Two planar robots among walls and a crate, with sensors of several rates that keep more or less."""
-    from morse.builder import GPS, Environment, MotionVW, Odometry, Pose, Robot, Sick, Velocity
+def yard(wheels=False):
+    """Two planar robots, and one on wheels, with sensors of several rates, among walls and a crate."""
+    from morse.builder import (
+        GPS,
+        Environment,
+        MotionVW,
+        MotionVWDiff,
+        Odometry,
+        Pioneer3DX,
+        Pose,
+        Robot,
+        Sick,
+        Velocity,
+    )
 
     for name, x, motion in (("robot", 0.0, MotionVW("motion")), ("second", 1.0, MotionVW("motion"))):
         robot = Robot(name=name)
@@ -27,6 +38,11 @@ def yard():
         velocity.frequency(4)
         for part in (motion, laser, gps, odometry, Pose("pose"), velocity):
             robot.append(part)
+    if wheels:
+        third = Pioneer3DX("third")
+        third.translate(1.0, 1.0, 0.0)
+        for part in (MotionVWDiff("motion"), Pose("pose"), Odometry("odometry")):
+            third.append(part)
     block("Crate", -1.0, 0.3, 0.2, 0.2, static=False)
     for number, wall in enumerate([(2.5, 0.0, 0.1, 2.5), (-2.5, 0.0, 0.1, 2.5), (0.0, 2.5, 2.5, 0.1)]):
         block(f"Wall{number}", *wall)
@@ -44,6 +60,8 @@ def act_on(sim, kind, value):
     if kind == "drive":
         sim.robot.motion.publish({"v": value[0], "w": value[1]})
         sim.second.motion.publish({"v": value[2], "w": value[3]})
+        if "third" in sim.robots:
+            sim.third.motion.publish({"v": value[2], "w": value[1]})
     elif kind == "place":
         sim.robot.place(value)
     elif kind == "read":
@@ -58,9 +76,10 @@ def act_on(sim, kind, value):
 @given(
     script=st.lists(st.tuples(acts, st.integers(2, 40), st.booleans(), st.booleans()), min_size=1, max_size=6),
     watched=st.booleans(),
+    scene=st.sampled_from([yard, lambda: yard(wheels=True)]),
 )
-def test_many_ticks_are_as_single_ticks(script, watched):
-    with morse.load(yard, seed=5) as leaping, morse.load(yard, seed=5) as single:
+def test_many_ticks_are_as_single_ticks(script, watched, scene):
+    with morse.load(scene, seed=5) as leaping, morse.load(scene, seed=5) as single:
         contacts = [sim.robot.contacts() for sim in (leaping, single)] if watched else []
         for (kind, value), ticks, measure, reads in script:
             for sim in (leaping, single):
