@@ -324,3 +324,41 @@ def test_ray_gives_the_same_bits(tmp_path, pids):
         executor.shutdown()
     hashes = {row["run"]: row["hash"] for row in study.run(tmp_path / "inline", workers=0)}
     assert {row["run"]: row["hash"] for row in table} == hashes
+
+
+@pytest.mark.slow
+def test_a_killed_node_of_ray_loses_nothing(tmp_path, pids):
+    import importlib.util
+
+    if importlib.util.find_spec("ray") is None:
+        return
+    import ray
+    from ray.cluster_utils import Cluster
+
+    from morse.many.rays import RayExecutor
+
+    # each takes a while, and none fails: failures are done twice, with a recording
+    text = STUDY.replace("import os,", "import os, time,").replace("gain=[0.8, 1.6]", "gain=[0.4, 0.8]")
+    text = text.replace("    sim.step(30)\n", "    time.sleep(0.5)\n    sim.step(30)\n")
+    study = study_of(tmp_path, text)
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
+    try:
+        doomed = cluster.add_node(num_cpus=1)
+        ray.init(address=cluster.address, log_to_driver=False, logging_level="ERROR")
+        cluster.wait_for_nodes()
+        executor = RayExecutor("auto")
+        with ThreadPoolExecutor(1) as thread:
+            future = thread.submit(study.run, tmp_path / "ray", executor=executor)
+            limit = time.monotonic() + 120.0
+            while len(list(pids.iterdir())) < 2 and time.monotonic() < limit:  # both nodes work
+                time.sleep(0.1)
+            assert not future.done()
+            cluster.remove_node(doomed, allow_graceful=False)
+            table = future.result(timeout=300)
+    finally:
+        ray.shutdown()
+        cluster.shutdown()
+    names = Counter(json.loads(line)["run"] for line in (tmp_path / "ray" / "rows.jsonl").read_text().splitlines())
+    assert set(names.values()) == {1}
+    hashes = {row["run"]: row["hash"] for row in study.run(tmp_path / "inline", workers=0)}
+    assert {row["run"]: row["hash"] for row in table} == hashes
