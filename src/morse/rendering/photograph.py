@@ -27,6 +27,7 @@ def photograph(
     location: Sequence[float] | None = None,
     rotation: Sequence[float] | None = None,
     focal_length: float | None = None,
+    renderer: Renderer | None = None,
 ) -> NDArray[np.uint8]:
     """Render a world at its present state.
 
@@ -36,6 +37,7 @@ def photograph(
         location: of the camera, m; None for the initial viewpoint of the live view.
         rotation: Euler angles about X, Y, Z, rad: ``[0, 0, 0]`` looks straight down; None for that of the live view.
         focal_length: mm, for a sensor 32 mm wide; None for that of the live view.
+        renderer: renderer of this world from an earlier call, which has read the meshes and the textures.
 
     Returns:
         (height, width, 3) uint8, red, green and blue.
@@ -48,7 +50,7 @@ def photograph(
     lens = Lens.of_focal_length(width, height, focal, view.camera_clip[0], _FAR)
     place = view.camera_location if location is None else location
     orientation = view.camera_rotation if rotation is None else rotation
-    renderer = Renderer(world)
+    renderer = renderer or Renderer(world)
     request = renderer.request(Viewpoint.turned(place, orientation), lens)
     renderer.serve([request])
     assert request.picture is not None

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from morse.physics import World
+    from morse.rendering import Renderer
 
 
 class Showing:
@@ -13,6 +14,8 @@ class Showing:
 
     world: World
     view: Any
+    #: what `picture` has read of the world
+    _renderer: Renderer | None = None
 
     def _check_open(self) -> None:
         raise NotImplementedError
@@ -49,6 +52,8 @@ class Showing:
             RuntimeError: the simulation is closed.
         """
         self._check_open()
-        from morse.rendering import photograph
+        from morse.rendering import Renderer, photograph
 
-        return photograph(self.world, width, height, **view)
+        if self._renderer is None:
+            self._renderer = Renderer(self.world)
+        return photograph(self.world, width, height, **view, renderer=self._renderer)
