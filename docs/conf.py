@@ -14,7 +14,7 @@ author = "The MORSE developers"
 copyright = "2026, The MORSE developers"
 extensions = ["myst_parser", "component_library", "tour"]
 exclude_patterns = ["_build", "measured"]
-myst_enable_extensions = ["deflist", "fieldlist"]
+myst_enable_extensions = ["attrs_inline", "deflist", "fieldlist"]
 myst_heading_anchors = 3
 # links to source files are for readers of the repository
 suppress_warnings = ["myst.xref_missing"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from component_library import component_pages, robot_pages
+from component_library import component_pages, pictures, robot_pages
 from component_library.markdown import page, section, table
 
 if TYPE_CHECKING:
@@ -44,9 +44,14 @@ def _names(kind: str) -> list[str]:
 def _list(kind: str, folder: str) -> str:
     if kind == "robots":
         return table(
-            ["robot", "what it is", "moved by"],
+            ["", "robot", "what it is", "moved by"],
             (
-                [_link(folder, name), robot_pages.short_description(cls), robot_pages.moved_by(cls)]
+                [
+                    pictures.thumbnail(name, "../" if folder else "../../"),
+                    _link(folder, name),
+                    robot_pages.short_description(cls),
+                    robot_pages.moved_by(cls),
+                ]
                 for name, cls in robot_pages.robot_classes().items()
             ),
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from component_library import pictures
 from component_library.markdown import block, code, page, section, table
 from component_library.sizes import extent
 from morse.assets import find, load, search
@@ -30,7 +31,7 @@ env = Environment('empty')
 def pages() -> dict[str, str]:
     """Name of a page, below the folder of the library, to its text."""
     environments = (
-        section(name, _objects(_library(name, "environments"), "environment"), depth=3)
+        section(name, pictures.of_world(name), _objects(_library(name, "environments"), "environment"), depth=3)
         for name in _models("environments")
     )
     props = (section(f"props/{name}", _objects(_library(name, "props"), "prop"), depth=3) for name in _models("props"))

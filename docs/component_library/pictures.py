@@ -14,6 +14,21 @@ _KINDS = {
 }
 
 
+WORLDS = FOLDER.parent / "worlds"
+
+
+def of_world(name: str) -> str:
+    """The picture of a world; ``python docs/pictures/worlds.py`` creates them all."""
+    file = f"{name.replace('/', '-')}.webp"
+    return f"![The world {name}](../pictures/worlds/{file})\n" if (WORLDS / file).is_file() else ""
+
+
+def thumbnail(name: str, folders: str) -> str:
+    """A small picture of a component, for a table; empty if there is none."""
+    file = f"{name.lower()}.webp"
+    return f"![{name}]({folders}pictures/library/{file}){{width=130px}}" if (FOLDER / file).is_file() else ""
+
+
 def of(name: str) -> str:
     """The existing pictures of a component."""
     found = [(f"{name.lower()}{ending}", what) for ending, what in _KINDS.items()]

@@ -270,12 +270,12 @@ def tour(journey: Journey) -> None:
     page_file = journey.person.folder / "run.html"
     write_page(page_file)
     frames = []
-    with Studio(1000, 600) as studio:
-        studio.watch(page_file.as_uri())
+    with Studio(880, 540) as studio:
+        studio.watch(page_file.as_uri(), quality="low")  # smaller than a still
         studio.page.evaluate("morse.connection.send({ type: 'pause' })")
         for number in range(30):
             studio.page.evaluate(f"morse.connection.send({{ type: 'rewind', time: {1.0 + 0.4 * number} }})")
-            frames.append(studio.shot().resize((800, 480), Image.Resampling.LANCZOS))
+            frames.append(studio.shot().resize((720, 442), Image.Resampling.LANCZOS))
     save("tour", frames, 200, limit=900_000)
 
 

@@ -55,9 +55,9 @@ class Studio:
         self._browser.close()
         self._playwright.stop()
 
-    def watch(self, url: str) -> None:
+    def watch(self, url: str, quality: str = "high") -> None:
         """Open the live view, and wait until the world is loaded."""
-        self.page.goto(f"{url}?quality=high")
+        self.page.goto(f"{url}?quality={quality}")
         self._until("window.morse?.world.value && window.morse?.poses.value", "the world")
 
     def hide_tree(self) -> None:

@@ -24,8 +24,8 @@ camera.frequency(10)
 robot.append(camera)
 
 env = Environment("sandbox")
-env.set_camera_location([-4.6, -5.4, 3.4])
-env.set_camera_rotation([1.12, 0.0, -0.8])
+env.set_camera_location([-5.2, -6.0, 3.9])
+env.set_camera_rotation([1.0, 0.0, -0.8])
 env.set_camera_focal_length(26)
 env.show(
     rays=[laser],

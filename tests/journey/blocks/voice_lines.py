@@ -1,3 +1,3 @@
 voice = Sound()
-voice.open('ranger_sim/data/ranger_sim/beep.wav')
+voice.open('ranger_sim/beep.wav')
 robot.append(voice)
