@@ -255,3 +255,22 @@ def test_the_same_messages_in_the_same_ticks_give_the_same_flight(station: Calla
         return track
 
     assert flight() == flight()
+
+
+def test_a_ground_station_finds_the_gimbal_and_turns_it(station: Callable[..., Any]) -> None:
+    ground = station(
+        "robot = ATRV(); head = PTU(); robot.append(head)\nangles = PTUPosture('angles'); head.append(angles)\n"
+        "robot.add_default_interface('mavlink')"
+    )
+    assert ground.command(512, 280.0) == ACCEPTED
+    assert ground.command(512, 283.0) == ACCEPTED
+    device = ground.seen[1, "GIMBAL_DEVICE_INFORMATION"].gimbal_device_id
+    assert ground.seen[1, "GIMBAL_MANAGER_INFORMATION"].gimbal_device_id == device
+    assert ground.last("GIMBAL_MANAGER_STATUS").gimbal_device_id == device
+    assert ground.command(1000, -10.0, 20.0, NAN, NAN) == ACCEPTED  # pitch and yaw, degrees
+    head = ground.sim.context.components["robot.head"].local_data
+    # upward and to the right are negative in MORSE
+    ground.until(lambda: head["tilt"] == pytest.approx(math.radians(10.0)))
+    assert head["pan"] == pytest.approx(math.radians(-20.0))
+    assert ground.last("GIMBAL_DEVICE_ATTITUDE_STATUS").gimbal_device_id == device
+    assert ground.command(1000, math.inf, 0.0) == UNSUPPORTED

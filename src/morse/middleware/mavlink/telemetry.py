@@ -33,6 +33,8 @@ _DOWN = 25
 _BINS = 72
 #: sizes of NAMED_VALUE_FLOAT and DEBUG_FLOAT_ARRAY
 _LETTERS, _MOST_VALUES = 10, 58
+#: id of the gimbal, for one that is a part of the autopilot
+_GIMBAL = 1
 #: GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME
 _IN_VEHICLE = 32
 PAN_TILT = ("pan", "tilt")
@@ -192,7 +194,19 @@ class Telemetry:
             # positive is to the left and downward; in MAVLink to the right and upward
             w, x, y, z = quaternion_of(0.0, -tilt, -pan)
             stream.vehicle.measure(
-                "gimbal_device_attitude_status", 0, 0, boot_ms(m.stamp), _IN_VEHICLE, [w, x, y, z], _NAN, _NAN, _NAN, 0
+                "gimbal_device_attitude_status",
+                0,
+                0,
+                boot_ms(m.stamp),
+                _IN_VEHICLE,
+                [w, x, y, z],
+                _NAN,
+                _NAN,
+                _NAN,
+                0,
+                _NAN,
+                _NAN,
+                _GIMBAL,
             )
         elif radii is not None and m.position is not None:
             metres = [float(angle) * radius for angle, radius in zip(m.position, radii, strict=True)][:_MOST_WHEELS]

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from morse.middleware.mavlink.stream import MavlinkStream
     from morse.middleware.mavlink.vehicle import Vehicle
 
-_INFORMATION, _STATUS = 280, 281
+_INFORMATION, _STATUS, _DEVICE_INFORMATION = 280, 281, 283
+_SECOND = 10**9
 #: GIMBAL_MANAGER_CAP_FLAGS: tilts, pans, and its pan follows the vehicle
 _CAN = 8 | 16 | 32 | 256 | 512
 #: the first of the ids for gimbals that are a part of the autopilot
@@ -54,17 +55,22 @@ class Gimbal:
 
     def request(self, number: float) -> bool:
         """Send the message of a number; False if it is not one of a gimbal."""
-        if number not in (_INFORMATION, _STATUS) or not self.is_there:
+        if number not in (_INFORMATION, _STATUS, _DEVICE_INFORMATION) or not self.is_there:
             return False
         stamp = boot_ms(self._stamp)
+        quarter = math.pi / 2.0
+        limits = (0.0, 0.0, -quarter, quarter, -math.pi, math.pi)
         if number == _INFORMATION:
-            quarter = math.pi / 2.0
-            limits = (0.0, 0.0, -quarter, quarter, -math.pi, math.pi)
             self._vehicle.send("gimbal_manager_information", stamp, _CAN, _DEVICE, *limits)
+        elif number == _DEVICE_INFORMATION:
+            names = (b"MORSE", b"pan-tilt unit", b"")
+            self._vehicle.send("gimbal_device_information", stamp, *names, 0, 0, 0, _CAN, 0, *limits, _DEVICE)
         else:
             self._vehicle.send("gimbal_manager_status", stamp, _IN_VEHICLE, _DEVICE, 0, 0, 0, 0)
         return True
 
     def tick(self, stamp: int) -> None:
-        """Note the simulated time, ns."""
+        """Send the status once in a second of simulated time, ns."""
+        if stamp // _SECOND != self._stamp // _SECOND:
+            self.request(_STATUS)
         self._stamp = stamp
