@@ -396,6 +396,23 @@ def test_wrong_numbers_are_named_and_the_rest_is_loaded(tmp_path) -> None:
         assert part in text
 
 
+def test_what_is_left_out_is_one_line_for_each_kind(tmp_path) -> None:
+    library = load(
+        world(
+            tmp_path,
+            """<wind/><state world_name="w"/><plugin name="gz::sim::systems::Physics" filename="p"/>
+      <plugin name="Weather" filename="libweather.so"/><model name="m"><link name="a"><projector name="p"/>
+      <projector name="q"/></link><link name="b"/><joint name="j" type="fixed"><parent>a</parent><child>b</child>
+      <sensor name="ft" type="force_torque"/></joint></model>""",
+        )
+    )
+    assert library.warnings == [
+        "elements of world.sdf that MORSE does not have are left out: 2 <projector>, 1 <state>, 1 <wind>",
+        "sensors that MORSE does not have are left out: 'ft' (force_torque)",
+        "plugins of the world are left out: Weather",
+    ]
+
+
 def test_files_outside_of_the_model_are_not_read(tmp_path) -> None:
     (tmp_path / "secret.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     folder = model(

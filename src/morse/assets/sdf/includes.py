@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,6 +26,11 @@ if TYPE_CHECKING:
 _DEEPEST, _MOST_INCLUDES = 20, 2000
 #: links, joints, frames, shapes and sensors, those of each use of an included model counted
 _MOST_PARTS = 20_000
+#: elements with an effect in Gazebo
+_LEFT_OUT = (
+    "particle_emitter", "projector", "audio_source", "audio_sink", "battery", "gripper", "population", "road", "state",
+    "fluid_added_mass", "wind",
+)  # fmt: skip
 _COUNTED = ("link", "joint", "frame", "visual", "collision", "sensor", "model", "light", "plugin", "waypoint")
 
 
@@ -55,7 +61,11 @@ class Includes:
         """
         if path not in self._roots:
             self._roots[path] = read_root(path)
-            self._sizes[path] = sum(1 for element in self._roots[path].iter() if element.tag in _COUNTED)
+            tags = Counter(element.tag for element in self._roots[path].iter() if isinstance(element.tag, str))
+            self._sizes[path] = sum(tags[tag] for tag in _COUNTED)
+            left_out = [f"{tags[tag]} <{tag}>" for tag in _LEFT_OUT if tags[tag]]
+            if left_out:
+                self.warn(f"elements of {path.name} that MORSE does not have are left out: {', '.join(left_out)}")
         self._parts += self._sizes[path]
         check_parts(self.path, self._parts, "links, joints, shapes and other parts", _MOST_PARTS)
         return self._roots[path]

@@ -52,11 +52,11 @@ class Plugins:
     def read(self, model: Scope, prefix: str = "") -> None:
         """Convert the plugins of a model and its nested models."""
         for element, _ in model.plugins:
-            word = f"{element.get('name') or ''} {element.get('filename') or ''}".lower()
+            word = _word(element)
             convert = next((method for key, method in _METHODS.items() if key in word), None)
             if convert is None:
                 if not any(usual in word for usual in _USUAL):
-                    self._unknown.append((element.get("name") or element.get("filename") or "?")[:60])
+                    self._unknown.append(_name(element))
                 continue
             try:
                 convert(self, element, prefix)
@@ -68,6 +68,13 @@ class Plugins:
             self._warn(
                 f"plugins that MORSE does not have are left out: {', '.join(dict.fromkeys(self._unknown))[:400]}"
             )
+
+    def read_world(self, world: Scope) -> None:
+        """Name the plugins of a world that are left out; its models have their own."""
+        words = [(element, _word(element)) for element, _ in world.plugins]
+        names = [_name(element) for element, word in words if not any(usual in word for usual in _USUAL)]
+        if names:
+            self._warn(f"plugins of the world are left out: {', '.join(dict.fromkeys(names))[:400]}")
 
     # -- parts -------------------------------------------------------------------------------
 
@@ -193,6 +200,14 @@ class Plugins:
         del element, prefix
         if not any(one.product == "Hydrodynamics" for one in self.actuators):
             self._add("water", "Hydrodynamics", {})
+
+
+def _word(element: Element) -> str:
+    return f"{element.get('name') or ''} {element.get('filename') or ''}".lower()
+
+
+def _name(element: Element) -> str:
+    return (element.get("name") or element.get("filename") or "?")[:60]
 
 
 def _speed_limits(element: Element) -> _Properties:

@@ -126,7 +126,7 @@ class Models:
             joint.parent, joint.child = f"{prefix}{joint.parent}", f"{prefix}{joint.child}"
             if is_static:
                 joint.kind, joint.mimic = "fixed", None
-        sensors, remarks = self._sensors(links, prefix)
+        sensors, remarks = self._sensors(links, joints, prefix)
         for remark in remarks:
             self._warn(remark)
         return Document(
@@ -171,7 +171,9 @@ class Models:
                 self._warn(f"the light '{(light.get('name') or '')[:80]}' is left out: {error}")
         return result
 
-    def _sensors(self, links: dict[str, FlatLink], prefix: str) -> tuple[list[DeclaredSensor], list[str]]:
+    def _sensors(
+        self, links: dict[str, FlatLink], joints: list[FlatJoint], prefix: str
+    ) -> tuple[list[DeclaredSensor], list[str]]:
         wrong: list[str] = []
 
         def elements() -> Iterator[tuple[Element, str]]:
@@ -181,6 +183,9 @@ class Models:
                         yield _in_link(element, link), f"{prefix}{link.name}"
                     except ValueMistakeError as error:
                         wrong.append(f"the sensor '{element.get('name', '')[:60]}' is left out: {error}")
+
+            for joint in joints:
+                yield from ((element, f"{prefix}{joint.child}") for element in joint.element.findall("sensor"))
 
         sensors, remarks = declared_sensors(elements(), {f"{prefix}{name}" for name in links})
         return sensors, [*wrong, *remarks]

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from morse.assets.sdf.actors import add_actors
+from morse.assets.sdf.plugins import Plugins
 from morse.assets.sdf.values import ValueMistakeError, boolean, number, text_of, vector
 from morse.mathutils import Vector
 from morse.mathutils.light import linear_light
@@ -36,6 +37,7 @@ def add_world(library: Library, scope: Scope, element: Element, includes: Includ
         includes.warn(f"joints between the models of the world are left out: {', '.join(scope.joints)[:200]}")
     if element.tag != "world":
         return
+    Plugins({}, [], "", includes.warn).read_world(scope)
     for add in (_add_gravity, _add_place, _add_sky):
         try:
             add(library, element, includes)
