@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,11 +12,15 @@ from hypothesis import strategies as st
 
 import morse
 from morse.builder import Environment, FakeRobot
+from morse.core.actuator import Actuator
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.streams.extent import MOST_ITEMS, MOST_NUMBERS, TooLarge, excess, listed
 from morse.helpers.components import add_data
 from morse.middleware.text.values import written
+from morse.robots.fakerobot import FakeRobot as FakeRobotClass
+from morse.viewer.feeds.values import ValuesFeed
+from morse.viewer.protocol import encode_json
 from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
@@ -114,6 +119,48 @@ def test_the_field_is_refused_and_the_others_are_published(
     (line,) = [one for one in caplog.messages if "'held'" in one and text in one]
     assert line.startswith("robot.boaster (Boaster)")
     assert len(line) < 300
+
+
+class Pusher(Actuator):
+    """Keeps them in its commands."""
+
+    add_data("speed", 0.0, "float", "A command")
+
+    def default_action(self) -> None:
+        self.local_data["held"] = Boaster.value()
+
+
+class Carrier(FakeRobotClass):
+    """Keeps them in its own data."""
+
+    def default_action(self) -> None:
+        super().default_action()
+        self.local_data["held"] = Boaster.value()
+
+
+@pytest.mark.parametrize("owner", ["carrier", "carrier.pusher"])
+@pytest.mark.parametrize("name", VALUES)
+def test_the_data_of_actuators_and_robots_have_limits_too(
+    name: str, owner: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def scene() -> None:
+        robot = Carrier("carrier")
+        robot.append(Pusher("pusher"))
+        Environment("empty", fastmode=True)
+
+    value, text = VALUES[name]
+    monkeypatch.setattr(Boaster, "value", staticmethod(value))
+    sent: list[Any] = []
+    server: Any = SimpleNamespace(wishes=SimpleNamespace(values={owner}), send=sent.append)
+    with morse.load(scene) as simulation:
+        simulation.step(3)
+        assert "held" not in simulation.context.component(owner).local_data
+        ValuesFeed(simulation.context, server).update()
+        assert encode_json(sent[0])
+        simulation.restore(simulation.save())
+        assert not simulation.context.failed
+    (line,) = [one for one in caplog.messages if one.startswith(f"{owner} (") and "'held'" in one]
+    assert text in line
 
 
 def test_a_million_fields_take_few_lines(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:

@@ -11,6 +11,7 @@ from morse.core.guard import modify, read
 from morse.core.journal import COMMAND
 from morse.core.object import Object
 from morse.core.rows.marks import lasting_fields
+from morse.core.streams.extent import check_fields
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -71,6 +72,8 @@ class Actuator(Object):
             if not self._active:  # a modifier has failed
                 return
         self.default_action()
+        if self._is_checked:
+            check_fields(self)
 
     def take_input(self) -> None:
         """Read the commands that have arrived, end a command whose time is over, and apply the modifiers."""

@@ -57,6 +57,13 @@ class Object(Requesting, AbstractObject):
     add_state("position_3d", Transformation3d, "Pose at the last action")
     add_state("initial_position_3d", Transformation3d, "Pose at the start")
 
+    #: whether the class is the user's, so that its data may have any size
+    _is_checked: ClassVar[bool] = False
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        cls._is_checked = not cls.__module__.startswith("morse.")
+
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """In a scene script, ``Sonar()`` and ``Sonar("name")`` return the builder object of the component."""
         if describing.describe is not None and (isinstance(args[0], str) if args else "obj" not in kwargs):
@@ -96,6 +103,7 @@ class Object(Requesting, AbstractObject):
 
     #: attributes that are not part of the state: they are created from the scene and do not change
     not_state: ClassVar[tuple[str, ...]] = (
+        "_counted",
         "bge_object",
         "robot_parent",
         "context",

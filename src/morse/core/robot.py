@@ -9,6 +9,7 @@ from morse.core.declarations import add_data, add_property, add_state
 from morse.core.object import Object
 from morse.core.parts.link_parts import link_parts
 from morse.core.services import service
+from morse.core.streams.extent import check_fields
 from morse.helpers.chain import Chain
 from morse.helpers.transformation import FollowingPose
 
@@ -97,6 +98,8 @@ class Robot(Object):
         if self._active:
             self.position_3d.update(self.bge_object)
             self.default_action()
+            if self._is_checked:
+                check_fields(self)
 
     def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
         """Drive the body during this tick.

@@ -52,16 +52,13 @@ class Sensor(Object):
     without_noise: ClassVar[tuple[str, ...]] = ()
     #: whether the class overrides `report`
     _reports: ClassVar[bool] = False
-    #: whether the class is the user's, so that its data may have any size
-    _is_checked: ClassVar[bool] = False
-    not_state: ClassVar[tuple[str, ...]] = ("_counted", "observed")
+    not_state: ClassVar[tuple[str, ...]] = ("observed",)
     #: what `observe` has returned at the time of a measurement that is computed later
     observed: Any = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
         cls._reports = cls.report is not Sensor.report
-        cls._is_checked = not cls.__module__.startswith("morse.")
         cls.acts_in_rows = is_on_read(cls)
 
     capturing: bool | None = None

@@ -7,9 +7,11 @@ the physics. The data, the states and the hashes are those of single ticks.
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from morse.core.guard import after_tick
+from morse.core.reports.faults import is_a
 from morse.core.rows.actuator_rows import ActuatorRows
 from morse.core.rows.sensor_rows import SensorRows
 
@@ -40,11 +42,11 @@ class Leaping:
         #: whether all components are rows, those that drive in each tick
         self.is_possible = True
         for entry in actuators:
-            drives = isinstance(entry, ActuatorRows) and entry.frequency >= frequency
+            drives = is_a(entry, ActuatorRows) and entry.frequency >= frequency
             self.is_possible &= drives and not any(member.requests for member in entry.members)
             self._drives.append(entry)
         for entry in sensors:
-            if isinstance(entry, SensorRows):
+            if is_a(entry, SensorRows):
                 self._scans.append(entry)
         self._known: dict[tuple[int, int, bool], tuple[int, list[tuple[SensorRows, int]]]] = {}
 
@@ -86,12 +88,14 @@ class Leaping:
         # backwards: how often is each measured after this tick?
         for number in range(most - 2, -1, -1):
             for entry in due[number]:
-                needed = not isinstance(entry, SensorRows) or later[id(entry)] < 1 + entry.remembers
+                needed = not is_a(entry, SensorRows) or later[id(entry)] < 1 + entry.remembers
                 full[number] |= needed
             for entry in due[number]:
                 later[id(entry)] = later.get(id(entry), 0) + 1
         count = full.index(True) + 1
-        skips = [(scan, sum(scan in entries for entries in due[: count - 1])) for scan in self._scans]
+        # by identity: a component may refuse to be compared
+        measuring = Counter(id(entry) for entries in due[: count - 1] for entry in entries)
+        skips = [(scan, measuring[id(scan)]) for scan in self._scans]
         return count, [(scan, number) for scan, number in skips if number]
 
     def run(self, ticks: int, observers: Sequence[Observer]) -> None:
