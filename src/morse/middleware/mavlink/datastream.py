@@ -215,7 +215,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
             components = [one for one in self.context.components.values() if one.robot_parent is vehicle.robot]
             vehicle.kind = self.options["vehicle"] or type_of(vehicle.robot, components)
             if vehicle.pilot is not None:
-                vehicle.helms = helms_of(vehicle, vehicle.pilot.flight.place)
+                vehicle.helms = helms_of(vehicle, vehicle.pilot.place)
 
     def _arrived(self, device: str, data: bytes) -> bool:
         """Pass a candidate for a message on; False if it is none."""

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import logging
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.clients.complaints import Complaints
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
-    from morse.middleware.mavlink.autopilot.helms import Helm
-    from morse.middleware.mavlink.autopilot.pilot import Autopilot
+    from morse.middleware.mavlink.autopilot.place import Place
     from morse.middleware.mavlink.links import Link
 
 logger = logging.getLogger(__name__)
@@ -35,6 +34,24 @@ _BITS = {
     "xacc": 0, "yacc": 1, "zacc": 2, "xgyro": 3, "ygyro": 4, "zgyro": 5, "xmag": 6, "ymag": 7, "zmag": 8,
     "abs_pressure": 9, "diff_pressure": 10, "pressure_alt": 11, "temperature": 12,
 }  # fmt: skip
+
+
+class Pilot(Protocol):
+    """What a vehicle and its link call; see `morse.middleware.mavlink.autopilot.pilot.Autopilot`."""
+
+    place: Place
+
+    def greet(self) -> None:
+        """Introduce the vehicle to a new peer."""
+
+    def report(self, stamp: int) -> None:
+        """Send the state of the vehicle at a time, ns."""
+
+    def steer(self, stamp: int) -> None:
+        """Steer the vehicle in a tick, whose time is in ns."""
+
+    def take(self, message: Any) -> bool:
+        """Answer a message; False if it is for the streams of the actuators."""
 
 
 class Vehicle:
@@ -61,8 +78,8 @@ class Vehicle:
         self._mav = dialect.MAVLink(None, srcSystem=system, srcComponent=_AUTOPILOT)
         self.robot: Any = None
         self.streams: list[Any] = []
-        self.helms: list[Helm] = []
-        self.pilot: Autopilot | None = None
+        self.helms: Sequence[Any] = ()
+        self.pilot: Pilot | None = None
         self.kind = 0
         self.autopilot = _INVALID if hil else _PX4
         self.battery = _NO_BATTERY

@@ -5,12 +5,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from morse.middleware.mavlink.autopilot import mission
-
 if TYPE_CHECKING:
     from morse.mathutils.rotations import Triple
     from morse.middleware.mavlink.autopilot.place import Place
 
+#: MAV_CMD
+WAYPOINT, LOITER, LOITER_TIME, RETURN, LAND, TAKEOFF = 16, 17, 19, 20, 21, 22
+DELAY, CONDITION_DELAY, CONDITION_YAW, JUMP, SPEED, HOME = 93, 112, 115, 177, 178, 179
+#: cameras and gimbals look where they look: these have no effect
+ROI, ROI_LOCATION, ROI_NONE, MOUNT, GIMBAL = 201, 195, 197, 205, 1000
+NOWHERE = (DELAY, CONDITION_DELAY, CONDITION_YAW, JUMP, SPEED, HOME, ROI, ROI_LOCATION, ROI_NONE, MOUNT, GIMBAL)
+PLACES = (WAYPOINT, LOITER, LOITER_TIME, LAND, TAKEOFF)
+SUPPORTED = (*PLACES, RETURN, *NOWHERE)
 #: frames: above the sea, above home, the last of which is above the terrain, and north-east-down from the origin
 _SEA, _HOME, _LOCAL, _NONE = (0, 5), (3, 6, 10, 11), (1,), 2
 #: MAV_MISSION_RESULT
@@ -45,13 +51,13 @@ def item_of(message: Any) -> Item | int:
     """Read MISSION_ITEM_INT or MISSION_ITEM; MAV_MISSION_RESULT if it is not valid or not supported."""
     params = (message.param1, message.param2, message.param3, message.param4)
     x, y = message.x, message.y
-    has_place = message.command in (*mission.PLACES, mission.HOME)
+    has_place = message.command in (*PLACES, HOME)
     if message.get_type() == "MISSION_ITEM":
         scale = 1e4 if message.frame in _LOCAL else 1e7
         if has_place and not (abs(x * scale) < 1 << 31 and abs(y * scale) < 1 << 31):
             return INVALID_Y if abs(x * scale) < 1 << 31 else INVALID_X
         x, y = (round(v * scale) if abs(v * scale) < 1 << 31 else 0 for v in (x, y))
-    if message.command not in mission.SUPPORTED:
+    if message.command not in SUPPORTED:
         return UNSUPPORTED
     if has_place:
         if message.frame not in (*_SEA, *_HOME, *_LOCAL):
@@ -63,7 +69,7 @@ def item_of(message: Any) -> Item | int:
     for number, value in enumerate(params):
         if math.isinf(value) or abs(value) > 1e9:
             return INVALID_PARAM[number]
-    if message.command == mission.JUMP and math.isnan(params[0] + params[1]):
+    if message.command == JUMP and math.isnan(params[0] + params[1]):
         return INVALID_PARAM[0]
     return Item(message.frame, message.command, message.autocontinue, params, x, y, message.z)
 

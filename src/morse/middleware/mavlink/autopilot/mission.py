@@ -5,6 +5,20 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
+from morse.middleware.mavlink.autopilot.items import (
+    CONDITION_DELAY,
+    CONDITION_YAW,
+    DELAY,
+    HOME,
+    JUMP,
+    LAND,
+    LOITER,
+    LOITER_TIME,
+    RETURN,
+    SPEED,
+    TAKEOFF,
+    WAYPOINT,
+)
 from morse.middleware.mavlink.autopilot.modes import Mode
 
 if TYPE_CHECKING:
@@ -13,14 +27,6 @@ if TYPE_CHECKING:
     from morse.middleware.mavlink.autopilot.flight import Flight
     from morse.middleware.mavlink.autopilot.items import Item
 
-#: MAV_CMD
-WAYPOINT, LOITER, LOITER_TIME, RETURN, LAND, TAKEOFF = 16, 17, 19, 20, 21, 22
-DELAY, CONDITION_DELAY, CONDITION_YAW, JUMP, SPEED, HOME = 93, 112, 115, 177, 178, 179
-#: cameras and gimbals look where they look: these have no effect
-ROI, ROI_LOCATION, ROI_NONE, MOUNT, GIMBAL = 201, 195, 197, 205, 1000
-NOWHERE = (DELAY, CONDITION_DELAY, CONDITION_YAW, JUMP, SPEED, HOME, ROI, ROI_LOCATION, ROI_NONE, MOUNT, GIMBAL)
-PLACES = (WAYPOINT, LOITER, LOITER_TIME, LAND, TAKEOFF)
-SUPPORTED = (*PLACES, RETURN, *NOWHERE)
 #: items without a destination that are executed in a tick: a mission of jumps must not hold up the simulation
 _IN_A_TICK = 20
 _NO_MISSION, _NOT_STARTED, _ACTIVE, _PAUSED, _COMPLETE = 1, 2, 3, 4, 5

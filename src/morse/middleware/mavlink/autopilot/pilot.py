@@ -29,12 +29,15 @@ class Autopilot:
 
     Args:
         vehicle: sends its messages.
-        place: its frame.
         context: of the simulation.
+
+    Attributes:
+        place: its frame.
     """
 
     def __init__(self, vehicle: Vehicle, place: Place, context: Context) -> None:
         self._vehicle = vehicle
+        self.place = place
         parameters = Parameters(vehicle)
         self.flight = Flight(vehicle, place, parameters, context)
         self._parameters = parameters
