@@ -88,7 +88,9 @@ class Task:
         """A function that builds a scene is no method, although it stands in a class."""
         super().__init_subclass__(**kwargs)
         scene = vars(cls).get("scene")
-        if inspect.isfunction(scene) and not inspect.signature(scene).parameters:
+        if inspect.isfunction(scene) and all(
+            parameter.default is not parameter.empty for parameter in inspect.signature(scene).parameters.values()
+        ):
             cls.scene = staticmethod(scene)
 
     def start(self, rows: Sequence[int], rngs: Sequence[np.random.Generator]) -> None:
