@@ -222,6 +222,16 @@ def test_fixed_models(tmp_path, how) -> None:
     assert list(nodes_of(library)["a"].world_matrix().translation) == pytest.approx([0, 0, 1])
 
 
+def test_a_link_with_the_name_of_the_world_is_the_world(tmp_path) -> None:
+    text = f"""<sdf version="1.6"><model name="world"><link name="a">{LINK}</link><link name="world"/>
+      <link name="b"><pose>0 0 1 0 0 0</pose>{LINK}</link>
+      <joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 1 0</xyz></axis></joint>
+      <joint name="w" type="fixed"><parent>world</parent><child>a</child></joint></model></sdf>"""
+    library = read(tmp_path, text)
+    assert library.roots[0].body.type is PhysicsType.STATIC
+    assert World(Scene(roots=library.roots)).model.njnt == 1
+
+
 SHAPES = {
     "<box><size>1 2 3</size></box>": (ShapeKind.BOX, (0.5, 1.0, 1.5)),
     "<sphere><radius>0.5</radius></sphere>": (ShapeKind.SPHERE, (0.5,)),

@@ -104,7 +104,8 @@ class Models:
         poses = {name: link.pose for name, link in links.items()} | {WORLD: Matrix.Identity(4)}
         tree = JointTree(self._path, poses, self._warn)
         is_static = all(link.is_static for link in links.values())
-        root = WORLD if any(WORLD in (joint.parent, joint.child) for joint in joints) else model.first_link()
+        is_tied = WORLD in links or any(WORLD in (joint.parent, joint.child) for joint in joints)
+        root = WORLD if is_tied else model.first_link()
         left = tree.grow(root, joints)
         for name in links:
             if name != root and not any(joint.child == name for joint in tree.joints):
@@ -116,7 +117,7 @@ class Models:
         tree.settle_mimics()
         self._moving += 0 if is_static else sum(joint.kind != "fixed" for joint in tree.joints)
         check_counts(self._path, len(links), self._moving)
-        names = ([WORLD] if root == WORLD else []) + list(links)
+        names = dict.fromkeys([*([WORLD] if root == WORLD else []), *links])
         # the link that carries the others comes first
         parts = {
             f"{prefix}{name}": self._link(links.get(name), f"{prefix}{name}", is_static=is_static) for name in names
