@@ -48,3 +48,13 @@ def test_a_planner_finds_the_way_round_a_wall(tmp_path: Path) -> None:
     # 7 m as the crow flies, across a wall of 4 m in the middle
     assert 7.5 < way < 14.0
     assert nearest > 0.3
+
+
+@pytest.mark.skipif(find_spec("cv2") is None, reason="there is no OpenCV: pip install opencv-python-headless")
+def test_opencv_docks_at_a_marker(tmp_path: Path) -> None:
+    distance, off = numbers(
+        "docking/dock_at_marker.py", r"docked ([\d.]+) m in front of the marker, (-?[\d.]+) degrees off", tmp_path
+    )
+    # it stops at the first picture from within 0.6 m, after at most 0.1 m/s * 0.2 s
+    assert distance == pytest.approx(0.6, abs=0.05)
+    assert abs(off) < 2.0
