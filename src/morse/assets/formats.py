@@ -25,6 +25,7 @@ _READERS = {
     ".sdf": "morse.assets.sdf:read_sdf",
     ".stl": "morse.assets.meshfiles:read_meshes",
     ".urdf": "morse.assets.urdf:read_urdf",
+    ".xacro": "morse.assets.urdf:read_urdf",
     ".world": "morse.assets.sdf:read_sdf",
     ".xml": "morse.assets.mjcf:read_mjcf",
 }

@@ -8,21 +8,28 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets.arguments import ARGUMENTS
 from morse.assets.formats import reader_of
 from morse.assets.triangle_limit import check_triangles
 from morse.system.regular_files import open_regular
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from morse.scene import Library, Node
 
 logger = logging.getLogger(__name__)
 
-#: from a path to (modification time, size) of the file and its content
-_cache: dict[Path, tuple[tuple[int, int], Library]] = {}
+#: from a path and arguments to (modification time, size) of the file and its content
+_cache: dict[tuple[Path, tuple[tuple[str, str], ...]], tuple[tuple[int, int], Library]] = {}
 
 
-def load(path: str | Path) -> Library:
+def load(path: str | Path, arguments: Mapping[str, str] | None = None) -> Library:
     """Read a model file, or return the cached content if the file has not changed.
+
+    Args:
+        path: the file.
+        arguments: of a file of xacro.
 
     The library is shared: take copies of its nodes (`instantiate`).
 
@@ -36,15 +43,20 @@ def load(path: str | Path) -> Library:
     with open_regular(path) as file:
         status = os.fstat(file.fileno())
     stamp = (status.st_mtime_ns, status.st_size)
-    cached = _cache.get(path)
+    key = path, tuple(sorted((arguments or {}).items()))
+    cached = _cache.get(key)
     if cached is not None and cached[0] == stamp:
         return cached[1]
-    library = reader(path)
+    token = ARGUMENTS.set(dict(arguments or {}))
+    try:
+        library = reader(path)
+    finally:
+        ARGUMENTS.reset(token)
     meshes = {id(node.mesh): node.mesh for root in library.roots for node in root.walk() if node.mesh is not None}
     check_triangles(path, (len(mesh.triangles) for mesh in meshes.values()))
     for warning in library.warnings:
         logger.warning("%s: %s", path.name, warning)
-    _cache[path] = (stamp, library)
+    _cache[key] = (stamp, library)
     return library
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,9 @@ _MARKS = ("package.xml", "model.config", "manifest.xml")
 _VARIABLES = ("ROS_PACKAGE_PATH", *search.MODEL_PATHS)
 #: files that mark the folder of a project whose models share meshes
 _PROJECT_MARKS = (".git", "pyproject.toml", "setup.py", "__init__.py")
+_NAME = re.compile(rb"<name[^>]*>([^<]+)</name>")
+#: maximum number of folders that are searched for packages, and size of the beginning of a ``package.xml``, bytes
+_MOST_FOLDERS, _MOST_BYTES = 1000, 1 << 16
 #: maximum number of folders above a model that are searched for its package
 _LEVELS = 4
 
@@ -70,6 +74,40 @@ def _find(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
     raise FileRefusedError(f"the file does not exist{hint}")
 
 
+def find_package(name: str, model: Path) -> Path:
+    """Return the folder of a package that a model refers to: by the name in its ``package.xml``, or of the folder.
+
+    Raises:
+        FileRefusedError: there is no such package.
+    """
+    for folder in _packages(name, model):
+        return folder
+    for candidate, _ in _candidates(f"package://{name}/.", model):
+        if candidate.is_dir():
+            return candidate
+    raise FileRefusedError(f"there is no package '{name:.60}'; add its folder to ROS_PACKAGE_PATH")
+
+
+def _packages(name: str, model: Path) -> Iterator[Path]:
+    """The folders whose ``package.xml`` has a name: above the model, beside these folders, and in listed folders."""
+    above = list(model.absolute().parents)[:_LEVELS]
+    for folder in [*above, *_listed()]:
+        if _name_of(folder) == name:
+            yield folder
+        if folder != Path(folder.anchor) and folder.is_dir():
+            yield from (one for one in sorted(folder.iterdir())[:_MOST_FOLDERS] if _name_of(one) == name)
+
+
+def _name_of(folder: Path) -> str | None:
+    """Return the name of a package, which may differ from that of its folder."""
+    try:
+        text = (folder / "package.xml").read_bytes()[:_MOST_BYTES]
+    except OSError:
+        return None
+    match = _NAME.search(text)
+    return match[1].decode("utf-8", "replace").strip() if match else None
+
+
 def _folders(model: Path) -> Iterator[Path]:
     """The folders whose files may all be read."""
     folder = model.absolute().parent
@@ -96,7 +134,8 @@ def _project(folder: Path) -> Iterator[Path]:
 
 
 def _listed() -> list[Path]:
-    return [Path(entry) for variable in _VARIABLES for entry in variables.paths(variable)]
+    folders = [Path(entry) for variable in _VARIABLES for entry in variables.paths(variable)]
+    return folders + [Path(entry) / "share" for entry in variables.paths("AMENT_PREFIX_PATH")]
 
 
 def _candidates(name: str, model: Path) -> Iterator[tuple[Path, tuple[Path, ...]]]:
@@ -116,6 +155,8 @@ def _candidates(name: str, model: Path) -> Iterator[tuple[Path, tuple[Path, ...]
     package, _, inside = rest.partition("/")
     if not package or package in (".", ".."):
         return
+    for folder in _packages(package, model):
+        yield folder / inside, (folder,)
     for folder in list(model.absolute().parents)[:_LEVELS]:
         if folder.name == package:
             yield folder / inside, (folder,)

@@ -133,6 +133,7 @@ class Camera(Sensor):
         high=1e3,
     )
     is_camera = True
+    add_property("on_demand", False, "on_demand", "bool", "Pictures are only taken while somebody reads them")
     add_property("capturing", True, "capturing", "bool", "Take pictures")
 
     add_state("_left", int, "Number of remaining images; negative for no limit")
@@ -157,6 +158,7 @@ class Camera(Sensor):
     screen_space_error: float
     vertical_flip: bool
     capturing: bool
+    on_demand: bool
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -246,7 +248,11 @@ class Camera(Sensor):
         # asked before each image
         self.request.screen_space_error = self.screen_space_error
         self.request.color = self.color or (self.watched and "image" not in self.local_data)
-        return self.capturing and self._left != 0
+        return self.capturing and self._left != 0 and self._is_wanted()
+
+    def _is_wanted(self) -> bool:
+        """Whether somebody reads the images, or they are taken anyway."""
+        return not self.on_demand or self.watched or bool(self.output_functions) or self._left > 0
 
     def watched_space(self) -> WatchedSpace | None:
         """Return None, because the field of view is not a cone around the X axis."""
@@ -287,7 +293,7 @@ class Camera(Sensor):
                 if self.on_completion is not None and self.running_service == "capture":
                     self.completed(SUCCESS)
             return False
-        if not self.capturing:
+        if not self.capturing or not self._is_wanted():
             return False
         if self.has_other_lens():
             self.drop_under_way()

@@ -53,7 +53,8 @@ def sensors_of(model: ModelData, links: Mapping[int, str]) -> tuple[list[Declare
         if sensor.kind == "camera":
             place = place @ _FROM_CAMERA
             # images are square
-            properties = (("cam_fov", min(max(sensor.values[0], 1.0), 179.0)),)
+            # most cameras of files are for other programs, and pictures cost more than the physics
+            properties = (("cam_fov", min(max(sensor.values[0], 1.0), 179.0)), ("on_demand", True))
         elif sensor.kind == "rangefinder":
             place = place @ _FROM_FINDER
             if math.isfinite(sensor.values[0]) and sensor.values[0] > 0.0:

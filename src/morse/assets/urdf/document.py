@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from morse.assets.errors import AssetError
 from morse.assets.inertial import inertial_of
 from morse.assets.triangle_limit import check_parts
+from morse.assets.urdf.expansion import read_expanded
 from morse.assets.urdf.sensors import sensors_of
-from morse.assets.xml_files import read_xml
 from morse.mathutils import Euler, Matrix
 from morse.scene import JointDynamics
 
@@ -246,7 +246,7 @@ class _Parser:
         if length < 1e-9 and kind not in ("fixed", "floating", "spherical"):
             raise self.fail(f"the joint '{name}' has an axis of length 0")
         limit, dynamics = element.find("limit"), element.find("dynamics")
-        (low,), (high,) = self.numbers(limit, "lower", (0.0,)), self.numbers(limit, "upper", (0.0,))
+        (low,), (high,) = (self.limit(limit, name) for name in ("lower", "upper"))
         if kind in LOOSE:
             low = high = 0.0
         elif kind == "continuous":
@@ -268,6 +268,15 @@ class _Parser:
         )
         return Joint(name, kind, parent, child, self.origin(element), axis, low, high, moves, self.mimic(element))
 
+    def limit(self, element: ElementTree.Element | None, name: str) -> tuple[float]:
+        """Return a limit of a joint; very large numbers, and infinity, stand for no limit."""
+        text = "" if element is None else element.get(name, "")
+        try:
+            number = float(text)
+        except ValueError:
+            return (self.numbers(element, name, (0.0,))[0],)
+        return (math.copysign(_ENDLESS, number) if abs(number) > _ENDLESS else number,)
+
     def mimic(self, element: ElementTree.Element) -> tuple[str, float, float] | None:
         mimic = element.find("mimic")
         if mimic is None:
@@ -284,10 +293,9 @@ def parse(path: Path) -> Document:
         OSError: it cannot be opened.
     """
     parser = _Parser(path)
-    robot = read_xml(path)
+    robot = read_expanded(path)
     if robot.tag != "robot":
-        hint = "; run it through xacro first" if path.suffix == ".xacro" else ""
-        raise parser.fail(f"it is not URDF: it begins with <{str(robot.tag)[:60]}>, expected <robot>{hint}")
+        raise parser.fail(f"it is not URDF: it begins with <{str(robot.tag)[:60]}>, expected <robot>")
     for tag in _COUNTED:
         check_parts(path, sum(1 for _ in robot.iter(tag)), f"elements <{tag}>")
     for material in robot.findall("material"):

@@ -13,7 +13,7 @@ from morse.core.exceptions import MorseBuilderNoComponentError
 from morse.scene import Choice
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from morse.scene import Library, Node, Role
 
@@ -27,6 +27,8 @@ class Models:
     _category: str
     _blendname: str
     _role: Role = "prop"
+    #: of a file of xacro
+    _arguments: Mapping[str, str] | None = None
 
     def _library(self, component: str | None = None) -> Library:
         """The content of a model file.
@@ -37,7 +39,7 @@ class Models:
         Raises:
             FileNotFoundError: there is no such model; the message lists the searched directories.
         """
-        return load(find(component or self._blendname, self._category))
+        return load(find(component or self._blendname, self._category), self._arguments)
 
     def append_meshes(
         self, objects: Iterable[str] | None = None, component: str | None = None, prefix: str | None = None

@@ -15,6 +15,8 @@ from morse.middleware import registry
 from morse.scene import Bounds, PhysicsType
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from morse.builder.abstractcomponent import AbstractComponent
     from morse.scene import ComponentDeclaration, Material, Node
 
@@ -31,6 +33,7 @@ class Robot(Component):
         blender_object_name: the object of the file that is the body; None for the object without a parent.
         sensors: whether the sensors that the file declares (URDF, SDF, MJCF), and the actuators that its plugins stand
             for, are created.
+        arguments: of a file of xacro.
         keyframe: name of the pose of an MJCF file in which the robot starts; empty for that of the bodies of the file.
 
     Attributes:
@@ -49,7 +52,10 @@ class Robot(Component):
         *,
         sensors: bool = True,
         keyframe: str = "",
+        arguments: Mapping[str, object] | None = None,
     ) -> None:
+        if arguments:
+            self._arguments = {str(name): str(value) for name, value in arguments.items()}
         super().__init__("robots", filename, blender_object_name, make_morseable=False)
         self.default_interfaces: list[str] = []
         self.is_external = False

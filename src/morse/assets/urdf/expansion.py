@@ -1,0 +1,78 @@
+"""URDF files with macros (xacro), and with substitutions such as ``$(optenv NAME default)``."""
+
+from __future__ import annotations
+
+import os
+import re
+from typing import TYPE_CHECKING
+
+from morse.assets.arguments import ARGUMENTS
+from morse.assets.errors import AssetError
+from morse.assets.nearby_files import FileRefusedError, find_package
+from morse.assets.xml_files import parse_xml, read_xml
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from xml.etree import ElementTree
+
+_SUBSTITUTION = re.compile(r"\$\((optenv|env|find|dirname)\s*([^)]*)\)")
+
+
+def read_expanded(path: Path) -> ElementTree.Element:
+    """Return the root element of a URDF file, without macros and substitutions.
+
+    Raises:
+        AssetError: it is not XML, or cannot be expanded.
+        OSError: it cannot be opened.
+    """
+    if path.suffix == ".xacro":
+        return parse_xml(_expanded(path), path)
+    root = read_xml(path)
+    for element in root.iter():
+        for name, value in element.attrib.items():
+            if "$(" in value:
+                element.set(name, _substituted(value, path))
+    return root
+
+
+def _substituted(value: str, path: Path) -> str:
+    def replace(match: re.Match[str]) -> str:
+        word, rest = match[1], match[2].split(maxsplit=1)
+        if word == "dirname":
+            return str(path.parent)
+        if not rest:
+            raise AssetError(path, f"'{match[0][:60]}' names nothing")
+        if word == "find":
+            return _package(rest[0], path)
+        default = rest[1] if len(rest) > 1 else ""
+        if word == "env" and rest[0] not in os.environ:
+            raise AssetError(path, f"the environment variable {rest[0]:.60} is not set")
+        return os.environ.get(rest[0], default)
+
+    return _SUBSTITUTION.sub(replace, value)
+
+
+def _package(name: str, path: Path) -> str:
+    try:
+        return str(find_package(name, path))
+    except FileRefusedError as error:
+        raise AssetError(path, f"$(find {name[:60]}): {error}") from None
+
+
+def _expanded(path: Path) -> bytes:
+    try:
+        import xacro
+        from xacro import substitution_args
+    except ImportError:
+        raise AssetError(path, "files of xacro need: pip install 'morse-simulator[xacro]'") from None
+    # without ROS, xacro cannot find packages
+    substitution_args._eval_find = lambda name: _package(name, path)
+    try:
+        document = xacro.process_file(str(path), mappings=dict(ARGUMENTS.get({})))
+    except AssetError:
+        raise
+    except Exception as error:  # the expressions of the file raise anything
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        raise AssetError(path, f"xacro cannot expand it: {reason:.300}") from None
+    expanded: bytes = document.toxml(encoding="utf-8")
+    return expanded

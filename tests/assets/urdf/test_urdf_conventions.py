@@ -1,0 +1,93 @@
+"""What URDF files of ROS packages contain besides links and joints: package names, substitutions, macros."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+import trimesh
+
+from morse.assets import load
+from morse.assets.errors import AssetError
+from morse.assets.urdf import read_urdf
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ROBOT = """<robot name="crane"><link name="base"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0"
+  ixz="0" iyz="0"/></inertial><visual><geometry><mesh filename="package://crane_description/meshes/box.stl"/></geometry></visual>
+  </link><link name="hook"/><joint name="turn" type="revolute"><parent link="base"/><child link="hook"/>
+  <origin rpy="$(optenv CRANE_TILT 0 0.5 0)"/><limit lower="-1e+16" upper="inf" effort="5" velocity="1"/>
+  </joint></robot>"""
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A clone of a package into a folder of another name."""
+    folder = tmp_path / "src" / "clone-of-crane"
+    (folder / "meshes").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name> crane_description </name></package>")
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(folder / "meshes" / "box.stl")
+    return folder
+
+
+def meshes(library) -> list[str]:
+    return [node.name for node in library.nodes() if node.mesh is not None]
+
+
+def test_a_package_has_the_name_in_its_package_xml(package: Path) -> None:
+    (package / "urdf").mkdir()
+    (package / "urdf" / "crane.urdf").write_text(ROBOT)
+    library = read_urdf(package / "urdf" / "crane.urdf")
+    assert meshes(library)
+    assert library.warnings == []
+
+
+@pytest.mark.parametrize("variable", ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"])
+def test_packages_elsewhere_are_listed_by_variables(tmp_path: Path, package: Path, monkeypatch, variable: str) -> None:
+    (tmp_path / "robots" / "deep" / "in" / "folders").mkdir(parents=True)
+    file = tmp_path / "robots" / "deep" / "in" / "folders" / "crane.urdf"
+    file.write_text(ROBOT.replace("crane_description", "other_description"))
+    assert not meshes(read_urdf(file))
+    (package / "package.xml").write_text("<package><name>other_description</name></package>")
+    listed = package.parent
+    if variable == "AMENT_PREFIX_PATH":
+        (tmp_path / "opt").mkdir()
+        package.parent.rename(tmp_path / "opt" / "share")
+        listed = tmp_path / "opt"
+    monkeypatch.setenv(variable, str(listed))
+    assert meshes(read_urdf(file))
+
+
+def test_limits_that_are_no_limits_and_substitutions(package: Path, monkeypatch) -> None:
+    file = package / "crane.urdf"
+    file.write_text(ROBOT)
+    monkeypatch.setenv("CRANE_TILT", "0 0 0.25")
+    (turn,) = read_urdf(file).roots[0].children[0].bones
+    assert not turn.dynamics.limited
+    assert turn.dynamics.effort == 5.0
+    file.write_text(ROBOT.replace("optenv CRANE_TILT 0 0.5 0", "env NO_SUCH_TILT"))
+    with pytest.raises(AssetError, match="the environment variable NO_SUCH_TILT is not set"):
+        read_urdf(file)
+
+
+XACRO = """<robot name="legs" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="count" default="2"/>
+<xacro:include filename="$(find crane_description)/leg.xacro"/><link name="base"/>
+<xacro:property name="length" value="${2*0.1}"/><xacro:leg name="a"/>
+<xacro:if value="${$(arg count) > 1}"><xacro:leg name="b"/></xacro:if></robot>"""
+LEG = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="leg" params="name"><link name="${name}"/>
+<joint name="hip_${name}" type="continuous"><parent link="base"/><child link="${name}"/><origin xyz="0 0 ${length}"/>
+</joint></xacro:macro></robot>"""
+
+
+def test_macros_are_expanded(package: Path) -> None:
+    pytest.importorskip("xacro")
+    (package / "leg.xacro").write_text(LEG)
+    file = package / "robot.urdf.xacro"
+    file.write_text(XACRO)
+    assert [bone.name for bone in load(file).roots[0].children[0].bones] == ["hip_a", "hip_b"]
+    bones = load(file, {"count": "1"}).roots[0].children[0].bones
+    assert [(bone.name, bone.position[2]) for bone in bones] == [("hip_a", pytest.approx(0.2))]
+    file.write_text(XACRO.replace("crane_description", "gone"))
+    with pytest.raises(AssetError, match="there is no package 'gone'"):
+        load(file)
