@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
@@ -11,12 +12,15 @@ from morse.core.reports.quoting import shown
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.scene import Node
+
 MAP = "map"
 #: frames of components that are world frames in ROS
 #: names of the frames that keep the axes of the world or of the earth
 OF_WORLD = {"world": MAP, "ned": "map_ned", "enu": "enu", "utm": "utm", "earth": "earth"}
 #: frames of REP 105
-_TAKEN = (MAP, "odom", "base_link")
+_BASE = "base_link"
+_TAKEN = (MAP, "odom", _BASE)
 _TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
 
@@ -58,6 +62,7 @@ class Names:
 
     def __init__(self, options: Mapping[str, Any]) -> None:
         self._namespace, self._prefix = options["namespace"], options["frame_prefix"]
+        self._roots: WeakKeyDictionary[Node, str] = WeakKeyDictionary()
         if self._namespace:
             checked_topic(self._namespace, "the option 'namespace'")
 
@@ -88,8 +93,12 @@ class Names:
         return f"{_part(robot.name())}/" if self._prefix is None else str(self._prefix)
 
     def base(self, robot: Any) -> str:
-        """The frame of a robot."""
-        return f"{self.prefix(robot)}base_link"
+        """The frame of a robot: ``base_link``, or the first link of its file if another link is called so."""
+        node = robot.bge_object.node
+        name = self._roots.get(node)
+        if name is None:
+            name = self._roots[node] = _root_link(node)
+        return f"{self.prefix(robot)}{_part(name)}"
 
     def odom(self, robot: Any) -> str:
         """The frame of the initial pose of a robot."""
@@ -136,3 +145,13 @@ def relative_name(component: Any) -> str:
     name: str = component.name()
     robot = component.robot_parent
     return name.removeprefix(f"{robot.name()}.") if robot is not None else name
+
+
+def _root_link(root: Node) -> str:
+    """The link of a robot that has the frame of the robot; by REP 120, the parent of base_link is base_footprint."""
+    for armature in root.children:
+        links = {child.source_name or child.name: child for child in armature.children if armature.bones}
+        base = links.get(_BASE)
+        if base is not None and base.bone:
+            return next((name for name, link in links.items() if not link.bone), _BASE)
+    return _BASE
