@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import mujoco
+import numpy as np
 
 from morse.kernel.loading import library
 from morse.physics.bodies import Bodies
@@ -51,7 +52,6 @@ from morse.scene import Control
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from morse.mathutils import Vector
@@ -292,7 +292,9 @@ class World(ObjectWorld):
             for joint in joints.values():
                 if joint.actuator >= 0:
                     holds = motors.control_of(self.model.actuator_biasprm[joint.actuator]) is Control.POSITION
-                    self.data.ctrl[joint.actuator] = joint.start if holds else 0.0
+                    number = int(self.model.dof_jntid[joint.dof])
+                    low, high = self.model.jnt_range[number] if self.model.jnt_limited[number] else (-np.inf, np.inf)
+                    self.data.ctrl[joint.actuator] = min(max(joint.start, low), high) if holds else 0.0
 
         for motor in self.file_motors:
             self.data.ctrl[motor.actuator] = motor.start

@@ -54,7 +54,11 @@ def plain_model(path: Path) -> mujoco.MjModel:
             if geom.type == mujoco.mjtGeom.mjGEOM_PLANE and abs(geom.pos[2]) < 1e-3
         ]
         if not floors:
-            spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
+            plain = mujoco.MjSpec().default.geom
+            plane = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
+            for name in ("friction", "solref", "solimp", "solmix", "margin", "gap", "condim", "priority", "contype"):
+                setattr(plane, name, getattr(plain, name))
+            plane.conaffinity = plain.conaffinity
         return spec.compile()
 
 

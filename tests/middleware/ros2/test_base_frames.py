@@ -31,6 +31,7 @@ def test_frames_are_a_tree(tmp_path: Path, layout: str) -> None:
     links = list(dict.fromkeys(link for one in joints for link in one[:2]))
     text = "".join([*(LINK.format(link) for link in links), *(JOINT.format(*one) for one in joints)])
     (tmp_path / "rover.urdf").write_text(f'<robot name="rover">{text}</robot>')
+    file = str(tmp_path / "rover.urdf")
     scene = f"from morse.builder import *\nrobot = Robot({file!r})\nenv = Environment('empty')\n"
     (tmp_path / "scene.py").write_text(scene)
     with morse.load(tmp_path / "scene.py") as sim:

@@ -25,8 +25,8 @@ _OF_SCENE = ("timestep", "gravity", "jacobian", "enableflags")
 #: largest number of iterations of a solver
 _MOST_ITERATIONS = 1000
 _USUAL_GRAVITY = 9.81
-#: depth of floors that stand for height 0, m
-_NEARLY_LEVEL = 1e-4
+#: depth of floors that stand for height 0, and their smallest half length, m
+_NEARLY_LEVEL, _WIDE = 1e-4, 5.0
 _FIELDS = (("friction", 3), ("solref", 2), ("solimp", 5), ("solmix", 1), ("margin", 1), ("gap", 1), ("condim", 1),
            ("priority", 1))  # fmt: skip
 
@@ -66,11 +66,12 @@ def set_options(spec: Any, part: Part) -> None:
 
 
 def level(geom: Any) -> None:
-    """Move the top of a floor that is a little below height 0, as in the worlds of MORSE 1.4, to height 0.
+    """Replace a wide floor at height 0, or a little below it as in the worlds of MORSE 1.4, by a plane at height 0.
 
-    Robots of files are compared with those in other programs, whose floors are there.
+    Robots of files are compared with those in other programs, whose floors are planes there.
     """
     if geom.type == mujoco.mjtGeom.mjGEOM_BOX and tuple(geom.quat) == (1.0, 0.0, 0.0, 0.0):
-        top = geom.pos[2] + geom.size[2]
-        if -_NEARLY_LEVEL <= top < 0.0:
-            geom.pos = [geom.pos[0], geom.pos[1], geom.pos[2] - top]
+        if -_NEARLY_LEVEL <= geom.pos[2] + geom.size[2] <= 1e-9 and min(geom.size[:2]) >= _WIDE:
+            geom.type = mujoco.mjtGeom.mjGEOM_PLANE
+            geom.pos = [geom.pos[0], geom.pos[1], 0.0]
+            geom.size = [geom.size[0], geom.size[1], 1.0]

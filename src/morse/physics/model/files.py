@@ -177,7 +177,7 @@ class Files:
             bodies = [body.id for body in part.bodies]
             mass = float(model.body_mass[bodies].sum())
             wanted = part.root.node.body.mass
-            if part.root.motion is Motion.FREE and mass and abs(wanted - mass) > 1e-9 * mass:
+            if mass and abs(wanted - mass) > 1e-9 * mass:
                 model.body_mass[bodies] *= wanted / mass
                 model.body_inertia[bodies] *= wanted / mass
                 is_changed = True
