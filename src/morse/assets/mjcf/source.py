@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _MOST_ELEMENTS, _MOST_FILES = 100_000, 200
 _MOST_MESH_BYTES = 512 << 20
 _LARGEST = 1e15
+#: attribute of the assets of included files: that file
+_ORIGIN = "included-from"
 #: top-level elements that do not describe the robot
 _LEFT_OUT = ("visual", "statistic", "custom", "size")
 #: elements that are not supported
@@ -106,6 +108,9 @@ class Source:
                 raise self._fail(f"{circle}: files include each other")
             content = self._read(included, ("mujocoinclude", "mujoco"))
             self._include(content, included, [*above, included])
+            for asset in content.iter():
+                if asset.tag in ("mesh", "hfield") and asset.get("file"):
+                    asset.attrib.setdefault(_ORIGIN, str(included))
             index = list(parent).index(child)
             parent.remove(child)
             for number, element in enumerate(content):
@@ -213,7 +218,7 @@ class Source:
         first: dict[tuple[tuple[str, str], ...], str] = {}
         for assets in root.iter("asset"):
             for mesh in list(assets.iter("mesh")):
-                file = mesh.get("file")
+                file, origin = mesh.get("file"), mesh.attrib.pop(_ORIGIN, None)
                 name = _asset_name(mesh)
                 if mesh.get("builtin") and max([0.0, *map(abs, _numbers(mesh.get("params", "")))]) > 64.0:
                     raise self._fail(f"the mesh '{name:.60}' has the parameters {mesh.get('params', '')[:60]!r}")
@@ -227,7 +232,7 @@ class Source:
                 first[content] = name
                 mesh.set("name", name)
                 try:
-                    mesh.set("file", self._content(file))
+                    mesh.set("file", self._content(file, origin))
                 except (FileRefusedError, OSError) as error:
                     self.warnings.append(f"the mesh '{file:.200}' is left out: {error}")
                     removed_meshes.add(name)
@@ -239,7 +244,7 @@ class Source:
         points = 0.0
         for assets in root.iter("asset"):
             for field in list(assets.iter("hfield")):
-                file = field.get("file")
+                file, origin = field.get("file"), field.attrib.pop(_ORIGIN, None)
                 name = _asset_name(field)
                 field.set("name", name)
                 source = f" ('{file:.200}')" if file else ""
@@ -252,34 +257,39 @@ class Source:
                     if points > MOST_POINTS:
                         raise FileRefusedError(f"all height fields together have more than {MOST_POINTS} points")
                     if file is not None:
-                        field.set("file", self._heights(file))
+                        field.set("file", self._heights(file, origin))
                 except (FileRefusedError, OSError) as error:
                     self.warnings.append(f"the hfield '{name:.200}'{source} is left out: {error}")
                     removed_heights.add(name)
                     assets.remove(field)
         _remove_shapes(root, "hfield", removed_heights)
 
-    def _heights(self, file: str) -> str:
-        content = read_regular(self._file(file), _MOST_MESH_BYTES)
+    def _heights(self, file: str, origin: str | None) -> str:
+        content = read_regular(self._file(file, origin), _MOST_MESH_BYTES)
         key = f"heights{len(self.meshes)}{suffix_of(content)}"
         self.meshes[key] = content
         return key
 
-    def _file(self, file: str) -> Path:
-        """Return the path of an asset."""
+    def _file(self, file: str, origin: str | None) -> Path:
+        """Return the path of an asset, relative to the model, or to the included file that names it."""
         name = f"{self._folder}/{file}" if self._folder and not file.startswith("/") else file
-        path = self._near(name, self.path)
+        try:
+            path = self._near(name, self.path)
+        except FileRefusedError:
+            if origin is None:
+                raise
+            path = self._near(name, Path(origin))
         self._bytes += path.stat().st_size
         if self._bytes > _MOST_MESH_BYTES:
             raise FileRefusedError(f"all meshes together are larger than {_MOST_MESH_BYTES >> 20} MB")
         return path
 
-    def _content(self, file: str) -> str:
+    def _content(self, file: str, origin: str | None) -> str:
         suffix = Path(file.replace("\\", "/")).suffix.lower()
         if suffix not in (".stl", ".obj", ".msh"):
             raise FileRefusedError(f"files of type '{suffix}' cannot be read; supported: .msh, .obj, .stl")
         key = f"mesh{len(self.meshes)}{suffix}"
-        self.meshes[key] = read_regular(self._file(file), _MOST_MESH_BYTES)
+        self.meshes[key] = read_regular(self._file(file, origin), _MOST_MESH_BYTES)
         return key
 
 

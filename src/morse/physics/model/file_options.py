@@ -70,8 +70,9 @@ def level(geom: Any) -> None:
 
     Robots of files are compared with those in other programs, whose floors are planes there.
     """
-    if geom.type == mujoco.mjtGeom.mjGEOM_BOX and tuple(geom.quat) == (1.0, 0.0, 0.0, 0.0):
-        if -_NEARLY_LEVEL <= geom.pos[2] + geom.size[2] <= 1e-9 and min(geom.size[:2]) >= _WIDE:
-            geom.type = mujoco.mjtGeom.mjGEOM_PLANE
-            geom.pos = [geom.pos[0], geom.pos[1], 0.0]
-            geom.size = [geom.size[0], geom.size[1], 1.0]
+    is_level = geom.type == mujoco.mjtGeom.mjGEOM_BOX and tuple(geom.quat) == (1.0, 0.0, 0.0, 0.0)
+    top = geom.pos[2] + geom.size[2]
+    if is_level and -_NEARLY_LEVEL <= top <= 1e-9 and min(geom.size[:2]) >= _WIDE:
+        geom.type = mujoco.mjtGeom.mjGEOM_PLANE
+        geom.pos = [geom.pos[0], geom.pos[1], 0.0]
+        geom.size = [geom.size[0], geom.size[1], 1.0]

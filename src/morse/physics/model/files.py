@@ -174,7 +174,9 @@ class Files:
             for geom in part.geoms:
                 if geom_node[geom.id] is None:
                     geom_node[geom.id] = part.root.node
-            bodies = [body.id for body in part.bodies]
+            # the first body of a fixed robot stands for the world, whose shapes have no mass in the file
+            first = 0 if part.root.motion is Motion.FREE else 1
+            bodies = [body.id for body in part.bodies[first:]]
             mass = float(model.body_mass[bodies].sum())
             wanted = part.root.node.body.mass
             if mass and abs(wanted - mass) > 1e-9 * mass:
