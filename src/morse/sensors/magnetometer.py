@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_property, add_state
-from morse.helpers.geodesy import GeodesyError, LocalPlane
+from morse.helpers.geodesy import LocalPlane
 from morse.helpers.magnetism import DEFAULT_YEAR, MODELS, MagneticField
 from morse.mathutils.rotations import turn_back
 
@@ -77,24 +77,16 @@ class Magnetometer(Sensor):
         "Name of the model; auto for the model of the date",
         choices=("auto", *MODELS),
     )
-    add_property("_is_optional", False, "optional", "bool", "Without a position on the earth, the sensor is off")
     add_kind("magnetic_field", field=("x", "y", "z"))
 
     add_state("_wanted", tuple, "Date and model of the field in use")
 
     _date: float | None
     _model: str
-    _is_optional: bool
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        try:
-            self._take_model()
-        except GeodesyError as error:
-            if not self._is_optional:
-                raise
-            self._active = False
-            self.context.complaints.warn(self.name(), f"{self.name()} is off: {error}")
+        self._take_model()
 
     def _take_model(self) -> None:
         self._wanted = (self._date, self._model)

@@ -53,9 +53,6 @@ def add_sensors(
             rotation = rotation @ Euler(MOUNTED).to_matrix()
         sensor.scene_node.location[:] = one.position
         sensor.scene_node.rotation_euler[:] = list(rotation.to_euler())
-        if one.product == "Magnetometer":
-            # the file cannot know where the scene is on the earth
-            sensor.properties(optional=True)
         if one.properties:
             sensor.properties(**dict(one.properties))
         if one.frequency is not None:
