@@ -273,10 +273,10 @@ def tour(journey: Journey) -> None:
     with Studio(880, 540) as studio:
         studio.watch(page_file.as_uri(), quality="low")  # smaller than a still
         studio.page.evaluate("morse.connection.send({ type: 'pause' })")
-        for number in range(30):
-            studio.page.evaluate(f"morse.connection.send({{ type: 'rewind', time: {1.0 + 0.4 * number} }})")
+        for number in range(20):
+            studio.page.evaluate(f"morse.connection.send({{ type: 'rewind', time: {1.0 + 0.6 * number} }})")
             frames.append(studio.shot().resize((720, 442), Image.Resampling.LANCZOS))
-    save("tour", frames, 200, limit=900_000)
+    save("tour", frames, 250, limit=900_000)
 
 
 PICTURES = {

@@ -55,7 +55,7 @@ def test_pictures_are_there_and_small():
     there = {path for folder in folders for path in folder.iterdir() if path.suffix in (".webp", ".png", ".svg")}
     assert used == there
     for path in there:
-        # the film of the front page has thirty frames
+        # the film of the front page has many frames
         assert path.stat().st_size < (900_000 if path.stem == "tour" else 250_000)
         if path.suffix != ".svg":
             with Image.open(path) as picture:
