@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.actuators.speed_command import SpeedCommand
-from morse.core.wheeled_robot import PhysicsDifferentialRobot
-from morse.helpers.components import add_property
+from morse.core.wheeled_robot import PhysicsDifferentialRobot, drives_wheels
+from morse.helpers.components import add_property, while_same
 from morse.helpers.joint_motors import JointMotors, joint_names
 from morse.scene import Control
 
@@ -42,6 +42,8 @@ class MotionVWDiff(SpeedCommand):
         high=100.0,
     )
 
+    turns_wheels = True
+
     _left: str
     _right: str
     _radius: float
@@ -61,6 +63,11 @@ class MotionVWDiff(SpeedCommand):
                 "wheels: properties(LeftWheels='left_wheel', RightWheels='right_wheel')"
             )
 
+    def may_wait(self) -> bool:
+        """Whether the wheels are no joints, and turn at the same speeds until the next command, without limits."""
+        return self._wheels is None and drives_wheels(self.robot_parent) and not self.is_limited()
+
+    @while_same("v", "w")
     def default_action(self) -> None:
         """Turn the wheels."""
         (v,), w = self.speeds()
