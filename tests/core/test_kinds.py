@@ -282,7 +282,7 @@ def test_geocentric_coordinates_have_no_kind():
 
 def test_the_covariance_follows_from_the_noise():
     component = made(Place)
-    component.realism = SimpleNamespace(deviations=lambda: {"x": 2e-3, "yaw": 1.0})
+    component.realism = SimpleNamespace(changes=lambda: {"x": {"stddev": 2e-3}, "yaw": {"stddev": 1.0}})
     covariance = bind(component)[0].gather().covariance
     assert covariance.shape == (6, 6)
     assert np.diag(covariance) == pytest.approx([4.0, 0, 0, 0, 0, math.radians(1.0) ** 2])

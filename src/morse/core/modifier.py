@@ -11,7 +11,7 @@ from morse.core.state.attributes import replace, state_of
 from morse.core.validation.options import checked_options
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from morse.core.declarations import Option
     from morse.core.object import Object
@@ -27,7 +27,10 @@ class AbstractModifier(ABC):
         kwargs: the options that the scene script gave to ``alter``.
         options: the declared options by name; None if the class declares none, so that all options are accepted.
         changes: changes of the declarations of fields, e.g. ``{"x": {"unit": "ft"}}``: ``unit``, ``frame``, ``low``,
-            ``high``, and ``stddev``, the standard deviation of the noise that the modifier adds.
+            ``high``, and the noise that the modifier adds: ``stddev``, the standard deviation of white noise, and
+            ``walk``, that of a random walk after one second. Both are numbers, or have one number for each axis.
+        covariances: for noise that depends on the measurements: functions by covariance slot that return the present
+            covariance, an array of the shape of the slot, or None.
 
     Raises:
         OptionError: an option is not declared, or its value is not valid.
@@ -35,8 +38,9 @@ class AbstractModifier(ABC):
 
     options: ClassVar[Mapping[str, Option] | None] = None
     changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({})
+    covariances: Mapping[str, Callable[[], Any]] = MappingProxyType({})
     #: attributes that are not part of the state: they are created from the scene
-    not_state: ClassVar[tuple[str, ...]] = ("component_instance", "kwargs", "_complaints")
+    not_state: ClassVar[tuple[str, ...]] = ("component_instance", "kwargs", "_complaints", "covariances")
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         self.component_instance = component_instance

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any
@@ -26,12 +27,14 @@ class Realism:
     Attributes:
         sensor: the sensor.
         phase: time of the first measurement after the start, s.
+        start: time of the first measurement, s.
         delay: time from a measurement until its data are published, s.
     """
 
     def __init__(self, sensor: Sensor, model: RealismModel) -> None:
         self.sensor = sensor
         self.phase, self.delay = model.phase, model.delay
+        self.start = sensor.clock.time + model.phase
         random = sensor.context.random
         fields: dict[str, NoiseModel] = {}
         for name, noise in model.noise.items():
@@ -51,9 +54,13 @@ class Realism:
         self._last: float | None = None
         self._waiting: deque[tuple[float, dict[str, Any]]] = deque()
 
-    def deviations(self) -> dict[str, float]:
-        """Return the standard deviation of the white noise of each field, in the unit of the field."""
-        return {name: noise.model.gaussian for name, noise in self._noises.items()}
+    def changes(self) -> dict[str, dict[str, float]]:
+        """Return the noise of each field like `AbstractModifier.changes`; an error of rounding is uniform."""
+        models = {name: noise.model for name, noise in self._noises.items()}
+        return {
+            name: {"stddev": math.hypot(model.gaussian, model.quantization / math.sqrt(12.0)), "walk": model.bias_walk}
+            for name, model in models.items()
+        }
 
     def act(self) -> None:
         """Do one measurement like `Sensor.action`, with errors and delay."""

@@ -33,6 +33,15 @@ class ErrorTerms(NamedTuple):
     random_walk: float
     correlation_time: float
 
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the bias with a correlation time, u."""
+        return self.instability / _GAUSS_MARKOV_PEAK
+
+    def deviations(self, frequency: float) -> dict[str, float]:
+        """Return the errors of measurements with a frequency, Hz, like `AbstractModifier.changes`."""
+        return {"stddev": math.hypot(self.density * math.sqrt(frequency), self.spread), "walk": self.random_walk}
+
 
 class InertialErrors:
     """Errors of three axes: white noise, a bias with a correlation time, and a bias with a random walk.
@@ -48,13 +57,9 @@ class InertialErrors:
     def __init__(self, random: np.random.Generator, terms: ErrorTerms) -> None:
         self._random = random
         self.terms = terms
-        start = self._spread
+        start = terms.spread
         self._bias = [start * float(x) for x in random.standard_normal(3)] if start else [0.0, 0.0, 0.0]
         self._walk = [0.0, 0.0, 0.0]
-
-    @property
-    def _spread(self) -> float:
-        return self.terms.instability / _GAUSS_MARKOV_PEAK
 
     def added(self, truth: Sequence[float], dt: float) -> list[float]:
         """Return the measured values, ``dt`` seconds after the last measurement."""
@@ -65,7 +70,7 @@ class InertialErrors:
         # a measurement is the mean over the time since the last measurement
         sigma = terms.density / math.sqrt(dt)
         keep = math.exp(-dt / terms.correlation_time)
-        push = self._spread * math.sqrt(1.0 - keep * keep)
+        push = terms.spread * math.sqrt(1.0 - keep * keep)
         stride = terms.random_walk * math.sqrt(dt)
         (x, y, z), (bias_x, bias_y, bias_z), (drift_x, drift_y, drift_z) = truth, self._bias, self._walk
         bias_x = keep * bias_x + push * wander_x

@@ -44,7 +44,7 @@ class IMUNoiseModifier(AbstractModifier):
             field: list(deviations(option, self.parameter(option, default=0.5), _AXES).values())
             for option, field in _FIELDS.items()
         }
-        self.changes = {field: {"stddev": max(axes)} for field, axes in self._deviations.items()}
+        self.changes = {field: {"stddev": axes} for field, axes in self._deviations.items()}
         self._random = component_instance.context.random(f"{component_instance.name()}/{type(self).__name__}")
 
     def modify(self) -> None:

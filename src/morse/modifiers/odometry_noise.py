@@ -15,9 +15,14 @@ from morse.core.services import service
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from numpy.typing import NDArray
+
     from morse.core.object import Object
 
 _FULL_TURN = 2.0 * math.pi
+#: the axes x, y and yaw of a covariance of six axes
+_PLANE = (0, 1, 5)
+_CERTAIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _LENGTHS = ("dS", "dx", "dy", "dz", "vx", "vy", "vz")
 
 
@@ -27,6 +32,9 @@ class OdometryNoiseModifier(AbstractModifier):
     Each measurement draws a factor from N(``factor``, ``factor_sigma``) and a drift from N(``gyro_drift``,
     ``gyro_drift_sigma``), in radians per measurement. Displacements and velocities are multiplied by the factor. The
     drift is added to the change of the heading. The integrated level reports the resulting path.
+
+    The covariance of the pose grows along the path as both standard deviations say, to first order; the mean errors
+    ``factor`` and ``gyro_drift`` are not part of it.
     """
 
     _names = ("OdometryNoise",)
@@ -47,6 +55,7 @@ class OdometryNoiseModifier(AbstractModifier):
     add_state("_true", tuple, "True x, y and yaw")
     add_state("_measured", tuple, "Measured x, y and yaw")
     add_state("_yaw_error", float, "Error of the yaw", unit="rad")
+    add_state("_spread", tuple, "Covariance of the measured path: xx, xy, x yaw, yy, y yaw, yaw yaw")
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         super().__init__(component_instance, kwargs)
@@ -59,12 +68,30 @@ class OdometryNoiseModifier(AbstractModifier):
         #: the path of the measurements: true and measured x, y and yaw
         self._true, self._measured = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         self._yaw_error = 0.0
+        self._spread = _CERTAIN
+        if self._factor_sigma or self._drift_sigma:
+            self.covariances = {"pose_covariance": self._of_pose, "twist_covariance": self._of_twist}
+
+    def _of_pose(self) -> NDArray[np.float64]:
+        xx, xy, xt, yy, yt, tt = self._spread
+        matrix = np.zeros((6, 6))
+        matrix[np.ix_(_PLANE, _PLANE)] = ((xx, xy, xt), (xy, yy, yt), (xt, yt, tt))
+        return matrix
+
+    def _of_twist(self) -> NDArray[np.float64]:
+        matrix = np.zeros((6, 6))
+        share = self._factor_sigma / self._factor if self._factor else 0.0
+        velocity = np.array([self.data["vx"], self.data["vy"], self.data["vz"]]) * share
+        matrix[:3, :3] = velocity[:, None] * velocity
+        matrix[5, 5] = (self._drift_sigma * self.component_instance.frequency) ** 2
+        return matrix
 
     @service
     def reset_noise(self) -> None:
         """Reset the accumulated errors."""
         self._yaw_error = 0.0
         self._measured = self._true
+        self._spread = _CERTAIN
 
     def modify(self) -> None:
         """Add the errors."""
@@ -91,5 +118,21 @@ class OdometryNoiseModifier(AbstractModifier):
         self._yaw_error = math.remainder(self._yaw_error + drift, _FULL_TURN)
         self._true = (x, y, yaw)
         measured_yaw = math.remainder(yaw + self._yaw_error, _FULL_TURN)
-        self._measured = (self._measured[0] + c * dx - s * dy, self._measured[1] + s * dx + c * dy, measured_yaw)
+        dx, dy = c * dx - s * dy, s * dx + c * dy
+        self._measured = (self._measured[0] + dx, self._measured[1] + dy, measured_yaw)
+        if self.covariances:
+            self._grow(dx, dy, self._factor_sigma / factor if factor else 0.0)
         data["x"], data["y"], data["yaw"] = self._measured
+
+    def _grow(self, dx: float, dy: float, share: float) -> None:
+        """Propagate the covariance of the path over a measured displacement whose length has a relative error."""
+        xx, xy, xt, yy, yt, tt = self._spread
+        ex, ey = share * dx, share * dy
+        self._spread = (
+            xx - 2.0 * dy * xt + dy * dy * tt + ex * ex,
+            xy + dx * xt - dy * yt - dx * dy * tt + ex * ey,
+            xt - dy * tt,
+            yy + 2.0 * dx * yt + dx * dx * tt + ey * ey,
+            yt + dx * tt,
+            tt + self._drift_sigma * self._drift_sigma,
+        )

@@ -9,11 +9,19 @@ import numpy as np
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.kinds import bind
 from morse.helpers.transformation import Transformation3d
+from morse.mathutils.rotations import turn
 from morse.rosmsgs.fields import field_outlet, unsaid
 from morse.rosmsgs.kinds import Ros2Topics
 from morse.rosmsgs.names import Names, relative_name, robot_of
-from morse.rosmsgs.parts import covariance, header, quaternion, three, xyz, xyzw
-from morse.rosmsgs.poses import OPTICAL_INVERSE, motion_of_robot, pose_of, product, quaternion_of
+from morse.rosmsgs.parts import covariance, floats, header, quaternion, three, xyz, xyzw
+from morse.rosmsgs.poses import (
+    OPTICAL_INVERSE,
+    covariance_of_robot,
+    motion_of_robot,
+    pose_of,
+    product,
+    quaternion_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -172,10 +180,22 @@ class ComponentMessages:
     def odometry_numbers(self, message: Message, mounting: Transformation3d | None = None) -> tuple[float, ...]:
         """The numbers of `odometry`."""
         pose, linear, angular = self.motion(message, mounting)
+        of_pose, of_twist = self._covariances(message, pose, mounting)
         return (
-            *three((pose.x, pose.y, pose.z)), *xyzw(quaternion_of(pose)), *_numbers(message.pose_covariance),
-            *three(linear), *three(angular), *_numbers(message.twist_covariance),
+            *three((pose.x, pose.y, pose.z)), *xyzw(quaternion_of(pose)), *_numbers(of_pose),
+            *three(linear), *three(angular), *_numbers(of_twist),
         )  # fmt: skip
+
+    def _covariances(self, message: Message, pose: Transformation3d, mounting: Transformation3d | None) -> Any:
+        """The covariances of pose and twist of the robot; None if they are unknown."""
+        if message.pose_covariance is None and message.twist_covariance is None:
+            return None, None
+        mounting = mounting or self.mounting()
+        arm, rotation = mounting.get_pose()[0], pose.get_pose()[1]
+        return (
+            covariance_of_robot(message.pose_covariance, mounting, turn(rotation, floats(arm))),
+            covariance_of_robot(message.twist_covariance, mounting, floats(arm)),
+        )
 
     def odometry(self, message: Message, frame: str, mounting: Transformation3d | None = None) -> dict[str, Any]:
         """``nav_msgs/Odometry`` of the robot, wherever the sensor is mounted.
@@ -186,16 +206,17 @@ class ComponentMessages:
             mounting: pose of the sensor on the robot; None for the present one.
         """
         pose, linear, angular = self.motion(message, mounting)
+        of_pose, of_twist = self._covariances(message, pose, mounting)
         return {
             "header": header(message, frame),
             "child_frame_id": self.child_frame_id(),
             "pose": {
                 "pose": {"position": xyz((pose.x, pose.y, pose.z)), "orientation": quaternion(quaternion_of(pose))},
-                "covariance": covariance(message.pose_covariance),
+                "covariance": covariance(of_pose),
             },
             "twist": {
                 "twist": {"linear": xyz(linear), "angular": xyz(angular)},
-                "covariance": covariance(message.twist_covariance),
+                "covariance": covariance(of_twist),
             },
         }
 

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils.rotations import cross, quaternion_from_rotation, rotation_from_quaternion, turn
 from morse.rosmsgs.parts import floats
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
 NO_DISPLACEMENT = Transformation3d()
 
@@ -26,6 +30,26 @@ class Motion(NamedTuple):
     pose: Transformation3d
     linear: Sequence[float]
     angular: Sequence[float]
+
+
+def covariance_of_robot(matrix: Any, mounting: Transformation3d, arm: Sequence[float]) -> NDArray[np.float64] | None:
+    """The covariance of the robot, from that of a sensor on it: the adjoint of its pose on the robot.
+
+    Args:
+        matrix: (6, 6) of translations and rotations along the axes of the sensor; None if it is unknown.
+        mounting: pose of the sensor on the robot.
+        arm: (3,) place of the sensor on the robot, m, in the axes of the result.
+    """
+    if matrix is None:
+        return None
+    turned = np.reshape(mounting.get_pose()[1], (3, 3))
+    x, y, z = arm
+    change = np.zeros((6, 6))
+    change[:3, :3] = change[3:, 3:] = turned
+    lever = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    change[:3, 3:] = np.einsum("ij,jk->ik", lever, turned)
+    result: NDArray[np.float64] = np.einsum("ij,jk,lk->il", change, matrix, change)
+    return result
 
 
 def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> Transformation3d:

@@ -158,11 +158,10 @@ class IMU(MotionSensor):
 
     @property
     def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
-        """Return the white noise of angular velocity and specific force."""
-        scale = math.sqrt(self.frequency)
+        """Return the errors of angular velocity and specific force."""
         return {
-            "angular_velocity": {"stddev": self._gyro_density * scale},
-            "linear_acceleration": {"stddev": self._accel_density * scale},
+            "angular_velocity": self._gyro_terms().deviations(self.frequency),
+            "linear_acceleration": self._accel_terms().deviations(self.frequency),
         }
 
     def measure(self) -> None:

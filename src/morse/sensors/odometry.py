@@ -85,7 +85,7 @@ class Odometry(Sensor):
         position=("x", "y", "z"),
         orientation=euler("roll", "pitch", "yaw"),
         linear=("vx", "vy", "vz"),
-        angular=computed(_body_rates),
+        angular=computed(_body_rates, axes=("wx", "wy", "wz")),
     )
 
     add_state("original_pos", Transformation3d, "Pose at the start, or where reset() was called")

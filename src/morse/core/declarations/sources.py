@@ -50,11 +50,13 @@ class Computed(NamedTuple):
             any thread.
         properties: names of attributes of the component, in Python.
         by_rows: whether the function also takes the data of many ticks, whose fields have a first axis of rows.
+        axes: for covariances: the fields whose noise is that of the axes of the slot.
     """
 
     function: Callable[..., Any]
     properties: tuple[str, ...] = ()
     by_rows: bool = False
+    axes: tuple[str, ...] = ()
 
 
 class Each(NamedTuple):
@@ -101,15 +103,18 @@ def scaled(field: str, factor: float) -> Scaled:
     return Scaled(field, factor)
 
 
-def computed(function: Callable[..., object], *properties: str, by_rows: bool = False) -> Computed:
+def computed(
+    function: Callable[..., object], *properties: str, by_rows: bool = False, axes: tuple[str, ...] = ()
+) -> Computed:
     """Return a source for a function of the data fields, which uses nothing else of the component.
 
     Args:
         function: takes the data fields by name, and the properties.
         properties: names of properties in Python, whose values are the other arguments.
         by_rows: whether the function also takes the data of many ticks, whose fields have a first axis of rows.
+        axes: for covariances: the fields whose noise is that of the axes of the slot.
     """
-    return Computed(function, properties, by_rows)
+    return Computed(function, properties, by_rows, axes)
 
 
 def each(attribute: str, among: str = "") -> Each:

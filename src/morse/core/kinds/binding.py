@@ -87,7 +87,8 @@ class BoundKind:
         self._turns = self._find_turns()
         self.is_picture = kind.name in PICTURES
         self.frame = next((_frame_in_message(slot, s) for slot, s in self._sources if slot.frame), "own")
-        self._covariances = covariances(component, self.kind, self._sources, fields)
+        self._covariances, changing = covariances(component, self.kind, self._sources, fields)
+        self._sources += changing
 
     def _find_turns(self) -> dict[str, tuple[str, str]]:
         """Find slots whose fields are in a different frame from the first slot with the same frame in the kind."""

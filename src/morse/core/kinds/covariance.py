@@ -2,74 +2,143 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.core.kinds.sources import Source
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from morse.core.declarations import DataField
     from morse.core.kinds.kind import Kind, Slot
-    from morse.core.kinds.sources import Source
+
+_NOTHING = (0.0, 0.0, 0.0)
+
+
+class Growing(Source):
+    """A covariance that depends on the time, or on the measurements of a modifier.
+
+    Args:
+        constant: the part of the white noise.
+        per_second: the part of a random walk after one second.
+        start: time of the first measurement, s.
+        functions: each returns a part at present, or None.
+    """
+
+    def __init__(
+        self, constant: Any, per_second: Any, start: float, functions: Sequence[Callable[[], NDArray[Any] | None]]
+    ) -> None:
+        self._constant, self._per_second, self._start, self._functions = constant, per_second, start, functions
+
+    def get(self, component: Any) -> Any:
+        """The covariance at the time of the measurement; None if no noise has had an effect."""
+        time = component.local_data.get("timestamp", self._start)
+        value = self._constant + self._per_second * max(0.0, time - self._start)
+        for function in self._functions:
+            part = function()
+            if part is not None:
+                value = value + part
+        return value if value.any() else None
+
+
+class _Spread(NamedTuple):
+    """Variances along the axes of a field, in the square of its unit.
+
+    Attributes:
+        white: of the white noise.
+        walk: of the random walk after one second.
+    """
+
+    white: tuple[float, ...] = _NOTHING
+    walk: tuple[float, ...] = _NOTHING
+
+
+_EXACT = _Spread()
 
 
 def covariances(
-    component: object, kind: Kind, sources: Iterable[tuple[Slot, Source]], fields: Mapping[str, DataField]
-) -> dict[str, Any]:
-    """Return the covariance slots that the component does not fill itself; an empty list if no noise is declared.
+    component: Any, kind: Kind, sources: Iterable[tuple[Slot, Source]], fields: Mapping[str, DataField]
+) -> tuple[dict[str, Any], list[tuple[Slot, Source]]]:
+    """Return the covariance slots that the component does not fill itself; none if no noise is declared.
 
-    The variance of each axis is the variance of the white noise of its field, in the unit of the slot. The fields are
-    uncorrelated. Euler angles are treated as small rotations about X, Y and Z.
+    The variance of each axis is the variance of the noise of its field, in the unit of the slot. The fields are
+    uncorrelated, unless a modifier has `AbstractModifier.covariances`. Euler angles are treated as small rotations
+    about X, Y and Z.
+
+    Returns:
+        The constant ones by name, and the sources of those that change.
     """
-    deviations = _deviations(component)
-    if not deviations:
-        return {}
-    by_name = {slot.name: (slot, source) for slot, source in sources}
-    result = {}
-    for slot in kind.slots.values():
-        if slot.covariance_of and slot.name not in by_name:
-            matrix = _matrix(slot, by_name, deviations, fields)
-            if matrix is not None:
-                result[slot.name] = matrix
-    return result
-
-
-def _deviations(component: Any) -> dict[str, float]:
-    """Standard deviation of the white noise of each field, in the unit of the field."""
+    spreads = _spreads(component)
+    modifiers = [getattr(modifier, "covariances", {}) for modifier in component.output_modifiers]
+    if not spreads and not any(modifiers):
+        return {}, []
     realism = getattr(component, "realism", None)
-    deviations = dict(realism.deviations()) if realism is not None else {}
-    modifiers = (getattr(modifier, "changes", {}) for modifier in component.output_modifiers)
-    for changes in (component.field_changes, *modifiers):
+    by_name = {slot.name: (slot, source) for slot, source in sources}
+    constant: dict[str, Any] = {}
+    changing: list[tuple[Slot, Source]] = []
+    for slot in kind.slots.values():
+        if not slot.covariance_of or slot.name in by_name:
+            continue
+        white, walk = (_matrix(slot, by_name, spreads, fields, part) for part in ("white", "walk"))
+        functions = [by_slot[slot.name] for by_slot in modifiers if slot.name in by_slot]
+        if walk.any() or functions:
+            changing.append((slot, Growing(white, walk, getattr(realism, "start", 0.0), functions)))
+        elif white.any():
+            white.flags.writeable = False
+            constant[slot.name] = white if slot.shape else float(white)
+    return constant, changing
+
+
+def _spreads(component: Any) -> dict[str, _Spread]:
+    realism = getattr(component, "realism", None)
+    declared = [realism.changes()] if realism is not None else []
+    declared += [component.field_changes]
+    declared += [getattr(modifier, "changes", {}) for modifier in component.output_modifiers]
+    spreads: dict[str, _Spread] = {}
+    for changes in declared:
         for name, change in changes.items():
-            if "stddev" in change:
-                deviations[name] = (deviations.get(name, 0.0) ** 2 + change["stddev"] ** 2) ** 0.5
-    return {name: deviation for name, deviation in deviations.items() if deviation > 0.0}
+            known = spreads.get(name, _EXACT)
+            parts = [_sum(a, change.get(key, 0.0)) for a, key in zip(known, ("stddev", "walk"), strict=True)]
+            if any(any(part) for part in parts):
+                spreads[name] = _Spread(*parts)
+    return spreads
+
+
+def _sum(variances: Sequence[float], deviation: float | Sequence[float]) -> tuple[float, ...]:
+    """Add the variances of a noise, given by one standard deviation, or one for each axis."""
+    axes = [deviation] * 3 if isinstance(deviation, (int, float)) else deviation
+    return tuple(variance + axis * axis for variance, axis in zip(variances, axes, strict=True))
 
 
 def _matrix(
     covariance: Slot,
     by_name: Mapping[str, tuple[Slot, Source]],
-    deviations: Mapping[str, float],
+    spreads: Mapping[str, _Spread],
     fields: Mapping[str, DataField],
+    part: str,
 ) -> Any:
     import numpy as np
-
-    from morse.core.units import conversion
 
     variances: list[float] = []
     for name in covariance.covariance_of:
         slot, source = by_name.get(name, (None, None))
-        if slot is None or source is None or not source.fields:
-            variances += [0.0, 0.0, 0.0]
-            continue
-        axes = source.fields if len(source.fields) == 3 else source.fields * 3
-        unit = slot.unit or "rad"
-        for field in axes:
-            deviation = 0.0 if field is None else deviations.get(field, 0.0)
-            if deviation and field is not None and fields[field].unit:
-                deviation *= conversion(fields[field].unit, unit)[0]
-            variances.append(deviation * deviation)
-    if not any(variances):
-        return None
-    matrix = np.diag(variances)
-    matrix.flags.writeable = False
-    return matrix
+        axes: tuple[str | None, ...] = source.axes if source is not None else ()
+        numbers = [(field, axis) for axis, field in enumerate(axes)]
+        if len(axes) == 1 and covariance.shape:
+            numbers = [(axes[0], axis) for axis in range(3)]
+        elif not axes:
+            numbers = [(None, axis) for axis in range(3 if covariance.shape else 1)]
+        for field, axis in numbers:
+            variance = 0.0 if field is None else getattr(spreads.get(field, _EXACT), part)[axis]
+            variances.append(variance * _factor(slot, field, fields) ** 2 if variance else 0.0)
+    return np.diag(variances) if covariance.shape else np.float64(variances[0])
+
+
+def _factor(slot: Slot | None, field: str | None, fields: Mapping[str, DataField]) -> float:
+    """The factor from the unit of a field to that of a slot."""
+    from morse.core.units import conversion
+
+    unit = fields[field].unit if field is not None else ""
+    return float(conversion(unit, slot.unit or "rad")[0]) if unit and slot is not None else 1.0

@@ -43,6 +43,11 @@ class Source:
         """Whether the source has a value at present."""
         return True
 
+    @property
+    def axes(self) -> tuple[str | None, ...]:
+        """The fields whose noise is that of the axes of the slot."""
+        return self.fields
+
     def get(self, component: object) -> Any:
         """The value, in the unit of the slot; None if there is no value at present."""
         raise NotImplementedError
@@ -120,9 +125,14 @@ class FromData(Source):
     """A function of the data; its frame is the frame of the field with the name of the slot, if there is one."""
 
     def __init__(self, source: Computed, frame: str) -> None:
-        self._function, self.properties, self._by_rows = source
+        self._function, self.properties, self._by_rows, self._axes = source
         self.frame = frame
         self.is_of_data = not self.properties
+
+    @property
+    def axes(self) -> tuple[str | None, ...]:
+        """See `Source.axes`."""
+        return self._axes
 
     def _call(self, data: object, component: object) -> Any:
         return self._function(data, *[getattr(component, name) for name in self.properties])

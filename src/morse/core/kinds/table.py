@@ -38,6 +38,10 @@ def _covariance(size: int, *of: str, name: str = "covariance") -> Slot:
     return Slot(name, (size, size), optional=True, covariance_of=of, doc=f"of {' and '.join(of)}, row-major")
 
 
+def _variance(unit: str, of: str) -> Slot:
+    return Slot("variance", (), unit=unit, optional=True, covariance_of=(of,), doc=f"of {of}")
+
+
 _POSITION = _three("position", "m", "world", moves=POINT)
 _LINEAR, _ANGULAR = _three("linear", "m/s", "own"), _three("angular", "rad/s", "own")
 
@@ -47,10 +51,13 @@ _ALL = (
           _covariance(6, "position", "orientation")),
     _kind("twist", "sc", "Linear and angular velocity.", _LINEAR, _ANGULAR, _covariance(6, "linear", "angular")),
     _kind("accel", "s", "Acceleration of the coordinates, without gravity.",
-          _three("linear", "m/s^2", "own"), _three("angular", "rad/s^2", "own", optional=True)),
+          _three("linear", "m/s^2", "own"), _three("angular", "rad/s^2", "own", optional=True),
+          _covariance(6, "linear", "angular")),
     _kind("attitude", "sc", "Orientation and angular velocity.",
           _quaternion("world"), _three("rates", "rad/s", "own", optional=True),
-          _maybe("thrust", "", "share of the largest thrust, 0..1")),
+          _maybe("thrust", "", "share of the largest thrust, 0..1"),
+          _covariance(3, "orientation", name="orientation_covariance"),
+          _covariance(3, "rates", name="rates_covariance")),
     _kind("odometry", "s", "Pose since the start, and velocity.",
           _three("position", "m", "start", moves=POINT), _quaternion("start", optional=False), _LINEAR, _ANGULAR,
           _covariance(6, "position", "orientation", name="pose_covariance"),
@@ -71,15 +78,16 @@ _ALL = (
           Slot("utc", (), "str", optional=True, doc="ISO 8601"),
           Slot("covariance", (3, 3), unit="m^2", frame="enu", optional=True)),
     _kind("pressure", "s", "Pressure of air or water.",
-          _maybe("absolute", "Pa"), _maybe("differential", "Pa"), _maybe("variance", "Pa^2")),
-    _kind("temperature", "s", "A temperature.", _number("temperature", "°C"), _maybe("variance", "K^2")),
+          _maybe("absolute", "Pa"), _maybe("differential", "Pa"),
+          _variance("Pa^2", "absolute")),
+    _kind("temperature", "s", "A temperature.", _number("temperature", "°C"), _variance("K^2", "temperature")),
     _kind("battery", "s", "Charge of a battery.",
           _number("charge", "1", "0..1"), _word("status", "", "unknown", "charging", "discharging", "full"),
           _maybe("voltage", "V"), _maybe("current", "A", "negative while it discharges"), _maybe("temperature", "°C")),
     _kind("range", "s", "Distance of the nearest object in a cone about the X axis.",
           _number("distance", "m", "+inf: too far, -inf: too near, NaN: invalid", dtype="float32"),
           _number("min", "m"), _number("max", "m"), _number("fov", "rad", "full angle of the cone"),
-          _word("radiation", "kind of radiation", "infrared", "ultrasound", "radar"), _maybe("variance", "m^2")),
+          _word("radiation", "kind of radiation", "infrared", "ultrasound", "radar"), _variance("m^2", "distance")),
     _kind("scan", "s", "Distances in one plane, counter-clockwise about the Z axis.",
           Slot("ranges", (None,), "float32", "m", doc="+inf: too far, -inf: too near, NaN: invalid"),
           Slot("intensities", (None,), "float32", optional=True),

@@ -89,7 +89,10 @@ class SpatialKinds(TopicTable):
         return [
             Outlet(
                 "geometry_msgs/msg/AccelWithCovarianceStamped",
-                lambda m, f: {"header": header(m, f), "accel": {"accel": _twist(m)}},
+                lambda m, f: {
+                    "header": header(m, f),
+                    "accel": {"accel": _twist(m), "covariance": covariance(m.covariance)},
+                },
                 by_rows=True,
             )
         ]
@@ -216,8 +219,10 @@ def _attitude(message: Message, frame: str) -> dict[str, Any]:
     return {
         "header": header(message, frame),
         "orientation": quaternion(message.orientation),
-        "orientation_covariance": ABSENT if message.orientation is None else None,
+        "orientation_covariance": covariance(message.orientation_covariance)
+        if message.orientation is not None
+        else ABSENT,
         "angular_velocity": xyz(message.rates),
-        "angular_velocity_covariance": ABSENT if message.rates is None else None,
+        "angular_velocity_covariance": covariance(message.rates_covariance) if message.rates is not None else ABSENT,
         "linear_acceleration_covariance": ABSENT,
     }
