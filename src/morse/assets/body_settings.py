@@ -3,7 +3,8 @@
 The settings come from several sources, in order of precedence:
 
 1. custom properties of the object: ``physics_type`` (`RIGID_BODY`, `DYNAMIC`, `STATIC`, `NO_COLLISION`, `SENSOR`),
-   ``collision`` (`box`, `sphere`, `cylinder`, `cone`, `capsule`, `convex`, `mesh`, `none`), ``compound``,
+   ``collision`` (`box`, `sphere`, `cylinder`, `cone`, `capsule`, `convex`, `hull`, `decompose`,
+   `mesh`, `none`), ``compound``,
    ``mass``, ``friction``, ``restitution``, ``linear_damping``, ``angular_damping``, ``radius``, ``ghost``,
    ``actor``, and ``visible``;
 2. Blender's rigid body settings;
@@ -23,13 +24,16 @@ if TYPE_CHECKING:
 
     from morse.scene import CollisionShape
 
-_COLLISIONS = {
+#: names of collision shapes
+COLLISIONS = {
     "box": Bounds.BOX,
     "sphere": Bounds.SPHERE,
     "cylinder": Bounds.CYLINDER,
     "cone": Bounds.CONE,
     "capsule": Bounds.CAPSULE,
     "convex": Bounds.CONVEX_HULL,
+    "hull": Bounds.CONVEX_HULL,
+    "decompose": Bounds.DECOMPOSITION,
     "mesh": Bounds.TRIANGLE_MESH,
     "none": None,
 }
@@ -91,11 +95,11 @@ def settle(
         weaker[key] = own.flag(key, weaker.get(key))
     settled.visible = own.flag("visible", True) is not False
     kind = own.choice("physics_type", _TYPES)
-    collision = own.choice("collision", list(_COLLISIONS))
+    collision = own.choice("collision", list(COLLISIONS))
     if kind is not None:
         weaker["type"] = PhysicsType(kind)
     if collision is not None:
-        weaker["bounds"] = _COLLISIONS[collision]
+        weaker["bounds"] = COLLISIONS[collision]
     if collision == "none":
         settled.shapes = []
         weaker.setdefault("type", PhysicsType.NO_COLLISION)

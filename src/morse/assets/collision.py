@@ -14,9 +14,12 @@ from morse.assets.shapes import (
     Primitive,
     convex_parts,
     detect_primitive,
+    few_parts,
     fit_bounds,
     thickened,
 )
+from morse.assets.shapes.coacd_parts import coacd_parts, coacd_version
+from morse.assets.shapes.surface import clean_surface
 from morse.mathutils.portable import det, eigh, matmul
 from morse.scene import Bounds, CollisionShape, PhysicsType, ShapeKind
 from morse.scene.frames import rigid_frame
@@ -38,12 +41,14 @@ _FLAT = 1e-8
 
 #: parts of all meshes of a scene together; the first parts of a mesh do not count, and each mesh may have as many
 _MOST_PARTS, _FREE_PARTS = 16_384, 64
+#: shapes of a mesh that moves: each takes time while it touches others
+_MOST_MOVING = 32
 #: triangles of meshes that are shown with further scales, for each of which their parts are computed again
 _MOST_SCALED = 1_000_000
 #: shapes of a scene: the engine takes 0.1 ms and 2 kB for each
 _MOST_SHAPES = 50_000
 
-_Key = tuple[int, tuple[float, ...], Bounds | None]
+_Key = tuple[int, tuple[float, ...], Bounds | None, bool]
 
 _EARLIER = KnownShapes()
 
@@ -91,10 +96,11 @@ class _Resolving:
             return _without_mesh(node)
         stretch = rigid_frame(node).stretch
         numbers = tuple(round(value, 9) for row in stretch for value in row)
-        key = (id(node.mesh), numbers, node.body.bounds)
+        few = node.body.bounds is Bounds.DECOMPOSITION or (node.body.bounds is None and _moves(node))
+        key = (id(node.mesh), numbers, node.body.bounds, few)
         if key not in self._known:
             # further meshes are divided into few parts when there are very many already
-            limit = min(DEFAULT_LIMIT, max(_MOST_PARTS - self._parts, _FREE_PARTS))
+            limit = _MOST_MOVING if few else min(DEFAULT_LIMIT, max(_MOST_PARTS - self._parts, _FREE_PARTS))
             shapes, warnings = _shapes_of_mesh(self._content(node), node.mesh, numbers, node.body.bounds, limit)
             self._known[key] = list(shapes)
             self._parts += max(len(shapes) - _FREE_PARTS, 0)
@@ -122,6 +128,13 @@ class _Resolving:
         return self._contents[id(mesh)]
 
 
+def _moves(node: Node) -> bool:
+    """Whether a node is a moving body, or a part of one."""
+    while node.parent is not None and not node.body.moves:
+        node = node.parent
+    return node.body.moves
+
+
 def _place(node: Node) -> str:
     return f"the object '{node.name:.80}'"
 
@@ -131,7 +144,8 @@ def _shapes_of_mesh(
 ) -> tuple[tuple[CollisionShape, ...], tuple[str, ...]]:
     """The shapes of a stretched mesh, in its rigid frame, and warnings."""
     # with another limit, a mesh has other shapes
-    key = digest + (b"" if limit == DEFAULT_LIMIT else limit.to_bytes(4, "big")), stretch, bounds
+    digest += b"" if limit == DEFAULT_LIMIT else limit.to_bytes(4, "big")
+    key = digest + (coacd_version().encode() if bounds is Bounds.DECOMPOSITION else b""), stretch, bounds
     shapes_and_warnings = _EARLIER.get(key)
     if shapes_and_warnings is None:
         simple = bounds in _FITTED
@@ -167,6 +181,11 @@ def _parts(
     triangles = mesh.triangles if det(stretch) >= 0.0 else mesh.triangles[:, ::-1]
     if bounds is Bounds.CONVEX_HULL:
         return [detect_primitive(vertices, triangles) or _hull(vertices)], []
+    if bounds is Bounds.DECOMPOSITION and coacd_version():
+        surface = clean_surface(vertices, triangles)
+        return coacd_parts(surface.vertices, surface.triangles, limit), []
+    if limit <= _MOST_MOVING:
+        return few_parts(vertices, triangles, limit), []
     warnings: list[str] = []
     return convex_parts(vertices, triangles, limit=limit, warnings=warnings), warnings
 

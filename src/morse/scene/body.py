@@ -35,6 +35,7 @@ class Bounds(StrEnum):
     CAPSULE = "CAPSULE"
     CONVEX_HULL = "CONVEX_HULL"
     TRIANGLE_MESH = "TRIANGLE_MESH"
+    DECOMPOSITION = "DECOMPOSITION"
 
 
 @dataclass(slots=True)

@@ -6,7 +6,7 @@ hollow.
 """
 
 from morse.assets.shapes.convexity import thickened
-from morse.assets.shapes.decompose import DEFAULT_LIMIT, convex_parts
+from morse.assets.shapes.decompose import DEFAULT_LIMIT, convex_parts, few_parts
 from morse.assets.shapes.detect import detect_primitive
 from morse.assets.shapes.fit import fit_bounds
 from morse.assets.shapes.part import ConvexPart, Part, Primitive
@@ -18,6 +18,7 @@ __all__ = [
     "Primitive",
     "convex_parts",
     "detect_primitive",
+    "few_parts",
     "fit_bounds",
     "thickened",
 ]

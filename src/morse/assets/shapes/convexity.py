@@ -60,13 +60,14 @@ def _bends_backward(surface: Surface, offsets: Floats, tolerance: float) -> bool
     return True
 
 
-def hull_part(points: Floats, hulls: int = 1) -> ConvexPart:
+def hull_part(points: Floats, hulls: int = 1, *, most: int = _HULL_POINTS) -> ConvexPart:
     """The convex hull of points (P, 3), thickened if they lie in a plane, with few enough points for the physics.
 
     Args:
         hulls: number of hulls that share the memory of the physics.
+        most: maximum number of points, about.
     """
-    most = min(_HULL_POINTS, max(_FEWEST_POINTS, _ALL_POINTS // hulls))
+    most = min(most, max(_FEWEST_POINTS, _ALL_POINTS // hulls))
     if len(points) > most:
         points = _extreme_points(points, most)
     return ConvexPart(thickened(points, _THINNEST))
@@ -104,15 +105,15 @@ def _least_width(scatter: Floats, count: int) -> float:
 def _extreme_points(points: Floats, most: int) -> Floats:
     """About ``most`` of the points (P, 3), extreme in directions that are spread evenly over the sphere."""
     scale = np.maximum(np.ptp(points, axis=0), 1e-12)
-    directions = _directions(most) / scale
-    chunks = np.array_split(directions, max(1, len(points) * len(directions) // _CHUNK))
+    outward = directions(most) / scale
+    chunks = np.array_split(outward, max(1, len(points) * len(outward) // _CHUNK))
     extreme = [matmul(points, chunk.T).argmax(axis=0) for chunk in chunks if len(chunk)]
     extreme_points: Floats = points[np.unique(np.concatenate(extreme))]
     return extreme_points
 
 
 @cache
-def _directions(count: int) -> Floats:
+def directions(count: int) -> Floats:
     """Directions (count + 6, 3): a Fibonacci lattice, and the axes."""
     index = np.arange(count) + 0.5
     height = 1.0 - 2.0 * index / count

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.assets.shapes.budget import decomposed
 from morse.assets.shapes.coarsen import coarsened, sharpness
 from morse.assets.shapes.convexity import hull_part, is_convex
 from morse.assets.shapes.detect import primitive_of
@@ -77,15 +78,61 @@ def convex_parts(
     return parts
 
 
+def few_parts(vertices: ArrayLike, triangles: ArrayLike, limit: int) -> list[Part]:
+    """Decompose a mesh that moves into a few parts, in the frame of the mesh.
+
+    If the parts of `convex_parts` are few enough, they are used. Otherwise, pieces that are neither primitives nor
+    convex are approximated (`morse.assets.shapes.budget`).
+
+    Args:
+        vertices: (V, 3) metres.
+        triangles: (T, 3) indices, counter-clockwise seen from outside.
+        limit: maximum number of parts, at least 1.
+
+    Returns:
+        The parts; an empty list for a mesh without area.
+    """
+    surface = clean_surface(vertices, triangles)
+    pieces = [piece for piece in components(surface) if surface.areas[piece].any()]
+    if not pieces:
+        return []
+    if len(pieces) > limit:
+        return [*decomposed(surface.corners[np.concatenate(pieces)], limit)]
+    alone = [surface.part(piece) for piece in pieces]
+    exact: list[Part] = []
+    rough: list[Surface] = []
+    for piece, hollow in zip(alone, _hollow(alone), strict=True):
+        solid = None if hollow else _solid_of(piece)
+        if solid is None:
+            rough.append(piece)
+        else:
+            exact.append(solid)
+    budget = limit - len(exact)
+    plate_parts: list[Part] = []
+    for piece in rough:
+        some = _plates_of(piece, _flatness(piece), budget - len(plate_parts)) if budget > len(plate_parts) else None
+        if some is None:
+            return [*exact, *decomposed(np.concatenate([piece.corners for piece in rough]), budget)]
+        plate_parts += some
+    return exact + plate_parts
+
+
+def _solid_of(piece: Surface) -> Part | None:
+    """The primitive or the hull that a piece is; None if it is neither."""
+    if len(piece.triangles) < _FEWEST:
+        return None
+    return primitive_of(piece) or (hull_part(piece.vertices) if is_convex(piece) else None)
+
+
+def _flatness(piece: Surface) -> Flatness:
+    return Flatness(_FLAT.angle, min(_FLAT.distance, _FLAT_SHARE * piece.diagonal))
+
+
 def _parts_of(piece: Surface, budget: int, hollow: bool, losses: Losses) -> list[Part]:
-    if not hollow and len(piece.triangles) >= _FEWEST:
-        primitive = primitive_of(piece)
-        if primitive is not None:
-            return [primitive]
-        if is_convex(piece):
-            return [hull_part(piece.vertices)]
-    size = piece.diagonal
-    flatness = Flatness(_FLAT.angle, min(_FLAT.distance, _FLAT_SHARE * size))
+    solid = None if hollow else _solid_of(piece)
+    if solid is not None:
+        return [solid]
+    size, flatness = piece.diagonal, _flatness(piece)
     plate_parts = _plates_of(piece, flatness, budget)
     if plate_parts is not None:
         return plate_parts

@@ -6,6 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from morse.builder.abstractcomponent import AbstractComponent
+from morse.builder.components.collision import set_collision
 from morse.builder.components.component import new_object
 from morse.builder.errors import checks
 from morse.core.exceptions import MorseBuilderError
@@ -21,6 +22,7 @@ logger = logging.getLogger(__name__)
 #: physics settings that model files have as properties, and the methods of scripts
 _PHYSICS = {
     "physics_type": "static()",
+    "collision": "PassiveObject(collision=...)",
     "mass": "set_mass()",
     "friction": "set_friction()",
     "restitution": "set_restitution()",
@@ -37,6 +39,10 @@ class PassiveObject(AbstractComponent):
         prefix: only objects whose names begin with it, or the collection of that name; None for all.
         keep_pose: whether to keep the pose of the first object in the file; otherwise it is moved to the origin.
         object_name: only the object with this name, and those below it; instead of ``prefix``.
+        collision: collision shapes of its meshes: ``hull`` (the convex hull of each), ``decompose`` (at most 32 convex
+            parts, by `CoACD <https://github.com/SarahWeiii/CoACD>`_ if it is installed), ``mesh`` (exact), ``box``,
+            ``sphere``, ``cylinder``, ``cone``, ``capsule``. By default, objects that move have exact shapes if 32 are
+            enough, otherwise an approximation by so many, and static ones have exact shapes.
 
     Raises:
         FileNotFoundError: there is no such model.
@@ -49,12 +55,16 @@ class PassiveObject(AbstractComponent):
         prefix: str | None = None,
         keep_pose: bool = False,
         object_name: str | None = None,
+        *,
+        collision: str | None = None,
     ) -> None:
         super().__init__(filename=checks.text(filename, "PassiveObject(filename)"))
         if prefix is not None:
             checks.text(prefix, "PassiveObject(prefix)")
         names = None if object_name is None else [checks.text(object_name, "PassiveObject(object_name)")]
         self.set_blender_object(self.append_meshes(names, prefix=prefix)[0])
+        if collision is not None:
+            set_collision(self.own_nodes(), collision, "PassiveObject(collision)")
         if not checks.boolean(keep_pose, "PassiveObject(keep_pose)"):
             self.scene_node.parent_inverse = None
             self.location = (0.0, 0.0, 0.0)

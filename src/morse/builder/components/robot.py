@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.blender.materials import material_slots
+from morse.builder.components.collision import set_collision
 from morse.builder.components.component import Component
 from morse.builder.components.keyframes import set_keyframe
 from morse.builder.errors import checks
@@ -35,6 +36,7 @@ class Robot(Component):
             for, are created.
         arguments: of a file of xacro.
         keyframe: name of the pose of an MJCF file in which the robot starts; empty for that of the bodies of the file.
+        collision: collision shapes of its meshes, see `PassiveObject`; None for those of the file.
 
     Attributes:
         sensors: the sensors that the file declares, by name.
@@ -52,6 +54,7 @@ class Robot(Component):
         *,
         sensors: bool = True,
         keyframe: str = "",
+        collision: str | None = None,
         arguments: Mapping[str, object] | None = None,
     ) -> None:
         if arguments:
@@ -70,6 +73,8 @@ class Robot(Component):
         self.actuators: dict[str, AbstractComponent] = {}
         if not filename:
             return
+        if collision is not None:
+            set_collision(self.own_nodes(), collision, "Robot(collision)")
         library = self._library()
         if keyframe:
             set_keyframe(self.scene_node, library, checks.text(keyframe, "Robot(keyframe)"))

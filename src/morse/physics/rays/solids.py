@@ -130,9 +130,13 @@ def _rows(world: ObjectWorld) -> Iterator[tuple[Node, CollisionShape | None, Tri
             yield node, None, cache[id(shape), remission]
 
 
+#: collision shapes that approximate the mesh
+_LIKE_MESH = (None, Bounds.TRIANGLE_MESH, Bounds.DECOMPOSITION)
+
+
 def _is_cut_up(node: Node) -> bool:
     """Whether the shapes of a node approximate its mesh, so that its triangles are used instead."""
-    if node.mesh is None or not len(node.mesh.triangles) or node.body.bounds not in (None, Bounds.TRIANGLE_MESH):
+    if node.mesh is None or not len(node.mesh.triangles) or node.body.bounds not in _LIKE_MESH:
         return False
     assert node.shapes is not None
     return (
