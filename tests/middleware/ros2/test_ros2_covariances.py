@@ -95,7 +95,7 @@ def test_steps_and_axes(start: Start) -> None:
         "device = IMU('device'); device.properties(GyroNoiseDensity=1e-3, GyroBiasInstability=0.02)\n"
         "robot.append(device)\n"
         "turn = Gyroscope('turn'); turn.alter('Noise', rot_std=0.05); robot.append(turn)\n"
-        "far = Infrared('far'); far.noise(gaussian=0.05); robot.append(far)"
+        "far = RadarAltimeter('far'); far.noise(gaussian=0.05); robot.append(far)"
     )
     sim.step(2)
     assert matrix(desk.last("/robot/pose").pose.covariance)[1, 1] == pytest.approx(0.3**2 / 12.0), "uniform"

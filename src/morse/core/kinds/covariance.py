@@ -86,7 +86,8 @@ def covariances(
         if walk.any() or functions:
             changing.append((slot, Growing(white, walk, getattr(realism, "start", 0.0), functions)))
         elif white.any():
-            white.flags.writeable = False
+            if slot.shape:
+                white.flags.writeable = False
             constant[slot.name] = white if slot.shape else float(white)
     return constant, changing
 
