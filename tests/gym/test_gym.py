@@ -40,6 +40,17 @@ def test_stable_baselines_checks_it(task):
     env.close()
 
 
+@pytest.mark.slow
+def test_stable_baselines_learns():
+    try:
+        from stable_baselines3 import PPO
+    except ImportError:
+        pytest.skip("needs stable-baselines3")
+    model = PPO("MlpPolicy", gymnasium.make("morse/Reach-v0"), n_steps=128, batch_size=64, seed=0, device="cpu")
+    model.learn(256)
+    assert model.num_timesteps == 256
+
+
 def test_spaces_come_from_declarations():
     env = morse.gym.TaskEnv(LookAround)
     space = env.observation_space
@@ -58,7 +69,9 @@ def test_made_by_name():
     assert (first == again).all()
     assert (first != other).any()
     env.close()
-    many = gymnasium.make_vec("morse/Reach-v0", num_envs=3)
+    with gymnasium.make("morse/Reach-v0", layouts=[7]) as one:
+        assert [scene.__name__ for scene in one.unwrapped.task.scene] == ["arena 7"]
+    many = gymnasium.make_vec("morse/Reach-v0", num_envs=3, layouts=range(70, 73))
     assert many.num_envs == 3
     assert many.metadata["autoreset_mode"] == AutoresetMode.SAME_STEP
     many.close()

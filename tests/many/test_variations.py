@@ -125,3 +125,85 @@ def test_load_records(tmp_path):
         assert recording.last_tick() == 10
     with pytest.raises(ValueError, match="keep_last is a number"):
         morse.load(pushed, keep_last=-1.0)
+
+
+def lit():
+    """A lamp above a crate, a robot with a lamp, and a camera that sees the crate."""
+    from morse.builder import Cube, Environment, Light, Robot, VideoCamera
+
+    robot = Robot(name="robot")
+    body(robot, mass=2.0)
+    robot.append(Light("torch"))
+    eye = VideoCamera("eye")
+    eye.properties(cam_width=16, cam_height=16)
+    eye.translate(z=0.5)
+    robot.append(eye)
+    crate = Cube("Crate")
+    crate.scale, crate.location = (0.5, 2.0, 2.0), (4.0, 0.0, 1.0)
+    crate._bpy_object.game.physics_type = "STATIC"
+    Environment("empty")
+
+
+def middle(sim):
+    """The mean colour in the middle of the image."""
+    sim.step(1, measure=True)
+    return sim.robot.eye.data["image"][6:10, 6:10, :3].mean(axis=(0, 1))
+
+
+def test_colours_and_lights_are_seen_saved_and_restored():
+    with morse.load(lit) as sim:
+        plain, fresh = middle(sim), sim.state_hash()
+        sim.set_color("Crate", [1.0, 0.0, 0.0])
+        red = middle(sim)
+        assert red[0] > red[1] + 50 > 50
+        assert sim.robot.torch.component.bge_object.childrenRecursive[0].node.light.energy == 1.0
+        sim.set_light("robot", 20.0)
+        bright = middle(sim)
+        assert bright[0] > red[0] + 5
+        state, end = sim.save(), sim.state_hash()
+        sim.restart()
+        assert np.array_equal(middle(sim), plain)
+        assert sim.state_hash() == fresh
+        sim.restore(state)
+        assert sim.state_hash() == end
+        assert np.allclose(middle(sim), bright, atol=1.0)
+        sim.spawn("second", "ATRV", (-40.0, 0.0, 0.2))
+        assert np.allclose(middle(sim), bright, atol=1.0)
+    with morse.batch(lit, 2) as many:
+        many.vary("Crate", color=[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+        assert middle(many[0])[0] > middle(many[1])[0] + 50
+        with pytest.raises(ValueError, match="the colour of 'Crate' is"):
+            many.vary("Crate", color=[2.0, 0.0, 0.0])
+        with pytest.raises(ValueError, match="'Crate' has no lamp"):
+            many.vary("Crate", light=2.0)
+
+
+def test_a_restart_restores_the_lamp_of_a_light():
+    with morse.load(lit) as sim:
+        sim.step(1)
+        fresh = sim.state_hash()
+        sim.robot.torch.set_property("energy", 7.0)
+        sim.robot.torch.publish({"emit": False})
+        sim.step(2)
+        changed, state = sim.state_hash(), sim.save()
+        sim.restart()
+        sim.step(1)
+        assert sim.state_hash() == fresh
+        sim.restore(state)
+        lamp = sim.robot.torch.component.bge_object.childrenRecursive[0]
+        assert (lamp.visible, lamp.node.light.energy, sim.state_hash()) == (False, 7.0, changed)
+
+
+def test_a_replay_contains_colours_and_restarts_of_robots():
+    with morse.load(lit) as sim:
+        recording = sim.record_inputs()
+        sim.step(2)
+        sim.set_color("Crate", [1.0, 0.0, 0.0])
+        sim.set_light("robot", 3.0)
+        sim.step(2)
+        sim.robot.restart(5)
+        sim.step(2)
+        end, stopped = sim.state_hash(), recording.stop()
+    with morse.load(lit) as sim:
+        sim.replay(stopped)
+        assert sim.state_hash() == end

@@ -66,9 +66,9 @@ class Light(Actuator):
         return float(self._distance), self._color, float(self._size), float(self._energy)
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Restore a state, and the state of the lamp."""
+        """Restore a state; that of the lamp belongs to its object."""
         super().set_state(state)
-        self._shine()
+        self._shown = self._looks()
 
     @service
     def set_property(self, name: str, value: Any) -> None:
@@ -80,6 +80,7 @@ class Light(Actuator):
         except ValueError as error:
             self._color = before
             raise MorseRPCTypeError(f"{self.name()}: {error}") from None
+        self._shine()
 
     @service
     def toggle(self, emit: bool | None = None) -> None:

@@ -80,6 +80,7 @@ class Context:
         paused: whether no time passes except for the ticks that a client requests.
         paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
+        robot_seeds: seeds of the robots that have been restarted with seeds of their own.
         arrivals: the share of the time for what clients send.
         time_shares: the shares of the time of the ticks for services.
         complaints: warnings of components that clients may cause any number of times, by commands or by resets.
@@ -91,6 +92,7 @@ class Context:
     services: MorseServices
     network: Network = None  # type: ignore[assignment] # who uses it has been made for a simulation that has one
     seed: int = 0
+    robot_seeds: dict[str, int] = field(default_factory=dict)
     host: str = "127.0.0.1"
     strict: bool = False
     robots: dict[str, Any] = field(default_factory=dict)
@@ -154,13 +156,14 @@ class Context:
         return server
 
     def random(self, name: str) -> np.random.Generator:
-        """Return a generator of random numbers that depends only on the seed and ``name``.
+        """Return a generator of random numbers that depends only on the seed and ``name``, which begins with its user.
 
         Adding a component to a scene does not change the random numbers of other components.
         """
         import numpy as np
 
-        digest = hashlib.sha256(f"{self.seed}/{name}".encode("utf-8", "surrogatepass")).digest()
+        own = (seed for robot, seed in self.robot_seeds.items() if name.startswith((f"{robot}.", f"{robot}/")))
+        digest = hashlib.sha256(f"{next(own, self.seed)}/{name}".encode("utf-8", "surrogatepass")).digest()
         return np.random.Generator(np.random.PCG64(int.from_bytes(digest[:16], "little")))
 
 

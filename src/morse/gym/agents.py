@@ -16,7 +16,7 @@ from morse.gym.episodes import Episodes, row_of
 from morse.gym.team import Team
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from morse.gym.task import Task
 
@@ -29,7 +29,7 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
 
     metadata: ClassVar[dict[str, Any]] = {"name": "morse_v0", "render_modes": ["rgb_array"], "render_fps": 10}
 
-    def __init__(self, task: Task | type[Task], agents: Sequence[str], render_mode: str | None = None) -> None:
+    def __init__(self, task: Task | Callable[[], Task], agents: Sequence[str], render_mode: str | None = None) -> None:
         check_render_mode(render_mode)
         self.render_mode = render_mode
         self.possible_agents: list[str] = list(agents)
@@ -89,7 +89,7 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         self._episodes.close()
 
 
-def parallel(task: Task | type[Task], agents: Sequence[str], render_mode: str | None = None) -> TeamEnv:
+def parallel(task: Task | Callable[[], Task], agents: Sequence[str], render_mode: str | None = None) -> TeamEnv:
     """Return a parallel environment of PettingZoo, whose agents are robots of one world.
 
     In the names of components of the task, ``{agent}`` stands for the robot: ``Read("{agent}.laser", "range_list")``.

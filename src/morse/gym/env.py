@@ -11,6 +11,8 @@ from morse.gym.episodes import Episodes, row_of
 from morse.many.batch import batch
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from morse.gym.task import Task
@@ -29,7 +31,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": _RATE}
 
-    def __init__(self, task: Task | type[Task], render_mode: str | None = None) -> None:
+    def __init__(self, task: Task | Callable[[], Task], render_mode: str | None = None) -> None:
         check_render_mode(render_mode)
         self.render_mode = render_mode
         self._episodes = Episodes(task, lambda one: batch(one.scene, 1))

@@ -35,8 +35,8 @@ class Episodes:
         TypeError: the task lacks an attribute, or has one of a wrong type.
     """
 
-    def __init__(self, task: Task | type[Task], load: Callable[[Task], Any]) -> None:
-        self.task = task = task() if isinstance(task, type) else task
+    def __init__(self, task: Task | Callable[[], Task], load: Callable[[Task], Any]) -> None:
+        self.task = task = task if isinstance(task, Task) or not callable(task) else task()
         if not isinstance(task, Task):
             raise TypeError(f"a task is a morse.gym.Task, not {task!r:.80}")
         for name in ("scene", "action", _NAME):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,8 @@ def register(name: str, task: type[Task] | str, **options: Any) -> None:
         name: such as ``my_lab/Reach-v0``.
         task: the class, or ``module:class``.
         options: further arguments of `gymnasium.register`.
+
+    Other arguments of `gymnasium.make` are arguments of the class: ``gymnasium.make("morse/Reach-v0", layouts=[7])``.
     """
     gymnasium.register(
         name,
@@ -33,12 +36,14 @@ def register(name: str, task: type[Task] | str, **options: Any) -> None:
 
 
 def _make(create: Callable[..., Any], task: type[Task] | str, **options: Any) -> Any:
+    kind: Any = task
     if isinstance(task, str):
         from importlib import import_module
 
         module, _, name = task.partition(":")
-        task = getattr(import_module(module), name)
-    return create(task, **options)
+        kind = getattr(import_module(module), name)
+    own = {name: value for name, value in options.items() if name not in inspect.signature(create).parameters}
+    return create(partial(kind, **own) if own else kind, **{name: options[name] for name in options.keys() - own})
 
 
 def register_all() -> None:

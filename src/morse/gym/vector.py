@@ -14,7 +14,7 @@ from morse.many.batch import batch
 from morse.many.rows import seeds_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from morse.gym.task import Task
 
@@ -26,7 +26,7 @@ class Rows:
         first: number of the first row in the whole vector.
     """
 
-    def __init__(self, task: Task | type[Task], count: int, first: int = 0) -> None:
+    def __init__(self, task: Task | Callable[[], Task], count: int, first: int = 0) -> None:
         self.episodes = Episodes(task, lambda one: batch(_turned(one.scene, first), count, seed=first))
         self.episodes.task.first_row = first
         self.count = count
@@ -91,7 +91,7 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
         "render_fps": 10,
     }
 
-    def __init__(self, task: Task | type[Task], num_envs: int = 1, render_mode: str | None = None) -> None:
+    def __init__(self, task: Task | Callable[[], Task], num_envs: int = 1, render_mode: str | None = None) -> None:
         check_render_mode(render_mode)
         self.render_mode, self.num_envs = render_mode, num_envs
         self._rows = Rows(task, num_envs)
@@ -126,7 +126,7 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
         self._rows.episodes.close()
 
 
-def vector(task: Task | type[Task], num_envs: int, *, workers: int = 0, render_mode: str | None = None) -> Any:
+def vector(task: Task | Callable[[], Task], num_envs: int, *, workers: int = 0, render_mode: str | None = None) -> Any:
     """Return a vector of environments.
 
     Row ``k`` gives the same bits with any number of workers.

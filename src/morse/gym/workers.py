@@ -22,7 +22,7 @@ from morse.many.pool import ONE_THREAD, can_fork
 from morse.many.rows import seeds_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
     from multiprocessing.connection import Connection
 
     from morse.gym.task import Task
@@ -134,7 +134,9 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         "render_fps": 10,
     }
 
-    def __init__(self, task: Task | type[Task], num_envs: int, workers: int, render_mode: str | None = None) -> None:
+    def __init__(
+        self, task: Task | Callable[[], Task], num_envs: int, workers: int, render_mode: str | None = None
+    ) -> None:
         check_render_mode(render_mode)
         if not 1 <= workers <= num_envs:
             raise ValueError(f"{num_envs} rows need 1 to {num_envs} workers, not {workers}")

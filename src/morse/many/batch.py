@@ -276,24 +276,39 @@ class Batch:
         for row, pose in zip(chosen, poses, strict=True):
             self._simulations[row].place(name, pose)
 
-    def vary(self, name: str, *, rows: Any = None, mass: Any = None, friction: Any = None) -> None:
+    def vary(
+        self,
+        name: str,
+        *,
+        rows: Any = None,
+        mass: Any = None,
+        friction: Any = None,
+        light: Any = None,
+        color: Any = None,
+    ) -> None:
         """Change parameters of a robot or an object, one value for each row; `restart` restores those of the scene.
 
         Args:
             rows: row numbers, a slice or a mask; None for all.
             mass: kg; the inertia changes in proportion.
             friction: coefficient of sliding friction of its shapes.
+            light: energy of its lamps, relative to a normal lamp.
+            color: (M, 3) red, green, blue of its surfaces, or of its light if it is a lamp; 0 to 1, linear.
 
         Raises:
             KeyError: there is no such object.
             ValueError: a value is not valid, or there is another number of values than rows; nothing has changed then.
             TypeError: no parameter is given.
         """
-        if mass is None and friction is None:
-            raise TypeError(f"vary needs a parameter of '{name}': mass or friction")
+        given = {"mass": mass, "friction": friction, "light": light, "color": color}
+        given = {what: values for what, values in given.items() if values is not None}
+        if not given:
+            raise TypeError(f"vary needs a parameter of '{name}': mass, friction, light or color")
         chosen = self._rows(rows)
-        given = {what: values for what, values in (("mass", mass), ("friction", friction)) if values is not None}
-        columns = {what: values_of(values, chosen, what) for what, values in given.items()}
+        columns: dict[str, Any] = {
+            what: vectors_of(values, chosen, "colors").tolist() if what == "color" else values_of(values, chosen, what)
+            for what, values in given.items()
+        }
         changes = [
             (what, row, value) for what, each in columns.items() for row, value in zip(chosen, each, strict=True)
         ]

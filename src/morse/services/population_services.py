@@ -17,6 +17,13 @@ if TYPE_CHECKING:
 _LONGEST_NAME = 100
 
 
+class Restarting(Protocol):
+    """What restarts robots."""
+
+    def restart(self, name: str, seed: int | None) -> None:
+        """Restart one robot."""
+
+
 class Populated(Protocol):
     """The part of a simulation that the services need."""
 
@@ -25,6 +32,10 @@ class Populated(Protocol):
 
     def delete(self, name: str) -> None:
         """Delete a robot or an object."""
+
+    @property
+    def population(self) -> Restarting:
+        """The present robots and objects."""
 
 
 class PopulationServices(AbstractObject):
@@ -68,6 +79,15 @@ class PopulationServices(AbstractObject):
     def delete(self, name: str) -> None:
         """Delete a robot or an object with all its parts."""
         self._attempt(lambda: self._simulation.delete(name))
+
+    @service
+    def restart_robot(self, name: str, seed: int | None = None) -> None:
+        """Restart one robot as after the launch; time, the other robots and the objects go on.
+
+        Args:
+            seed: seed of its random numbers; the present one if not given.
+        """
+        self._attempt(lambda: self._simulation.population.restart(name, seed))
 
     @staticmethod
     def _attempt(change: Any) -> None:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError, MorseRPCTypeError
-from morse.core.limits import EulerAngles, Point, QuaternionNumbers
+from morse.core.limits import ColorNumbers, EulerAngles, Point, QuaternionNumbers
 from morse.core.mathutils import Quaternion
 from morse.core.reports import log
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted, short
 from morse.core.services import service
+from morse.services import looks
 from morse.services.details import details
 
 if TYPE_CHECKING:
@@ -179,7 +181,7 @@ class Supervision(AbstractObject):
         Args:
             mass: kg.
         """
-        self._vary(self.context.world.set_mass, object_name, mass)
+        self._vary(self.context.world.set_mass, object_name, float(mass))
 
     @service
     def set_object_friction(self, object_name: str, friction: float) -> None:
@@ -188,11 +190,29 @@ class Supervision(AbstractObject):
         Args:
             friction: coefficient of sliding friction.
         """
-        self._vary(self.context.world.set_friction, object_name, friction)
+        self._vary(self.context.world.set_friction, object_name, float(friction))
 
-    def _vary(self, change: Callable[[Any, float], None], name: str, value: float) -> None:
+    @service
+    def set_object_color(self, object_name: str, color: ColorNumbers) -> None:
+        """Set the colour of all surfaces of an object with its parts, or of the light of a lamp, until the next reset.
+
+        Args:
+            color: red, green, blue, linear, 0 to 1; a fourth number is the opacity of a surface.
+        """
+        self._vary(partial(looks.set_color, self.context), object_name, color)
+
+    @service
+    def set_object_light(self, object_name: str, energy: float) -> None:
+        """Set the brightness of a lamp, or of all lamps of an object, until the next reset.
+
+        Args:
+            energy: relative to a normal lamp.
+        """
+        self._vary(partial(looks.set_light, self.context), object_name, energy)
+
+    def _vary(self, change: Callable[[Any, Any], None], name: str, value: Any) -> None:
         try:
-            change(self._object(name), float(value))
+            change(self._object(name), value)
         except ValueError as error:
             raise MorseRPCTypeError(str(error)) from None
 

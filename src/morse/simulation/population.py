@@ -125,10 +125,32 @@ class Population:
             except (OSError, SyntaxError) as error:
                 raise MorseBuilderError(f"'{short(name)}' cannot come: {error}") from error
 
+    def restart(self, name: str, seed: int | None) -> None:
+        """Restart one robot: pose, parts and components as after the launch; the others go on.
+
+        Args:
+            seed: seed of its random numbers; None for the present one.
+
+        Raises:
+            MorseBuilderError: there is no such robot, or it is a part of another object.
+            LoadError: a component cannot be created.
+        """
+        context = self._simulation.context
+        if name not in context.robots:
+            raise MorseBuilderError(f"there is no robot '{short(name)}'{nearest(name, list(context.robots))}")
+        if seed is not None:
+            context.robot_seeds[name] = seed
+        before, makers = self.get_state(), self.makers()
+        self.delete(name, returns=True)
+        self.set_state(before, makers)
+
     # -- deletion --------------------------------------------------------------------------
 
-    def delete(self, name: str) -> None:
+    def delete(self, name: str, *, returns: bool = False) -> None:
         """Delete a robot or an object with all its parts.
+
+        Args:
+            returns: whether it is created again at once, so that its streams and services stay.
 
         Raises:
             MorseBuilderError: there is no object of that name, or it is a part of another object.
@@ -151,7 +173,7 @@ class Population:
         if name in self._recipes:
             roots = [objects[root] for root in self._recipes[name].roots if root in objects]
         gone = {node for root in roots for node in root.node.walk()}
-        self._forget([d for d in simulation.scene.components if d.node in gone or d.robot in gone])
+        self._forget([d for d in simulation.scene.components if d.node in gone or d.robot in gone], returns=returns)
         context.world.remove(roots)
         if self._recipes.pop(name, None) is not None:
             # objects of the launch can be restored
@@ -159,8 +181,8 @@ class Population:
             models[:] = [use for use in models if not any(node in gone for node in use.nodes.values())]
         self._changed()
 
-    def _forget(self, declarations: list[ComponentDeclaration]) -> None:
-        """Finalize components, and close their streams and services."""
+    def _forget(self, declarations: list[ComponentDeclaration], *, returns: bool = False) -> None:
+        """Finalize components, and close their streams and services unless the components return."""
         simulation = self._simulation
         context = simulation.context
         with acting(context):
@@ -171,9 +193,10 @@ class Population:
                 if component.on_completion is not None:
                     component.interrupt()
                 simulation.finalize_one(component)
-                for manager in context.stream_managers.values():
-                    manager.disconnect(declaration.name)
-                context.services.unregister(declaration.name)
+                if not returns:
+                    for manager in context.stream_managers.values():
+                        manager.disconnect(declaration.name)
+                    context.services.unregister(declaration.name)
                 for table in (context.robots, context.components, context.external_robots):
                     table.pop(declaration.name, None)
                 simulation.loaded.drop(component)

@@ -38,6 +38,9 @@ class Populated(Holder, Protocol):
 
     check_kind: Callable[[str], object]
 
+    def restart(self, name: str, seed: int | None) -> None:
+        """Restart one robot."""
+
     def set_state(self, state: Any, makers: Mapping[str, Callable[[], Any]] = ...) -> None:
         """Spawn and delete robots and objects until they match the state."""
 

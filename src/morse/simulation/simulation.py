@@ -443,6 +443,7 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
         self.journal.note(RESET, "", seed)
         if seed is not None:
             self.context.seed = seed
+        self.context.robot_seeds.clear()
         with acting(self.context):
             self._end_services()
             self.finalize_components()

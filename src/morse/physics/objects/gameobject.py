@@ -12,6 +12,7 @@ from morse.physics.model.limits import ANGULAR_VELOCITY, FORCE, POINT, POSITION,
 from morse.physics.objects.gone import Gone
 from morse.physics.objects.joint_handle import JointHandle
 from morse.physics.objects.legacy_names import LegacyNames
+from morse.physics.objects.looks import Looks
 from morse.physics.objects.mounting import Mounting
 from morse.physics.objects.object_list import ObjectList
 from morse.physics.objects.properties import are_changed, plain_properties, scene_properties
@@ -72,11 +73,14 @@ class GameObject(LegacyNames):
         self._pose: _Pose = (_ORIGIN, rigid.IDENTITY)
         self._is_displaced = False
         self.visible = node.visible
+        self.node = node
+        self._looks = Looks(node)
         self.belong(node, slot)
 
     def belong(self, node: Node, slot: int) -> None:
         """Bind the object to a node and a slot, also after a change of the scene."""
-        self.node = node
+        if node is not self.node:
+            self.node, self._looks = node, Looks(node)
         self.slot = slot
         self._leads = self._world.slots[slot].frame.node is node
         self._moved_along: tuple[list[GameObject], list[GameObject]] | None = None
@@ -84,6 +88,7 @@ class GameObject(LegacyNames):
 
     def remove(self) -> None:
         """Mark the object as removed from the world: further use of it raises an error."""
+        self._looks.restore()
         self._world = cast("ObjectWorld", Gone(self.name))
 
     @property
@@ -117,6 +122,8 @@ class GameObject(LegacyNames):
         self._world.displacements += 1
         self.properties = scene_properties(self.node)
         self.visible = self.node.visible
+        if self._looks.restore():
+            self._world.appearance_changed(self)
 
     # -- saving ----------------------------------------------------------------------------
 
@@ -127,6 +134,7 @@ class GameObject(LegacyNames):
             state["properties"] = plain_properties(self.name, self.properties)
         if self.visible != self.node.visible:
             state["visible"] = self.visible
+        state |= self._looks.get_state()
         if self._is_displaced:
             state["position"], state["rotation"] = tuple(self._local[0]), tuple(self._local[1])
         return state
@@ -137,6 +145,8 @@ class GameObject(LegacyNames):
             self.properties = plain_properties(self.name, state.properties)
         if state.visible is not None:
             self.visible = state.visible
+        if self._looks.set_state(state):
+            self._world.appearance_changed(self)
         if state.position is not None and state.rotation is not None:
             self._set_local((state.position, state.rotation))
 

@@ -120,11 +120,22 @@ class SavedGliding(_Part):
     look: _Ticks
 
 
+class SavedLamp(_Part):
+    """What may change of a lamp; see `morse.scene.appearance.Light`."""
+
+    color: Vector3
+    energy: float
+    distance: float
+    spot_size: float
+
+
 class SavedObject(_Part, omit_defaults=True):
-    """The differences of an object from the scene: properties, visibility, pose relative to its parent."""
+    """The differences of an object from the scene: properties, looks, pose relative to its parent."""
 
     properties: dict[str, Any] | None = None
     visible: bool | None = None
+    color: tuple[float, float, float, float] | None = None
+    lamp: SavedLamp | None = None
     position: Vector3 | None = None
     rotation: Rotation9 | None = None
 

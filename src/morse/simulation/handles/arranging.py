@@ -9,6 +9,7 @@ from morse.core.actuator import Actuator
 from morse.core.journal import SERVICE
 from morse.core.reports.hints import nearest
 from morse.mathutils import Euler
+from morse.services import looks
 from morse.simulation.handles.contacts import Contacts
 
 if TYPE_CHECKING:
@@ -101,15 +102,64 @@ class Arranging:
         """
         self._vary("set_object_friction", name, friction)
 
-    def check_variation(self, name: str, what: str, value: float) -> None:
-        """Raise the error that `set_mass` or `set_friction` would raise; ``what`` is ``mass`` or ``friction``."""
-        self.context.world.check_variation(self._object(name), what, value)
+    def set_light(self, name: str, energy: float) -> None:
+        """Set the brightness of a lamp, or of all lamps of a robot or an object, until the next restart.
 
-    def _vary(self, service: str, name: str, value: float) -> None:
+        Args:
+            energy: relative to a normal lamp; 0 for no light.
+
+        Raises:
+            KeyError: there is no such object.
+            ValueError: it has no lamp, or the energy is negative.
+        """
+        self._vary("set_object_light", name, energy)
+
+    def set_color(self, name: str, color: Sequence[float]) -> None:
+        """Set the colour of the surfaces of a robot or an object, or of the light of a lamp, until the next restart.
+
+        Args:
+            color: red, green, blue, linear, 0 to 1; a fourth number is the opacity of a surface. The texture of a
+                surface is multiplied by it.
+
+        Raises:
+            KeyError: there is no such object.
+            ValueError: it has neither a surface nor a lamp, or the colour is not valid.
+        """
+        numbers = _numbers(color)
+        looks.check(self._object(name), "color", numbers)
+        self._vary("set_object_color", name, numbers)
+
+    def restart_robot(self, name: str, seed: int | None = None) -> None:
+        """Restart one robot as after the load: pose, parts, components and their random numbers.
+
+        Time, the other robots and the objects go on. It takes about as long as spawning a robot.
+
+        Args:
+            seed: seed of the random numbers of the robot; its present seed by default.
+
+        Raises:
+            KeyError: there is no such robot.
+            LoadError: a component cannot be created.
+        """
+        self._check_open()
+        handle = self._all_handles().get(name)
+        if handle is None:
+            raise KeyError(f"there is no robot '{name}'{nearest(name, list(self.context.robots))}")
+        self.rpc("simulation", "restart_robot", handle.fqn, seed)
+
+    def check_variation(self, name: str, what: str, value: Any) -> None:
+        """Raise the error that `set_mass` would raise, or another method: ``what`` is the part after ``set_``."""
+        obj = self._object(name)
+        if what in ("light", "color"):
+            looks.check(obj, what, value)
+        else:
+            self.context.world.check_variation(obj, what, value)
+
+    def _vary(self, service: str, name: str, value: Any) -> None:
         from pymorse.errors import MorseServiceFailed
 
         try:
-            self.rpc("simulation", service, self._object(name).name, float(value))
+            self.rpc("simulation", service, self._object(name).name, value if isinstance(value, list) else float(value))
         except MorseServiceFailed as error:
             raise ValueError(str(error)) from None
 
@@ -174,6 +224,13 @@ class Arranging:
         if name not in objects:
             raise KeyError(f"there is no object '{name}'{nearest(name, list(objects))}")
         return objects[name]
+
+
+def _numbers(color: Sequence[float]) -> list[float]:
+    try:
+        return [float(number) for number in color]
+    except (TypeError, ValueError):
+        raise ValueError(f"a colour is red, green, blue from 0 to 1, not {color!r:.100}") from None
 
 
 def _names(sensors: Sequence[str] | bool | None) -> list[str] | None:

@@ -286,6 +286,18 @@ class RobotHandle(ComponentHandle):
         """Set the friction of the robot; see `Simulation.set_friction`."""
         self._simulation.set_friction(self.fqn, friction)
 
+    def restart(self, seed: int | None = None) -> None:
+        """Restart the robot as after the load; see `Simulation.restart_robot`, which restarts a robot by name."""
+        self._simulation.restart_robot(self.fqn, seed)
+
+    def set_color(self, color: Sequence[float]) -> None:
+        """Set the colour of all surfaces of the robot; see `Simulation.set_color`."""
+        self._simulation.set_color(self.fqn, color)
+
+    def set_light(self, energy: float) -> None:
+        """Set the brightness of all lamps of the robot; see `Simulation.set_light`."""
+        self._simulation.set_light(self.fqn, energy)
+
     def contacts(self) -> Contacts:
         """Return what the robot touches from now on; see `Simulation.contacts`."""
         return self._simulation.contacts(self.fqn)

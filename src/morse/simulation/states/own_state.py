@@ -24,6 +24,7 @@ class _Clock(msgspec.Struct, forbid_unknown_fields=True):
     tick: int
     seed: Any
     origin: float = 0.0
+    robots: dict[str, int] = {}
 
 
 class _Controls(msgspec.Struct, forbid_unknown_fields=True):
@@ -54,16 +55,20 @@ def check_population(state: Any) -> dict[str, Any]:
 
 
 class ClockState:
-    """Tick, seed, and the time of tick 0."""
+    """Tick, seeds, and the time of tick 0."""
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
 
     def get_state(self) -> dict[str, Any]:
-        """Number of ticks, the seed of all random numbers, and the time of tick 0 unless it is 0."""
-        clock = self._simulation.clock
-        start = {"origin": clock.origin} if clock.origin else {}
-        return {"tick": clock.tick, "seed": self._simulation.context.seed, **start}
+        """Number of ticks, the seed of all random numbers, and what is not usual: time of tick 0, seeds of robots."""
+        clock, context = self._simulation.clock, self._simulation.context
+        state: dict[str, Any] = {"tick": clock.tick, "seed": context.seed}
+        if clock.origin:
+            state["origin"] = clock.origin
+        if context.robot_seeds:
+            state["robots"] = dict(context.robot_seeds)
+        return state
 
     def check(self, state: Any) -> None:
         """Raise `StateError` if the state is not the state of a clock."""
@@ -77,6 +82,7 @@ class ClockState:
         """Restore a state that `get_state` returned."""
         self._simulation.clock.go_to(state["tick"], state.get("origin", 0.0))
         self._simulation.context.seed = state["seed"]
+        self._simulation.context.robot_seeds = dict(state.get("robots", {}))
 
 
 class ControlsState:

@@ -1,0 +1,48 @@
+"""The colour and the lamp of an object, which may change while the simulation runs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from morse.physics.state.saved import SavedObject
+    from morse.scene import Node
+
+#: what may change of a lamp
+_LAMP = ("color", "energy", "distance", "spot_size")
+
+
+class Looks:
+    """The looks that a node has in the scene."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._start = node.color, node.light
+
+    def restore(self) -> bool:
+        """Restore the looks of the scene; return whether they had changed."""
+        node = self._node
+        if (node.color, node.light) == self._start:
+            return False
+        node.color, node.light = self._start
+        return True
+
+    def get_state(self) -> dict[str, Any]:
+        """Return the differences from the scene; see `morse.physics.state.saved.SavedObject`."""
+        node, (color, lamp) = self._node, self._start
+        state: dict[str, Any] = {}
+        if node.color != color and node.color is not None:
+            state["color"] = tuple(map(float, node.color))
+        if node.light != lamp and node.light is not None:
+            state["lamp"] = {name: getattr(node.light, name) for name in _LAMP}
+        return state
+
+    def set_state(self, state: SavedObject) -> bool:
+        """Restore a validated state of an object that has the looks of the scene; return whether it differs."""
+        node = self._node
+        if state.color is not None:
+            node.color = state.color
+        if state.lamp is not None and node.light is not None:
+            node.light = replace(node.light, **{name: getattr(state.lamp, name) for name in _LAMP})
+        return state.color is not None or state.lamp is not None
