@@ -17,7 +17,7 @@ MESSAGE_OPTIONS: Mapping[str, Option] = {
     "namespace": Option(str, None, "namespace of the topics of this stream"),
     "frame_id": Option(str, None, "frame of the messages"),
     "child_frame_id": Option(str, None, "for odometry: frame of the robot"),
-    "stamped": Option(bool, False, "for velocity commands: TwistStamped instead of Twist"),
+    "stamped": Option(bool, False, "for velocity commands: TwistStamped until somebody sends Twist"),
     "fields": Option(bool, False, "every data field that is in no message gets its own topic"),
     "tf": Option(bool, True, "for odometry: publish the transform from odom to base_link"),
     "encoding": Option(str, None, "of images with colours; default: that of the camera", choices=_ENCODINGS),

@@ -58,6 +58,8 @@ class Inlet(NamedTuple):
         topic: relative to that of the component; empty for the topic of the component.
         also: below the namespace of the robot, for the first component of the robot with this inlet.
         or_none: nothing is subscribed to if the backend does not have the type.
+        other: used instead as soon as somebody sends messages of its type, and nobody those of this type.
+        call: the service of the component that a message calls, and its arguments; None if it is read by `take`.
     """
 
     type: str
@@ -65,3 +67,5 @@ class Inlet(NamedTuple):
     topic: str = ""
     also: str = ""
     or_none: bool = False
+    other: Inlet | None = None
+    call: Callable[[Mapping[str, Any]], tuple[str, list[Any]] | None] | None = None

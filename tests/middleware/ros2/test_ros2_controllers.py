@@ -50,7 +50,13 @@ def test_an_arm_takes_the_commands_of_controllers(start: Callable[..., Any], top
             {"joint_names": ["kuka_9"], "points": [{"positions": [1.0]}]},
             "there is no joint 'kuka_9'",
         ),
-        ("joint_trajectory", {"joint_names": ["kuka_1"], "points": [{}, {}]}, "the service 'trajectory' takes several"),
+        ("joint_trajectory", {"joint_names": ["kuka_1"], "points": [{}, {}]}, "0 positions for 1 joint_names"),
+        ("joint_trajectory", {"joint_names": ["kuka_1"]}, "0 points"),
+        (
+            "joint_trajectory",
+            {"joint_names": ["kuka_1"], "points": [{"positions": [1.0], "time_from_start": {"sec": 1}}] * 2},
+            "expected a larger value than that of the previous point",
+        ),
     ],
 )
 def test_commands_that_do_not_fit_are_refused(
@@ -82,8 +88,10 @@ class Stream:
 def test_the_angle_of_the_steering_of_a_car(speed: float, angle: float, expected: float) -> None:
     # the single-track model: w = v tan(angle) / wheel base
     inlets = {inlet.type: inlet for inlet in Ros2Topics().take_twist(Stream(), Bound())}  # type: ignore[arg-type]
-    kind = "ackermann_msgs/msg/AckermannDriveStamped"
-    data = cdr.encode(kind, {"drive": {"speed": speed, "steering_angle": angle}})
-    slots = inlets[kind].take(cdr.decode(kind, data))
-    assert slots["linear"] == [speed, 0.0, 0.0]
-    assert slots["angular"] == pytest.approx([0.0, 0.0, expected], abs=1e-6)
+    inlet = inlets["ackermann_msgs/msg/AckermannDriveStamped"]
+    drive = {"speed": speed, "steering_angle": angle}
+    assert inlet.other is not None
+    for one, message in ((inlet, {"drive": drive}), (inlet.other, drive)):
+        slots = one.take(cdr.decode(one.type, cdr.encode(one.type, message)))
+        assert slots["linear"] == [speed, 0.0, 0.0]
+        assert slots["angular"] == pytest.approx([0.0, 0.0, expected], abs=1e-6)

@@ -145,17 +145,20 @@ class SpatialKinds(TopicTable):
 
     @topics("twist", direction="IN")
     def take_twist(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
-        """A topic has one type: that of nav2 up to Jazzy, or with ``stamped=True`` the newer type.
+        """A topic has one type at a time: that of nav2 up to Jazzy, or the newer type; the sender decides.
 
         A car also takes the angle of its steering.
         """
-        inlet = Inlet("geometry_msgs/msg/Twist", _from_twist, also="cmd_vel")
-        if stream.kwargs["stamped"]:
-            inlet = Inlet("geometry_msgs/msg/TwistStamped", lambda m: _from_twist(m["twist"]), also="cmd_vel")
-        if not hasattr(bound.component, "turning_speed"):
-            return [inlet]
-        kind, name = "ackermann_msgs/msg/AckermannDriveStamped", "ackermann_cmd"
-        return [inlet, Inlet(kind, lambda m: _from_car(m["drive"], bound.component), name, also=name, or_none=True)]
+        plain = Inlet("geometry_msgs/msg/Twist", _from_twist, also="cmd_vel")
+        stamped = Inlet("geometry_msgs/msg/TwistStamped", lambda m: _from_twist(m["twist"]), also="cmd_vel")
+        first, second = (stamped, plain) if stream.kwargs["stamped"] else (plain, stamped)
+        inlets = [first._replace(other=second)]
+        if hasattr(bound.component, "turning_speed"):
+            kind, name, car = "ackermann_msgs/msg/AckermannDrive", "ackermann_cmd", bound.component
+            plain = Inlet(kind, lambda m: _from_car(m, car), name, also=name, or_none=True)
+            take = lambda m: _from_car(m["drive"], car)  # noqa: E731 - beside that of the other type
+            inlets.append(plain._replace(type=f"{kind}Stamped", take=take, other=plain))
+        return inlets
 
     @topics("attitude", direction="IN")
     def take_attitude(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:

@@ -10,6 +10,7 @@ from morse.rosmsgs.json_text import as_json, from_json
 from morse.rosmsgs.outlets import Inlet, Outlet
 from morse.rosmsgs.parts import header, time, xyz
 from morse.rosmsgs.table import TopicTable, topics
+from morse.rosmsgs.trajectories import service_call
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -69,12 +70,18 @@ class StateKinds(TopicTable):
         """A subset of the joints is allowed; the others keep their commands.
 
         The other topics are those of the controllers of ros2_control: ``commands`` of the forward command controllers,
-        and ``joint_trajectory`` of the joint trajectory controller, of which only single points are taken.
+        and ``joint_trajectory`` of the joint trajectory controller.
         """
         return [
             Inlet("sensor_msgs/msg/JointState", lambda m: _from_joints(m, bound)),
             Inlet(_NUMBERS, lambda m: _from_numbers(m["data"], bound), "commands", or_none=True),
-            Inlet(_TRAJECTORY, lambda m: _from_trajectory(m, bound), "joint_trajectory", or_none=True),
+            Inlet(
+                _TRAJECTORY,
+                lambda m: _from_point(m, bound),
+                "joint_trajectory",
+                or_none=True,
+                call=lambda m: service_call(m, bound),
+            ),
         ]
 
     @topics("actuators", direction="IN")
@@ -157,12 +164,10 @@ def _from_numbers(numbers: Any, bound: BoundKind) -> dict[str, Any]:
     return {quantity: np.where(np.isnan(column), column, numbers) for quantity, column in columns.items()}
 
 
-def _from_trajectory(message: Mapping[str, Any], bound: BoundKind) -> dict[str, Any]:
-    points = message["points"]
-    if len(points) != 1:
-        raise ValueError(f"{len(points)} points, expected one; the service 'trajectory' takes several")
-    point = {"position": points[0]["positions"], "velocity": points[0]["velocities"], "effort": points[0]["effort"]}
-    return _from_joints({"name": message["joint_names"], **point}, bound)
+def _from_point(message: Mapping[str, Any], bound: BoundKind) -> dict[str, Any]:
+    point = message["points"][0]
+    quantities = {"position": point["positions"], "velocity": point["velocities"], "effort": point["effort"]}
+    return _from_joints({"name": message["joint_names"], **quantities}, bound)
 
 
 def _from_text(message: Mapping[str, Any]) -> dict[str, Any]:

@@ -191,6 +191,22 @@ class TopicManager(DatastreamManager):
             self._subscriptions[key].take()  # discard messages to a former component
             yield topic, self._subscriptions[key]
 
+    def change_type(self, stream: TopicStream, topic: str, before: str, after: str) -> tuple[str, Subscription]:
+        """Replace a subscription of a stream by one with another type of messages, if the backend has it.
+
+        Returns:
+            The type, and the new subscription.
+        """
+        key = next(key for key in self._subscriptions if key[:2] == (f"{stream.component_name} {topic}", before))
+        # a participant has one type for a topic at a time
+        self._subscriptions.pop(key).close()
+        made, kind = self.backend.subscription(topic, after, key[2]), after
+        if made is None:
+            made, kind = self._made(self.backend.subscription(topic, before, key[2]), stream, before), before
+        self._subscriptions[(key[0], kind, key[2])] = made
+        self._claims[topic] = (kind, stream.component_name)
+        return kind, self._subscriptions[key[0], kind, key[2]]
+
     def _made(self, made: Any, stream: TopicStream, type_name: str) -> Any:
         if made is None:
             raise MorseMiddlewareError(f"{stream.component_name}: {self._lacks(type_name)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import struct
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -9,6 +10,8 @@ from zlib import crc32
 
 import numpy as np
 
+from morse.core.exceptions import MorseError
+from morse.core.journal import SERVICE
 from morse.core.streams.kind_stream import KindStream
 from morse.rosmsgs.cdr import CdrError, encode_stamped
 from morse.rosmsgs.component import ComponentMessages, kinds_of
@@ -24,8 +27,10 @@ if TYPE_CHECKING:
     from morse.rosmsgs.topics.backend import Publisher, Subscription
     from morse.rosmsgs.topics.manager import TopicManager
 
+logger = logging.getLogger(__name__)
+
 #: number of actions without a message after which a stream checks for senders of another type
-_PATIENCE = 120
+_PATIENCE = 60
 _UNFIT = (ValueError, TypeError, OverflowError, struct.error, RecursionError)
 
 
@@ -212,21 +217,38 @@ class TopicStream(KindStream, ComponentMessages):
         self._silence += 1
         if self._silence % _PATIENCE:
             return
-        for hearing in self._hearing:
-            for other in sorted(hearing.subscription.other_types()):
-                stamped = "TwistStamped" in other and not self.kwargs["stamped"]
-                mend = "; set stamped=True" if stamped else ""
+        for hearing in list(self._hearing):
+            others = hearing.subscription.other_types()
+            if hearing.inlet.other is not None and hearing.inlet.other.type in others and self._change(hearing):
+                continue
+            for other in sorted(others):
                 self.complain(
                     f"type {hearing.topic}",
-                    f"somebody sends {other} on {hearing.topic}, which takes {hearing.inlet.type}{mend}",
+                    f"somebody sends {other} on {hearing.topic}, which takes {hearing.inlet.type}",
                 )
+
+    def _change(self, hearing: _Hearing) -> bool:
+        """Take the other type of messages on a topic; False if the backend does not have it."""
+        before, after = hearing.inlet, hearing.inlet.other
+        assert after is not None
+        kind, subscription = self.manager.change_type(self, hearing.topic, before.type, after.type)
+        inlet = before._replace(other=None)
+        if kind == after.type:
+            inlet = after._replace(other=inlet)
+            logger.info("%s: %s takes %s now, which somebody sends", self.component_name, hearing.topic, kind)
+        self._hearing[self._hearing.index(hearing)] = hearing._replace(inlet=inlet, subscription=subscription)
+        return kind == after.type
 
     def _take_message(self, hearing: _Hearing, data: bytes) -> None:
         try:
             check_size(hearing.inlet.type, data)
             message = self.manager.backend.decode(hearing.inlet.type, data)
+            call = hearing.inlet.call(message) if hearing.inlet.call is not None else None
+            if call is not None:
+                self._call(*call)
+                return
             slots = hearing.inlet.take(message)
-        except (CdrError, *_UNFIT) as error:
+        except (CdrError, MorseError, *_UNFIT) as error:
             self.complain(f"read {hearing.topic}", f"a message on {hearing.topic} is refused: {error}")
             return
         frame_id = message.get("header", {}).get("frame_id", "")
@@ -240,6 +262,12 @@ class TopicStream(KindStream, ComponentMessages):
                 return
             frame = known
         self.receive(hearing.bound, slots, frame)
+
+    def _call(self, service: str, arguments: list[Any]) -> None:
+        """Call an asynchronous service of the component, whose outcome nobody waits for."""
+        component = self.component_instance
+        component.context.journal.note(SERVICE, self.component_name, (service, arguments))
+        getattr(component, service)(lambda outcome: None, *arguments)
 
     def _from_frame(self, frame_id: str, slots: dict[str, Any]) -> str | None:
         """The frame of a command; a pose relative to the start is converted to the world frame."""
