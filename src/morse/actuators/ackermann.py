@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from statistics import fmean
 from typing import TYPE_CHECKING
 
 from morse.actuators.speed_command import SpeedCommand
 from morse.helpers.components import add_property
 from morse.helpers.joint_motors import JointMotors, joint_names
+from morse.helpers.joint_wheels import joint_wheels
 from morse.scene import Control
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.robot import Robot
     from morse.core.world import Body
 
@@ -31,16 +35,34 @@ class MotionVWAckermann(SpeedCommand):
     add_property("_right", "", "RightWheels", "string", "Driven joints on the right")
     add_property("_left_steering", "", "LeftSteering", "string", "Joint that steers the wheel on the left")
     add_property("_right_steering", "", "RightSteering", "string", "Joint that steers the wheel on the right")
-    add_property("_radius", 0.1, "WheelRadius", "float", "Radius of the wheels", unit="m", low=1e-3, high=100.0)
-    add_property("_base", 1.0, "WheelBase", "float", "Distance between the axles", unit="m", low=1e-3, high=100.0)
+    add_property(
+        "_radius",
+        0.0,
+        "WheelRadius",
+        "float",
+        "Radius of the wheels; 0: of their shapes",
+        unit="m",
+        low=0.0,
+        high=100.0,
+    )
+    add_property(
+        "_base",
+        0.0,
+        "WheelBase",
+        "float",
+        "Distance between the axles; 0: between their joints",
+        unit="m",
+        low=0.0,
+        high=100.0,
+    )
     add_property(
         "_separation",
-        0.5,
+        0.0,
         "WheelSeparation",
         "float",
-        "Distance between left and right wheels",
+        "Distance between left and right wheels; 0: between the joints that steer them",
         unit="m",
-        low=1e-3,
+        low=0.0,
         high=100.0,
     )
     add_property("_limit", 0.5, "SteeringLimit", "float", "Largest angle of a wheel", unit="rad", low=1e-3, high=1.5)
@@ -62,8 +84,9 @@ class MotionVWAckermann(SpeedCommand):
         self._wheels: JointMotors | None = None
         self._steering: JointMotors | None = None
         if left and right and len(steering) == 2:
-            self._wheels = JointMotors(body, left + right, Control.VELOCITY)
+            self._wheels = JointMotors.of_wheels(body, left + right, joint_wheels(body))
             self._steering = JointMotors(body, steering, Control.POSITION)
+            self._measure(body, [*left, *right], steering)
         else:
             self.context.complaints.warn(
                 f"{self.name()}: no joints",
@@ -71,6 +94,19 @@ class MotionVWAckermann(SpeedCommand):
                 "RightWheels='rear_right', LeftSteering='left_steering', RightSteering='right_steering')",
             )
         self._sides = (-1.0,) * len(left) + (1.0,) * len(right)
+
+    def _measure(self, body: Body, wheels: Sequence[str], steering: Sequence[str]) -> None:
+        """Measure on the model what the script does not set."""
+        joints = {wheel.joint: wheel for wheel in joint_wheels(body)}
+        driven, turned = [joints[name] for name in wheels], [joints[name] for name in steering]
+        self._radius = self._radius or fmean(wheel.radius for wheel in driven)
+        self._base = self._base or abs(fmean(one.x for one in turned) - fmean(one.x for one in driven))
+        self._separation = self._separation or abs(turned[0].y - turned[1].y)
+        if not (self._radius and self._base and self._separation):
+            raise ValueError(
+                f"{self.name()}: the wheels {', '.join(wheels)} have no shapes to be measured: "
+                "properties(WheelRadius=0.3, WheelBase=2.5, WheelSeparation=1.5)"
+            )
 
     def turning_speed(self, speed: float, angle: float) -> float:
         """The angular speed of a car, rad/s.

@@ -235,8 +235,11 @@ class DynamicJoints(JointServices):
         if self._motors is None:
             super()._move_to(values)
         elif list(values) != self._values:
+            # wheels that another actuator turns keep their commands
+            changed = [i for i, (new, old) in enumerate(zip(values, self._values, strict=True)) if new != old]
             self._values = list(values)
-            self._motors.tell(self.joints, self._values)
+            names = self.joints
+            self._motors.tell([names[i] for i in changed], [self._values[i] for i in changed])
 
     def _wanted(self) -> list[float]:
         if not self._controls:

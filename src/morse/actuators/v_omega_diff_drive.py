@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from morse.actuators.speed_command import SpeedCommand
 from morse.core.wheeled_robot import PhysicsDifferentialRobot, drives_wheels
 from morse.helpers.components import add_property, while_same
+from morse.helpers.differential_drive import differential_drive, joint_list
 from morse.helpers.joint_motors import JointMotors, joint_names
-from morse.scene import Control
+from morse.helpers.joint_wheels import joint_wheels
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -18,9 +19,12 @@ if TYPE_CHECKING:
 class MotionVWDiff(SpeedCommand):
     """Turns the wheels of a robot so that it drives and turns at the commanded speeds.
 
-    The robot is one of MORSE with wheels, or has joints as wheels, which the properties ``LeftWheels`` and
-    ``RightWheels`` name. Wheels that are joints turn at (v - w s / 2) / r on the left and (v + w s / 2) / r on the
-    right, with the separation s and the radius r.
+    The robot is one of MORSE with wheels, or has joints as wheels. These are found: joints that turn without limits
+    about a lateral axis and carry a round shape next to the ground, in pairs. Casters and steered wheels are left out.
+    ``left`` and ``right`` name other joints, as in ``MotionVWDiff(left="left_wheel", right="right_wheel")``.
+
+    Wheels that are joints turn at (v - w s / 2) / r on the left and (v + w s / 2) / r on the right, with the separation
+    s and the radius r, which are those of the shapes unless ``WheelSeparation`` and ``WheelRadius`` are set.
     """
 
     _name = "Differential Driver Actuator: Linear and angular speed (Vx, W) actuator"
@@ -29,16 +33,23 @@ class MotionVWDiff(SpeedCommand):
     add_property("_left", "", "LeftWheels", "string", "Joints of the wheels on the left, separated by commas")
     add_property("_right", "", "RightWheels", "string", "Joints of the wheels on the right")
     add_property(
-        "_radius", 0.1, "WheelRadius", "float", "Radius of wheels that are joints", unit="m", low=1e-3, high=100.0
+        "_radius",
+        0.0,
+        "WheelRadius",
+        "float",
+        "Radius of wheels that are joints; 0: of their shapes",
+        unit="m",
+        low=0.0,
+        high=100.0,
     )
     add_property(
         "_separation",
-        0.5,
+        0.0,
         "WheelSeparation",
         "float",
-        "Distance between left and right wheels that are joints",
+        "Distance between left and right wheels that are joints; 0: between the middles of their shapes",
         unit="m",
-        low=1e-3,
+        low=0.0,
         high=100.0,
     )
 
@@ -52,16 +63,26 @@ class MotionVWDiff(SpeedCommand):
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._wheels: JointMotors | None = None
-        left, right = joint_names(self._left), joint_names(self._right)
-        self._sides = (-1.0,) * len(left) + (1.0,) * len(right)
-        if left and right:
-            self._wheels = JointMotors(self.robot_parent.bge_object, left + right, Control.VELOCITY)
-        elif not isinstance(parent, PhysicsDifferentialRobot):
+        if not self._left and not self._right and isinstance(parent, PhysicsDifferentialRobot):
+            return
+        body = self.robot_parent.bge_object
+        drive = differential_drive(body, joint_names(self._left), joint_names(self._right))
+        if drive is None:
             raise TypeError(
-                f"{self.robot_parent.name()} ({type(parent).__name__}) has no wheels to drive: "
-                "use MotionVW, or a wheeled robot such as Pioneer3DX or SegwayRMP400, or name the joints of its "
-                "wheels: properties(LeftWheels='left_wheel', RightWheels='right_wheel')"
+                f"{self.robot_parent.name()} ({type(parent).__name__}) has no wheels to drive: use MotionVW, or a "
+                "wheeled robot such as Pioneer3DX or SegwayRMP400, or name the joints of its wheels: "
+                f"MotionVWDiff(left='left_wheel', right='right_wheel'); {joint_list(body)}"
             )
+        self._wheels = JointMotors.of_wheels(body, drive.joints, joint_wheels(body))
+        self._radii = [self._radius or radius for radius in drive.radii]
+        half = 0.5 * (self._separation or drive.separation)
+        self._levers = [side * half for side in drive.sides]
+        if not half or not all(self._radii):
+            raise ValueError(
+                f"the wheels {', '.join(drive.joints)} have no shapes whose radius and distance could be measured: "
+                "properties(WheelRadius=0.1, WheelSeparation=0.4)"
+            )
+        self._signs = drive.signs
 
     def may_wait(self) -> bool:
         """Whether the wheels are no joints, and turn at the same speeds until the next command, without limits."""
@@ -76,5 +97,5 @@ class MotionVWDiff(SpeedCommand):
             assert isinstance(robot, PhysicsDifferentialRobot)
             robot.apply_vw_wheels(v, w)
             return
-        half, radius = 0.5 * self._separation, self._radius
-        self._wheels.tell([(v + side * w * half) / radius for side in self._sides])
+        columns = zip(self._signs, self._levers, self._radii, strict=True)
+        self._wheels.tell([sign * (v + lever * w) / radius for sign, lever, radius in columns])

@@ -17,7 +17,6 @@ from morse.builder.actuators import Keyboard as Keyboard
 from morse.builder.actuators import LiftDrag as LiftDrag
 from morse.builder.actuators import MotionVW as MotionVW
 from morse.builder.actuators import MotionVWAckermann as MotionVWAckermann
-from morse.builder.actuators import MotionVWDiff as MotionVWDiff
 from morse.builder.actuators import MotionXYW as MotionXYW
 from morse.builder.actuators import Orientation as Orientation
 from morse.builder.actuators import PA10 as PA10
@@ -51,6 +50,7 @@ from morse.builder.components.component import Component as Component
 from morse.builder.components.compound import CompoundSensor as CompoundSensor
 from morse.builder.components.furnished import LedArray as LedArray
 from morse.builder.components.furnished import Light as Light
+from morse.builder.components.furnished import MotionVWDiff as MotionVWDiff
 from morse.builder.components.furnished import PTU as PTU
 from morse.builder.components.furnished import Sound as Sound
 from morse.builder.components.human import Human as Human

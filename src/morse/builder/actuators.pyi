@@ -5,6 +5,7 @@ from morse.builder.components.armatures import Armature as Armature
 from morse.builder.components.armatures import KukaLWR as KukaLWR
 from morse.builder.components.furnished import LedArray as LedArray
 from morse.builder.components.furnished import Light as Light
+from morse.builder.components.furnished import MotionVWDiff as MotionVWDiff
 from morse.builder.components.furnished import PTU as PTU
 from morse.builder.components.furnished import Sound as Sound
 from morse.builder.components.joystick import Joystick as Joystick
@@ -157,24 +158,6 @@ class MotionVWAckermann(ActuatorCreator):
         WheelBase: float = ...,
         WheelSeparation: float = ...,
         SteeringLimit: float = ...,
-        **kwargs: Any,
-    ) -> None: ...
-
-class MotionVWDiff(ActuatorCreator):
-    """Motion controller using linear and angular speeds, by the wheels"""
-    def properties(
-        self,
-        *,
-        MaxSpeed: float = ...,
-        MaxAcceleration: float = ...,
-        MaxJerk: float = ...,
-        MaxAngularSpeed: float = ...,
-        MaxAngularAcceleration: float = ...,
-        MaxAngularJerk: float = ...,
-        LeftWheels: str = ...,
-        RightWheels: str = ...,
-        WheelRadius: float = ...,
-        WheelSeparation: float = ...,
         **kwargs: Any,
     ) -> None: ...
 

@@ -55,6 +55,7 @@ _BY_HAND: Mapping[str, type[Component]] = {
     "morse.actuators.light.Light": furnished.Light,
     "morse.actuators.ptu.PTU": furnished.PTU,
     "morse.actuators.sound.Sound": furnished.Sound,
+    "morse.actuators.v_omega_diff_drive.MotionVWDiff": furnished.MotionVWDiff,
     "morse.robots.human.Human": Human,
     "morse.robots.morsy.Morsy": Morsy,
     "morse.sensors.compound.CompoundSensor": CompoundSensor,

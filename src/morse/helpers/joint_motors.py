@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from morse.core.reports.hints import nearest
+from morse.helpers.joint_wheels import rolling_wheels
+from morse.scene import Control
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.world import Body, Joints
-    from morse.scene import Control
+    from morse.helpers.joint_wheels import JointWheel
 
 
 def joint_names(text: str) -> tuple[str, ...]:
@@ -44,6 +46,17 @@ class JointMotors:
         self._joints: Joints = joints
         for name in self.names if control is not None else ():
             joints.set_control(name, control, 0.0)
+
+    @classmethod
+    def of_wheels(cls, robot: Body, names: Sequence[str], wheels: Sequence[JointWheel]) -> Self:
+        """The motors of driven wheels; other wheels on the ground roll freely.
+
+        Args:
+            wheels: all joints of the robot that turn.
+        """
+        if rolling := rolling_wheels(wheels, names):
+            cls(robot, rolling, Control.EFFORT)
+        return cls(robot, names, Control.VELOCITY)
 
     def tell(self, values: Sequence[float]) -> None:
         """Set the commands, rad or rad/s."""

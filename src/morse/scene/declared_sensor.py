@@ -21,6 +21,7 @@ class DeclaredSensor:
         rotation: 9 numbers, row by row, from the frame of the sensor (X forward, Z up) to that of the link.
         properties: names and values of the properties that the file sets.
         frequency: Hz, or None.
+        stream: options of its streams that the file sets, such as the topic.
     """
 
     name: str
@@ -30,3 +31,4 @@ class DeclaredSensor:
     rotation: Rotation9
     properties: tuple[tuple[str, float | int | str], ...] = ()
     frequency: float | None = None
+    stream: tuple[tuple[str, str | bool], ...] = ()

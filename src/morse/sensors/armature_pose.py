@@ -59,13 +59,17 @@ class ArmaturePose(Sensor):
         super().__init__(obj, parent)
         actuators = {component.name for component in self.context.scene.components if component.kind == "actuator"}
         holder = obj.parent
-        while holder is not None and not (holder.node.bones and holder.name in actuators):
+        while holder is not None and not (
+            holder.node.bones and (holder.name in actuators or holder.joints() is not None)
+        ):
             holder = holder.parent
         if holder is None:
             raise ValueError(
                 "it measures the joints of an armature: append it to an armature, as in 'arm.append(pose)'"
             )
         self._armature: str = holder.name
+        #: of joints that no armature component moves
+        self._motors: Any = None if holder.name in actuators else holder.joints()
         chain = Chain(holder.node.bones)
         self._bones = tuple(chain.bones[index] for index in chain.joints)
         self._loose = tuple(chain.bones[index] for index in chain.loose)
@@ -104,6 +108,14 @@ class ArmaturePose(Sensor):
 
     def measure(self) -> None:
         """Measure the joint values."""
+        motors = self._motors
+        if motors is not None:
+            names = self.joints
+            self.local_data.update(zip(names, motors.positions(names), strict=True))
+            self.velocities, self.efforts = tuple(motors.velocities(names)), tuple(motors.efforts(names))
+            for bone in self._loose:
+                self.local_data[bone.name] = motors.loose(bone.name)[0] or self.local_data[bone.name]
+            return
         armature: Any = self.context.components[self._armature]
         self.local_data.update(zip(self.joints, armature.joint_values, strict=True))
         if getattr(armature, "is_dynamic", False):
@@ -147,15 +159,20 @@ class ArmaturePose(Sensor):
         Positions are displacements along the axes of the joint, m, then an angle, rad (``planar``), or a quaternion w,
         x, y, z (``floating``, ``ball``). Velocities are m/s and rad/s; they are empty unless the joints are dynamic.
         """
-        armature: Any = self.context.components[self._armature]
         return {
             bone.name: {
                 "type": str(bone.kind),
                 "position": list(self.local_data[bone.name]),
-                "velocity": armature.loose_joint(bone.name)[1] if getattr(armature, "is_dynamic", False) else [],
+                "velocity": self._loose_velocity(bone.name),
             }
             for bone in self._loose
         }
+
+    def _loose_velocity(self, name: str) -> list[float]:
+        if self._motors is not None:
+            return list(self._motors.loose(name)[1])
+        armature: Any = self.context.components[self._armature]
+        return list(armature.loose_joint(name)[1]) if getattr(armature, "is_dynamic", False) else []
 
     @service(changes=False)
     def get_joints_length(self) -> dict[str, float]:

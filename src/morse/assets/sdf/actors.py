@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from morse.assets import solids
 from morse.assets.errors import AssetError
+from morse.assets.gazebo.values import ValueMistakeError, boolean, number, pose_of, text_of
 from morse.assets.nearby_files import FileRefusedError, find_near
-from morse.assets.sdf.values import ValueMistakeError, boolean, number, pose_of, text_of
 from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix
 from morse.mathutils.rotations import nine

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, vector
 from morse.assets.sdf.scope import SEPARATOR, WORLD, FrameMistakeError, Part, child_of, end_of
-from morse.assets.sdf.values import ValueMistakeError, boolean, pose_of, vector
 from morse.mathutils import Matrix, Vector
 
 if TYPE_CHECKING:

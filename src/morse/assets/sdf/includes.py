@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
 from morse.assets.errors import AssetError
+from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, text_of
 from morse.assets.model_folders import version_of
 from morse.assets.nearby_files import FileRefusedError
 from morse.assets.sdf.files import find_model, read_root
 from morse.assets.sdf.scope import MODEL, Part, Scope
 from morse.assets.sdf.usual import usual_model
-from morse.assets.sdf.values import ValueMistakeError, boolean, pose_of, text_of
 from morse.assets.triangle_limit import check_parts
 
 if TYPE_CHECKING:

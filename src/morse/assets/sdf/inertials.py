@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.values import ValueMistakeError, number, text_of, vector
 from morse.assets.inertial import inertial_of
-from morse.assets.sdf.values import ValueMistakeError, number, text_of, vector
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

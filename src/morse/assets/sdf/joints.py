@@ -6,8 +6,8 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.values import FARTHEST, ValueMistakeError, number, unlimited
 from morse.assets.sdf.scope import SEPARATOR
-from morse.assets.sdf.values import FARTHEST, ValueMistakeError, number, unlimited
 from morse.assets.urdf.document import Joint, Link, check_depth
 from morse.mathutils import Matrix, Vector
 from morse.scene import JointDynamics

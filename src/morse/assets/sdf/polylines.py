@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import mapbox_earcut
 import numpy as np
 
-from morse.assets.sdf.values import ValueMistakeError, number, vector
+from morse.assets.gazebo.values import ValueMistakeError, number, vector
 from morse.scene import Mesh
 
 if TYPE_CHECKING:

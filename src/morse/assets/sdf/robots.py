@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.motors import prepare_motors
+from morse.assets.gazebo.plugins import Plugins
+from morse.assets.gazebo.values import ValueMistakeError, boolean
 from morse.assets.sdf.flat import FlatLink, joints_of, links_of
 from morse.assets.sdf.inertials import inertial_in
 from morse.assets.sdf.joints import JointTree
-from morse.assets.sdf.plugins import Plugins
-from morse.assets.sdf.scope import WORLD
-from morse.assets.sdf.values import ValueMistakeError, boolean
+from morse.assets.sdf.scope import SEPARATOR, WORLD
 from morse.assets.sdf.worlds import light_node
 from morse.assets.urdf.document import Document, Link, check_counts
 from morse.assets.urdf.reader import robot_library
 from morse.assets.urdf.sensors import declared_sensors
 from morse.mathutils import Matrix
-from morse.scene import Control
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,11 +28,6 @@ if TYPE_CHECKING:
     from morse.assets.sdf.scope import Scope
     from morse.scene import Node
     from morse.scene.declared_sensor import DeclaredSensor
-
-
-#: m/s^2
-_GRAVITY = 9.81
-_DRIVES = ("MotionVWDiff", "MotionVWAckermann")
 
 
 class Models:
@@ -65,11 +58,12 @@ class Models:
             return None
         joints = list(joints_of(model, self._warn))
         document = self._document(model, links, joints, prefix)
-        self.actuators = self._plugins(model, document, list(links), prefix)
+        plugins = self._plugins(model, document, list(links), prefix)
+        self.actuators = plugins.actuators
         library = robot_library(self._path, document)
         for warning in library.warnings:
             self._warn(warning)
-        self.sensors = document.sensors
+        self.sensors = document.sensors + plugins.sensors
         root = library.roots[0]
         root.location, root.rotation_euler = list(pose.translation), list(pose.to_euler())
         root.body.gravity = any(boolean(link.part.element, "gravity", True) for link in links.values())
@@ -79,26 +73,13 @@ class Models:
             armature.location, armature.rotation_euler = list(base.translation), list(base.to_euler())
         return root
 
-    def _plugins(self, model: Scope, document: Document, links: list[str], prefix: str) -> list[DeclaredSensor]:
-        """The actuators of a model.
-
-        Wheels that turn without an end, and that none of them drives, roll freely. The motors of driven wheels are just
-        strong enough to let the wheels slip: without a limit, a wheel that stops at once would throw the robot over.
-        """
+    def _plugins(self, model: Scope, document: Document, links: list[str], prefix: str) -> Plugins:
         first = document.root.removeprefix(prefix)
         links.sort(key=lambda name: name != first)
-        plugins = Plugins({joint.name: joint for joint in document.joints}, links, prefix, self._warn)
-        plugins.read(model)
-        weight = _GRAVITY * sum(link.inertial.mass for link in document.links.values() if link.inertial is not None)
-        for drive in (dict(one.properties) for one in plugins.actuators if one.product in _DRIVES):
-            wheels = f"{drive['LeftWheels']}, {drive['RightWheels']}".split(", ")
-            for joint in document.joints:
-                is_wheel = joint.kind in ("revolute", "continuous") and not joint.dynamics.limited
-                if is_wheel and joint.name not in plugins.driven:
-                    joint.dynamics = replace(joint.dynamics, control=Control.EFFORT)
-                elif joint.name in wheels and math.isinf(joint.dynamics.effort):
-                    joint.dynamics = replace(joint.dynamics, effort=max(weight * float(drive["WheelRadius"]), 1e-3))
-        return plugins.actuators
+        plugins = Plugins({joint.name: joint for joint in document.joints}, links, prefix, document.name, self._warn)
+        plugins.read(_plugins_of(model))
+        prepare_motors(document, plugins)
+        return plugins
 
     def _document(self, model: Scope, links: dict[str, FlatLink], joints: list[FlatJoint], prefix: str) -> Document:
         poses = {name: link.pose for name, link in links.items()} | {WORLD: Matrix.Identity(4)}
@@ -190,6 +171,14 @@ class Models:
 
         sensors, remarks = declared_sensors(elements(), {f"{prefix}{name}" for name in links})
         return sensors, [*wrong, *remarks]
+
+
+def _plugins_of(model: Scope, prefix: str = "") -> Iterator[tuple[Element, str]]:
+    """The plugins of a model and its nested models, with the prefixes of names in these."""
+    for element, _ in model.plugins:
+        yield element, prefix
+    for name, nested in model.models.items():
+        yield from _plugins_of(nested, f"{prefix}{name}{SEPARATOR}")
 
 
 def _in_link(element: Element, link: FlatLink) -> Element:

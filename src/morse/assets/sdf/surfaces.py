@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.assets.sdf.values import ValueMistakeError, boolean, number
+from morse.assets.gazebo.values import ValueMistakeError, boolean, number
 from morse.scene import BodySettings, PhysicsType
 
 if TYPE_CHECKING:

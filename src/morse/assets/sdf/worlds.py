@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.plugins import unknown_plugins
+from morse.assets.gazebo.values import ValueMistakeError, boolean, number, text_of, vector
 from morse.assets.sdf.actors import add_actors
-from morse.assets.sdf.plugins import Plugins
-from morse.assets.sdf.values import ValueMistakeError, boolean, number, text_of, vector
 from morse.mathutils import Vector
 from morse.mathutils.light import linear_light
 from morse.scene import Light, Node, NodeKind
@@ -37,7 +37,8 @@ def add_world(library: Library, scope: Scope, element: Element, includes: Includ
         includes.warn(f"joints between the models of the world are left out: {', '.join(scope.joints)[:200]}")
     if element.tag != "world":
         return
-    Plugins({}, [], "", includes.warn).read_world(scope)
+    if names := unknown_plugins(plugin for plugin, _ in scope.plugins):
+        includes.warn(f"plugins of the world are left out: {', '.join(dict.fromkeys(names))[:400]}")
     for add in (_add_gravity, _add_place, _add_sky):
         try:
             add(library, element, includes)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from morse.assets.errors import AssetError
 from morse.assets.inertial import inertial_of
 from morse.assets.triangle_limit import check_parts
+from morse.assets.urdf.drives import add_plugins
 from morse.assets.urdf.expansion import read_expanded
 from morse.assets.urdf.sensors import sensors_of
 from morse.mathutils import Euler, Matrix
@@ -117,6 +118,7 @@ class Document:
         fixed: whether the robot is fixed to the world; None if its masses decide.
         constraints: joints that close a loop.
         self_collision: whether its links collide with each other.
+        actuators: what its plugins stand for.
     """
 
     name: str
@@ -128,6 +130,7 @@ class Document:
     fixed: bool | None = None
     constraints: tuple[Constraint, ...] = ()
     self_collision: bool = False
+    actuators: list[DeclaredSensor] = field(default_factory=list)
 
 
 class _Parser:
@@ -305,7 +308,9 @@ def parse(path: Path) -> Document:
     root, ordered = _tree(parser, links, joints)
     root, ordered = _let_float(parser, links, root, ordered)
     sensors, remarks = sensors_of(robot, links)
-    return Document(robot.get("name") or path.stem, links, ordered, root, [*parser.warnings, *remarks], sensors)
+    document = Document(robot.get("name") or path.stem, links, ordered, root, [*parser.warnings, *remarks], sensors)
+    add_plugins(robot, document)
+    return document
 
 
 def _let_float(parser: _Parser, links: dict[str, Link], root: str, ordered: list[Joint]) -> tuple[str, list[Joint]]:

@@ -100,7 +100,9 @@ class _Reader:
                 frame = frames[node.bone] @ rotations[link.name].inverted()
                 node.location, node.rotation_euler = list(frame.translation), list(frame.to_euler())
             armature.attach(node)
-        return Library(str(self.path), roots=[root], sensors=document.sensors, warnings=self.warnings)
+        return Library(
+            str(self.path), roots=[root], sensors=document.sensors, actuators=document.actuators, warnings=self.warnings
+        )
 
     def _is_fixed(self, mass: float) -> bool:
         """Whether the robot is fixed to the world: the links that move with the first one have no mass."""

@@ -58,6 +58,7 @@ def add_sensors(
         if one.frequency is not None:
             sensor.frequency(one.frequency)
         sensor._is_optional = True
-        robot.append(sensor, one.link or None)
+        sensor._file_options = dict(one.stream)
+        robot.append(sensor, one.link if one.link and one.link != robot.scene_node.source_name else None)
         sensors[name] = sensor
     return sensors

@@ -17,6 +17,8 @@ from morse.scene import Light as Lamp
 from morse.scene import Material, Node, NodeKind
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from morse.builder.abstractcomponent import AbstractComponent
 
 _MOST_LEDS = 4096
@@ -57,6 +59,26 @@ class Sound(ActuatorCreator):
         except (OSError, ValueError) as error:
             raise MorseBuilderError(f"Sound.open(path): {error}") from None
         self.properties(file=str(file.resolve()))
+
+
+class MotionVWDiff(ActuatorCreator):
+    """A differential drive; its component class is `morse.actuators.v_omega_diff_drive.MotionVWDiff`.
+
+    Args:
+        name: its name, if it differs from the name of the variable that refers to it.
+        left: the joint that turns the wheel on the left, or several ones; by default, the wheels are found.
+        right: those on the right.
+    """
+
+    _classpath = "morse.actuators.v_omega_diff_drive.MotionVWDiff"
+
+    def __init__(
+        self, name: str | None = None, *, left: str | Iterable[str] = (), right: str | Iterable[str] = ()
+    ) -> None:
+        super().__init__(name)
+        for side, joints in (("LeftWheels", left), ("RightWheels", right)):
+            if joints:
+                self.properties(**{side: joints if isinstance(joints, str) else ", ".join(map(str, joints))})
 
 
 class PTU(ActuatorCreator):

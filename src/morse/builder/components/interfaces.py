@@ -6,7 +6,7 @@ import logging
 from typing import Any
 
 from morse.builder.errors import checks
-from morse.builder.errors.options import modifier_options, stream_options
+from morse.builder.errors.options import modifier_options, stream_options, with_file_options
 from morse.builder.names import frames
 from morse.builder.names.modifiers import find_modifier
 from morse.core import declarations
@@ -28,6 +28,8 @@ class Interfaces:
 
     def _init_interfaces(self) -> None:
         self._level: str | None = None
+        #: options of streams that the file of the robot sets
+        self._file_options: dict[str, str | bool] = {}
         self._streams: list[StreamDeclaration] = []
         self._managers: list[str] = []
         self._modifiers: list[ModifierDeclaration] = []
@@ -89,7 +91,7 @@ class Interfaces:
             stream_class = usual
         if stream_class.startswith("morse."):
             # a class of the user may have options of its own
-            options = stream_options(manager, kwargs)
+            options = stream_options(manager, with_file_options(manager, kwargs, self._file_options))
         stream = StreamDeclaration(manager, stream_class, way, options, frames.source_line())
         self._streams.append(stream)
 

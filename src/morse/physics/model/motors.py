@@ -14,6 +14,9 @@ computed from the largest load of the motor:
 * d = 2 sqrt(k I), critically damped. For a motor that controls a velocity, d = 10 I / h, where h is the time step. If
   such a motor has a largest effort, the joint lags by at most 0.1 rad/s (2 cm/s), and d h is the inertia of its rotor.
 
+In a robot that is not fixed, the largest effort of a joint without limits is at most the moment of the weight of the
+rest of the robot about the joint: a stronger wheel would throw the robot over.
+
 A motor for positions also gets a rotor with the inertia d h / 2, where h is the time step, like the motors and gears of
 real robots. Without a rotor, a motor at its largest effort could reverse a light link within a step, and the link would
 oscillate. The rotor does not change static efforts. A motor for efforts, or with gains in the file, has only the rotor
@@ -54,6 +57,8 @@ _GRIP = 10.0
 _UPRIGHT = 10.0
 #: k h^2 / I, above which a spring is too stiff for the time step
 _STIFF = 0.25
+#: largest effort of a joint without limits that carries an arm, as a multiple of the moment of its weight
+_WHEEL = 2.0
 _GRAVITY = 9.81
 
 #: the arrays of a model of the engine that contain the settings of motors
@@ -106,6 +111,14 @@ class Motor:
     load: Load
     step: float
 
+    @property
+    def effort(self) -> float:
+        """The largest effort, N m (N): wheels are at most as strong as what throws their robot over."""
+        dynamics, load = self.dynamics, self.load
+        if dynamics.limited or load.slides or not load.tilt:
+            return dynamics.effort
+        return min(dynamics.effort, max(load.tilt, _WHEEL * load.moment))
+
     def setting(self, control: Control) -> Setting:
         """Return the setting for a control mode."""
         dynamics, load, step = self.dynamics, self.load, self.step
@@ -115,8 +128,8 @@ class Motor:
         if control is Control.EFFORT:
             return Setting(1.0, 0.0, 0.0, rotor)
         if control is Control.VELOCITY:
-            if gain is None and math.isfinite(dynamics.effort):
-                gain = max(inertia / step, dynamics.effort / _LAG[load.slides])
+            if gain is None and math.isfinite(self.effort):
+                gain = max(inertia / step, self.effort / _LAG[load.slides])
                 rotor = max(rotor, gain * step - inertia)
             elif gain is None:
                 rotor = max(rotor, inertia)
@@ -144,8 +157,8 @@ class Motor:
         actuator.gainprm[0] = setting.gain
         actuator.biasprm[1], actuator.biasprm[2] = -setting.stiffness, -setting.damping
         joint.armature = setting.rotor
-        if math.isfinite(self.dynamics.effort):
-            actuator.forcelimited, actuator.forcerange = True, [-self.dynamics.effort, self.dynamics.effort]
+        if math.isfinite(self.effort):
+            actuator.forcelimited, actuator.forcerange = True, [-self.effort, self.effort]
 
 
 def write(arrays: Mapping[str, NDArray[np.float64]], actuator: int, dof: int, setting: Setting) -> None:
