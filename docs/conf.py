@@ -12,12 +12,15 @@ from morse.version import __version__ as release  # noqa: E402, F401
 project = "MORSE"
 author = "The MORSE developers"
 copyright = "2026, The MORSE developers"
-extensions = ["myst_parser", "component_library", "tour"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "component_library", "tour"]
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+napoleon_use_ivar = True  # attributes are documented once
 exclude_patterns = ["_build", "measured"]
 myst_enable_extensions = ["attrs_inline", "deflist", "fieldlist"]
 myst_heading_anchors = 3
 # links to source files are for readers of the repository
-suppress_warnings = ["myst.xref_missing"]
+suppress_warnings = ["myst.xref_missing", "ref.python"]
 
 html_theme = "furo"
 html_static_path = ["_static"]
