@@ -130,7 +130,9 @@ def test_the_line_of_an_edited_script_is_known_while_it_is_executed(tmp_path: Pa
     script = tmp_path / "scene.py"
     script.write_text(EDITED)
     options = RunOptions(str(script))
-    rereading = Rereading(options, load_scene(options), {})
+    scene = load_scene(options)
+    scene.project.stay()
+    rereading = Rereading(options, scene, {})
     probe = "import sys\nfrom morse.launch import stuck_ticks as s\ns.lines.append(s.user_line(sys._getframe()))\n"
     script.write_text(EDITED + probe)
     stuck_ticks.lines = []  # type: ignore[attr-defined]
@@ -139,6 +141,7 @@ def test_the_line_of_an_edited_script_is_known_while_it_is_executed(tmp_path: Pa
         assert stuck_ticks.lines == [f"{script}:{EDITED.count(chr(10)) + 3}, in <module>"]  # type: ignore[attr-defined]
     finally:
         del stuck_ticks.lines  # type: ignore[attr-defined]
+        (rereading.successor[0] if rereading.successor else scene).project.leave()
 
 
 def test_a_file_that_is_read_for_ever_is_left_at_the_end(

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from scripted_simulation import wait_until
 from test_pymorse_aio import Running, running
 
 if TYPE_CHECKING:
@@ -31,7 +32,8 @@ def drive(words: Sequence[str | Path], running: Running) -> None:
     assert found is not None
     assert 0.5 <= float(found[1]) < 1.5
     speed = running.sim.context.components["robot.motion"].local_data
-    assert (speed["v"], speed["w"]) == (0.0, 0.0)
+    # the last command is taken in a tick after the program has ended
+    wait_until(lambda: (speed["v"], speed["w"]) == (0.0, 0.0), LIMIT)
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")

@@ -15,6 +15,7 @@ import pytest
 from scripted_simulation import wait_until
 
 import morse
+from event_loops import run_apart
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def test_everything_is_awaited_under_the_same_names(running: Running) -> None:
             assert len(exchanged) == 2
             await simu.resume()
 
-    asyncio.run(program())
+    run_apart(program())
 
 
 def test_errors_timeouts_and_cancellation(running: Running) -> None:
@@ -124,7 +125,7 @@ def test_errors_timeouts_and_cancellation(running: Running) -> None:
             raise KeyError("ends the running services")
 
     with pytest.raises(KeyError):
-        asyncio.run(program())
+        run_apart(program())
 
 
 def test_callbacks_run_in_the_loop(running: Running) -> None:
@@ -145,7 +146,7 @@ def test_callbacks_run_in_the_loop(running: Running) -> None:
             simu.robot.pose.unsubscribe(slow)
             assert set(threads) == {threading.get_ident()}
 
-    asyncio.run(program())
+    run_apart(program())
 
 
 @pytest.mark.parametrize("binary", [False, True])
