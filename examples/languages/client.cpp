@@ -101,8 +101,10 @@ int main() try {
         data = pose.read();
         driven = std::hypot(number(data, "x") - x, number(data, "y") - y);
     }
-    simulation.call("robot.motion", "set_speed", "[0.0, 0.0]");
-    std::cout << "driven " << driven << " m\n";
+    // on the same connection: a service may be faster than the last message of a stream
+    motion.write("{\"v\": 0.0, \"w\": 0.0}");
+    const std::string time = simulation.call("time", "now");
+    std::cout << "driven " << driven << " m, at " << time << " s\n";
     return 0;
 } catch (const std::exception &error) {
     std::cerr << error.what() << '\n';

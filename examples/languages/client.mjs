@@ -69,5 +69,7 @@ for await (const line of pose.read) {
   }
   motion.write(JSON.stringify({ v: 0.5, w: 0.0 }));
 }
-await simulation.call("robot.motion", "set_speed", 0.0, 0.0);
+// on the same connection: a service may be faster than the last message of a stream
+motion.write(JSON.stringify({ v: 0.0, w: 0.0 }));
+console.log(`at ${await simulation.call("time", "now")} s`);
 for (const one of [simulation.connection, motion, pose]) one.end();
