@@ -38,6 +38,7 @@ TOPIC_OPTIONS: Mapping[str, Option] = {
     "rosout": Option(bool, True, "publish the log of the simulation as /rosout"),
     "localization": Option(bool, False, "another node publishes the transform from map to odom"),
     "namespace": Option(str, None, "namespace of all topics, replaces the name of the robot; empty for none"),
+    "remap": Option((str, dict), None, "YAML file, or topics to new names or to topic, reliability, durability, depth"),
     "frame_prefix": Option(str, None, "prefix of the names of frames, replaces the name of the robot and a slash"),
 }
 #: class path of the manager of ROS 2, whose topics recordings have as well

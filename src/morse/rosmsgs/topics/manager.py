@@ -17,6 +17,7 @@ from morse.rosmsgs.names import Names, robot_of
 from morse.rosmsgs.options import TOPIC_OPTIONS
 from morse.rosmsgs.outlets import COMMAND
 from morse.rosmsgs.qos import Qos
+from morse.rosmsgs.remap import Remaps
 from morse.rosmsgs.topics.backend import announce
 from morse.rosmsgs.topics.robots import Robots
 from morse.rosmsgs.topics.rosout import LogTopic
@@ -60,6 +61,7 @@ class TopicManager(DatastreamManager):
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
         self.names = Names(self.options)
+        self._remaps = Remaps(self.options.get("remap"), context.scene.nearby_paths)
         self.backend = self._make_backend()
         announce(self.backend, self.title)
         self._complaints = Complaints(logger)
@@ -89,6 +91,7 @@ class TopicManager(DatastreamManager):
         """The backend."""
 
     def _own(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
+        topic, qos = self._remaps.apply(topic, qos)
         self._claims[topic] = (type_name, "the simulation")
         made = self.backend.publisher(topic, type_name, qos)
         if made is None:
@@ -97,11 +100,12 @@ class TopicManager(DatastreamManager):
 
     def own(self, topic: str, type_name: str, qos: Qos, owner: str) -> Publisher | None:
         """A topic without a component; None if a component publishes it, or the backend does not have the message."""
-        if topic in self._claims:
-            logger.info("%s: %s is published by %s only", self.title, topic, self._claims[topic][1])
+        name, _ = self._remaps.apply(topic, qos)
+        if name in self._claims:
+            logger.info("%s: %s is published by %s only", self.title, name, self._claims[name][1])
             return None
         made = self._own(topic, type_name, qos)
-        self._claims[topic] = (type_name, owner)
+        self._claims[name] = (type_name, owner)
         return made
 
     def tell(self, publisher: Publisher | None, type_name: str, message: dict[str, Any]) -> None:
@@ -144,6 +148,8 @@ class TopicManager(DatastreamManager):
             MorseMiddlewareError: the topic is that of another component, or the backend does not have the message.
         """
         qos = outlet.qos._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else outlet.qos
+        original = topic
+        topic, qos = self._remaps.apply(topic, qos)
         owner = self._claims.get(topic)
         if owner is not None:
             raise MorseMiddlewareError(
@@ -153,7 +159,7 @@ class TopicManager(DatastreamManager):
         if key not in self._publishers:
             made = self.backend.publisher(*key)
             if made is None and outlet.instead is not None:
-                return self.offer(stream, topic, outlet.instead)
+                return self.offer(stream, original, outlet.instead)
             if made is None and outlet.or_none:
                 return None
             self._publishers[key] = self._made(made, stream, outlet.type)
@@ -172,14 +178,14 @@ class TopicManager(DatastreamManager):
             alias = f"{self.names.namespace(stream.robot, stream.kwargs['namespace'])}/{inlet.also}"
             if self._aliases.setdefault(alias, stream.component_name) == stream.component_name:
                 topics.append(alias)
-        for topic in dict.fromkeys(topics):
+        usual = COMMAND._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else COMMAND
+        for topic, qos in dict([self._remaps.apply(topic, usual) for topic in topics]).items():
             known = self._claims.setdefault(topic, (inlet.type, stream.component_name))
             if known[0] != inlet.type:
                 raise MorseMiddlewareError(
                     f"{stream.component_name}: the topic {topic} has the type {known[0]} for {known[1]}, and "
                     f"cannot have {inlet.type} as well; set another one: topic='...'"
                 )
-            qos = COMMAND._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else COMMAND
             # each listener has its own subscription: a message can be taken only once
             key = (f"{stream.component_name} {topic}", inlet.type, qos)
             if key not in self._subscriptions:
@@ -261,6 +267,8 @@ class TopicManager(DatastreamManager):
             for stream, error in failures:
                 component = stream.component_instance
                 self.context.guard.close(component, component.output_functions, stream, error)
+        for problem in self._remaps.unused():
+            logger.error("%s: %s", self.title, problem)
         stamp = self.context.clock.stamp()
         if self._clock is not None and self._clock.wanted():
             self._publish(self._clock, _CLOCK, clock(stamp))
