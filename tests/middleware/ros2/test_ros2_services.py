@@ -86,7 +86,7 @@ def test_a_backend_without_services_says_so(tmp_path: Path, caplog: pytest.LogCa
     scene.write_text(SCENE.format(domain=DOMAIN, backend="cyclonedds"))
     with morse.load(scene, sockets=True) as sim:
         sim.step(2)
-    assert "cyclonedds has no services" in caplog.text
+    assert "cyclonedds has topics, but no services, actions and parameters" in caplog.text
 
 
 if HERE:  # otherwise the Python with rclpy runs it, see below

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 SET_PARAMETERS = "rcl_interfaces/srv/SetParametersAtomically"
 #: fields of rcl_interfaces/ParameterValue by its type
-_VALUES = {
+VALUES = {
     1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value", 5: "byte_array_value",
     6: "bool_array_value", 7: "integer_array_value", 8: "double_array_value", 9: "string_array_value",
 }  # fmt: skip
@@ -88,7 +88,7 @@ class Call:
         return values
 
     def _value(self, name: str, value: Mapping[str, Any]) -> Any:
-        field = _VALUES.get(value["type"])
+        field = VALUES.get(value["type"])
         if field is None:
             return None
         given = value[field]

@@ -14,6 +14,7 @@ from morse.middleware.ros2.calls import Call
 from morse.middleware.ros2.domain import join, options_of
 from morse.middleware.ros2.feedback import Feedback
 from morse.middleware.ros2.mapping import INSTALL_ROS
+from morse.middleware.ros2.parameters import Parameters
 from morse.middleware.ros2.simulation_interfaces import SimulationInterfaces
 from morse.rosmsgs.cdr import CdrError
 from morse.rosmsgs.names import Names, cleaned
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
+    from morse.middleware.ros2.served import Served
     from morse.rosmsgs.topics.backend import Backend, ServiceServer
 
 logger = logging.getLogger(__name__)
@@ -57,7 +59,7 @@ class Ros2RequestManager(AnsweredRequests):
         self._share = TimeShare(context.time_shares)
         self._turn = self._next_offer = 0
         self._backend: Backend | None = None
-        self._simulation: SimulationInterfaces | None = None
+        self._served: list[Served] = []
 
     def initialization(self) -> bool:
         """Join the domain.
@@ -76,6 +78,8 @@ class Ros2RequestManager(AnsweredRequests):
                 self._backend.name,
                 INSTALL_ROS,
             )
+        else:
+            self._served.append(Parameters(self._context, self._backend, self._settable, self.call))
         return True
 
     def finalization(self) -> bool:
@@ -85,8 +89,9 @@ class Ros2RequestManager(AnsweredRequests):
         self._offers.clear()
         for key in [*self._typed, *self._actions]:
             self._withdraw(key)
-        if self._simulation is not None:
-            self._simulation.close()
+        for served in self._served:
+            served.close()
+        self._served.clear()
         if self._backend is not None:
             self._backend.release()
             self._backend = None
@@ -114,8 +119,8 @@ class Ros2RequestManager(AnsweredRequests):
         server = self._backend.service(f"{self._base(component)}/{cleaned(name)}", call.type)
         if server is not None:
             self._offers[component, name] = _Offer(server, call)
-        if component == "simulation" and name == "pause" and self._simulation is None:
-            self._simulation = SimulationInterfaces(self._context, self._backend, self.call)
+        if component == "simulation" and name == "pause" and len(self._served) == 1:
+            self._served.append(SimulationInterfaces(self._context, self._backend, self.call))
 
     def _offer_typed(self, component: str, callback: Callable[..., Any], name: str, backend: Backend) -> bool:
         """Offer a service or an action with its own type; False if it has none."""
@@ -167,7 +172,7 @@ class Ros2RequestManager(AnsweredRequests):
     def main(self) -> None:
         """Serve the received requests within the time share of a tick; actions always continue."""
         if self._share.begin():
-            kinds = (self._serve_offers, self._serve_typed, self._serve_simulation)
+            kinds = (self._serve_offers, self._serve_typed, self._serve_node)
             for number in range(self._turn, self._turn + len(kinds)):
                 if kinds[number % len(kinds)]():
                     # a flood of one kind must not hold up the other kinds
@@ -204,8 +209,12 @@ class Ros2RequestManager(AnsweredRequests):
                     return True
         return False
 
-    def _serve_simulation(self) -> bool:
-        return self._simulation is not None and self._simulation.serve(self._share.end_request)
+    def _serve_node(self) -> bool:
+        return any(served.serve(self._share.end_request) for served in self._served)
+
+    def _settable(self) -> list[str]:
+        """The components whose properties may be set."""
+        return [component for component, name in self._services if name == "set_property"]
 
     def _handle(self, component: str, service: str, offer: _Offer, caller: Any, request: dict[str, Any]) -> None:
         def answer(outcome: Outcome) -> None:

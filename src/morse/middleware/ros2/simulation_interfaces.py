@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.mathutils import Quaternion
+from morse.middleware.ros2.mapping import NODE
+from morse.middleware.ros2.served import Served
 from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, quaternion, xyz
 from morse.rosmsgs.poses import pose_of, quaternion_of
 
@@ -20,9 +22,8 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
-    from morse.rosmsgs.topics.backend import Backend, ServiceServer
-
-    _Reply = Callable[[dict[str, Any]], object]
+    from morse.middleware.ros2.served import Reply
+    from morse.rosmsgs.topics.backend import Backend
 
 _UNSUPPORTED, _OK, _NOT_FOUND, _INCORRECT_STATE, _FAILED = 0, 1, 2, 3, 4
 #: constants of SetSimulationState and SpawnEntity
@@ -46,10 +47,9 @@ _HARMLESS, _MOST_STARS = re.compile(r"[^(){}+?\\*]*(?:\*[^(){}+?\\*]*){0,3}"), 3
 _LONGEST = 200
 #: processor time, s
 _LONGEST_SEARCH = 0.02
-_EACH_TICK = 16
 
 
-class SimulationInterfaces:
+class SimulationInterfaces(Served):
     """Answers the calls.
 
     Args:
@@ -72,48 +72,19 @@ class SimulationInterfaces:
             "spawn_entity": ("SpawnEntity", self._spawn),
             "delete_entity": ("DeleteEntity", self._delete),
         }
-        self._servers: list[tuple[ServiceServer, Callable[[dict[str, Any], _Reply], object]]] = []
-        for name, (kind, handler) in handlers.items():
-            server = backend.service(f"/morse/{name}", f"simulation_interfaces/srv/{kind}")
-            if server is not None:
-                self._servers.append((server, handler))
-
-    def serve(self, is_used: Callable[[], bool] = lambda: False) -> bool:
-        """Answer the received calls.
-
-        Args:
-            is_used: called after each call; returns whether the time for calls is used.
-
-        Returns:
-            Whether the time for calls is used.
-        """
-        for server, handler in self._servers:
-            for _ in range(_EACH_TICK):
-                taken = server.take(1)
-                if not taken:
-                    break
-                caller, request = taken[0]
-                handler(request, lambda answer, server=server, caller=caller: server.answer(caller, answer))  # type: ignore[misc]
-                if is_used():
-                    return True
-        return False
-
-    def close(self) -> None:
-        """Remove all services."""
-        for server, _ in self._servers:
-            server.close()
-        self._servers.clear()
+        kinds = {name: (f"simulation_interfaces/srv/{kind}", one) for name, (kind, one) in handlers.items()}
+        super().__init__(backend, {f"/{NODE}/{name}": entry for name, entry in kinds.items()})
 
     # -- the simulation ----------------------------------------------------------------------
 
-    def _features(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _features(self, request: dict[str, Any], reply: Reply) -> None:
         info = "MORSE: entities are robots (ATRV) and models (props/crates) by name; no resource strings"
         reply({"features": {"features": list(FEATURES), "spawn_formats": [], "custom_info": info}})
 
-    def _state(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _state(self, request: dict[str, Any], reply: Reply) -> None:
         reply({"state": {"state": _PAUSED if self._context.paused() else _PLAYING}, "result": _result()})
 
-    def _set_state(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _set_state(self, request: dict[str, Any], reply: Reply) -> None:
         wanted = request["state"]["state"]
         services = {_STOPPED: ("reset", "pause"), _PLAYING: ("resume",), _PAUSED: ("pause",), _QUITTING: ("quit",)}
         if wanted not in services:
@@ -127,14 +98,14 @@ class SimulationInterfaces:
             bad = [text for state, text in outcomes if state != status.SUCCESS]
             reply({"result": _result(_FAILED, str(bad[0])) if bad else _result()})
 
-    def _reset(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _reset(self, request: dict[str, Any], reply: Reply) -> None:
         if request["scope"] not in _WHOLE:
             text = "only everything together can be reset: time, state and what was spawned (scope 0 or 255)"
             reply({"result": _result(_UNSUPPORTED, text)})
             return
         self._call("simulation", "reset", [], _then(reply))
 
-    def _step(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _step(self, request: dict[str, Any], reply: Reply) -> None:
         if not self._context.paused():
             reply({"result": _result(_INCORRECT_STATE, "the simulation is not paused")})
             return
@@ -171,15 +142,15 @@ class SimulationInterfaces:
                 return [], _result(_FAILED, "the filter takes too long: use fewer *")
         return chosen, _result()
 
-    def _entities(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _entities(self, request: dict[str, Any], reply: Reply) -> None:
         names, result = self._chosen(request)
         reply({"result": result, "entities": names})
 
-    def _entities_states(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _entities_states(self, request: dict[str, Any], reply: Reply) -> None:
         names, result = self._chosen(request)
         reply({"result": result, "entities": names, "states": [self._state_of(name) for name in names]})
 
-    def _entity_state(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _entity_state(self, request: dict[str, Any], reply: Reply) -> None:
         name = request["entity"]
         if name not in self._names():
             reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
@@ -198,7 +169,7 @@ class SimulationInterfaces:
             "twist": {"linear": xyz(linear), "angular": xyz(angular)},
         }
 
-    def _set_entity_state(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _set_entity_state(self, request: dict[str, Any], reply: Reply) -> None:
         name, state = request["entity"], request["state"]
         speeds = [*from_xyz(state["twist"]["linear"]), *from_xyz(state["twist"]["angular"])]
         if name not in self._names():
@@ -214,7 +185,7 @@ class SimulationInterfaces:
 
     # -- spawning and deleting ---------------------------------------------------------------
 
-    def _spawn(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _spawn(self, request: dict[str, Any], reply: Reply) -> None:
         name, wrong = self._name_of(request)
         pose = request["initial_pose"]
         if wrong is None and request["resource_string"]:
@@ -246,7 +217,7 @@ class SimulationInterfaces:
             number += 1
         return f"{wanted}_{number}", None
 
-    def _delete(self, request: dict[str, Any], reply: _Reply) -> None:
+    def _delete(self, request: dict[str, Any], reply: Reply) -> None:
         name = request["entity"]
         if name not in self._names():
             reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
@@ -258,7 +229,7 @@ def _result(code: int = _OK, text: str = "") -> dict[str, Any]:
     return {"result": code, "error_message": text}
 
 
-def _then(reply: _Reply, more: dict[str, Any] | None = None) -> Callable[[Outcome], object]:
+def _then(reply: Reply, more: dict[str, Any] | None = None) -> Callable[[Outcome], object]:
     """A callback that answers with the outcome of a service."""
 
     def ended(outcome: Outcome) -> None:

@@ -205,7 +205,7 @@ class RclpyBackend(Backend):
         with _limited(options["interface"]) as reach, nullcontext(Confined()) if reach else confined() as sockets:
             try:
                 rclpy.init(args=[], context=self._context, domain_id=options["domain_id"])
-                # parameter services would need a thread, and a simulation has no parameters
+                # the services of rclpy would need a thread: see morse.middleware.ros2.parameters
                 self._node = rclpy.create_node(
                     NODE, context=self._context, start_parameter_services=False, enable_rosout=False
                 )

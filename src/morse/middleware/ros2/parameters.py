@@ -1,0 +1,209 @@
+"""The parameters of the node: the properties of components, typed, and ``use_sim_time``.
+
+A parameter is ``<component>.<property>``, such as ``robot.motion.ControlType``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core import status
+from morse.core.declarations import properties
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
+from morse.core.validation import checked_property
+from morse.core.validation.errors import PropertyError
+from morse.middleware.ros2.calls import VALUES
+from morse.middleware.ros2.mapping import NODE
+from morse.middleware.ros2.served import Served
+from morse.rosmsgs.json_text import as_json, from_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from morse.core.context import Context
+    from morse.core.declarations import Property
+    from morse.core.request_manager import Outcome
+    from morse.middleware.ros2.served import Reply
+    from morse.rosmsgs.topics.backend import Backend
+
+#: constants of rcl_interfaces/ParameterType
+_NOT_SET, _BOOL, _INTEGER, _DOUBLE, _STRING = 0, 1, 2, 3, 4
+_OF_LISTS = {bool: 6, int: 7, float: 8, str: 9}
+_BY_WORD = {"bool": _BOOL, "int": _INTEGER, "float": _DOUBLE, "double": _DOUBLE, "string": _STRING, "str": _STRING}
+_WORDS = {0: "nothing", 1: "bool", 2: "integer", 3: "double", 4: "string"}
+_TIME = "use_sim_time"
+
+
+class _Parameter:
+    """A parameter: a property of a component, or ``use_sim_time`` without one."""
+
+    def __init__(self, component: Any = None, attribute: str = "", declaration: Property | None = None) -> None:
+        self.component, self._attribute, self.declaration = component, attribute, declaration
+
+    @property
+    def present(self) -> Any:
+        return getattr(self.component, self._attribute) if self.declaration is not None else True
+
+    @property
+    def type(self) -> int:
+        """Of the declaration; a list by its items, and JSON text for all others."""
+        value, declaration = self.present, self.declaration
+        word = "bool" if declaration is None else declaration.type
+        if word in _BY_WORD and not isinstance(value, (list, tuple, dict)):
+            return _BY_WORD[word]
+        if isinstance(value, (list, tuple)) and value:
+            kinds = {type(item) for item in value}
+            kind = float if kinds == {int, float} else kinds.pop() if len(kinds) == 1 else None
+            return _OF_LISTS.get(kind, _STRING) if kind is not None else _STRING
+        return next((kind for cls, kind in ((bool, 1), (int, 2), (float, 3)) if isinstance(value, cls)), _STRING)
+
+    def value(self) -> dict[str, Any]:
+        """``rcl_interfaces/ParameterValue``; none for a number or a text that is not set."""
+        kind, value = self.type, self.present
+        if value is None:
+            return {"type": _NOT_SET}
+        if kind == _DOUBLE:
+            value = float(value)
+        elif kind == _OF_LISTS[float]:
+            value = [float(item) for item in value]
+        elif kind > _STRING:
+            value = list(value)
+        elif kind == _STRING and not isinstance(value, str):
+            value = as_json(value)
+        return {"type": kind, VALUES[kind]: value}
+
+    def taken(self, value: Mapping[str, Any]) -> Any:
+        """The value of a message.
+
+        Raises:
+            PropertyError: it has another type.
+        """
+        kind = value["type"]
+        given: Any = value[VALUES[kind]] if kind in VALUES else None
+        given = given.tolist() if hasattr(given, "tolist") else given
+        if kind == self.type or (kind, self.type) in ((_INTEGER, _DOUBLE), (7, 8)):
+            return from_json(given) if kind == _STRING and not isinstance(self.present, str) else given
+        names = [_WORDS.get(one, "list") for one in (kind, self.type)]
+        raise PropertyError(f"the value is a {names[0]}, expected a {names[1]}")
+
+    def descriptor(self, name: str) -> dict[str, Any]:
+        """``rcl_interfaces/ParameterDescriptor``."""
+        one = self.declaration
+        if one is None:
+            text = "Always true: the stamps of all messages are simulated time"
+            return {"name": name, "type": _BOOL, "description": text, "read_only": True}
+        words = [one.doc, f"unit: {one.unit}" if one.unit else ""]
+        bounds = [f"{sign} {limit:g}" for sign, limit in ((">=", one.low), ("<=", one.high)) if limit is not None]
+        limits = ["one of " + ", ".join(map(str, one.choices))] if one.choices else bounds
+        described = {"description": "; ".join(filter(None, words)), "additional_constraints": " and ".join(limits)}
+        ranges: dict[str, Any] = {}
+        if one.low is not None and one.high is not None and self.type in (_INTEGER, _DOUBLE) and not one.allow:
+            cast, key = (int, "integer_range") if self.type == _INTEGER else (float, "floating_point_range")
+            ranges[key] = [{"from_value": cast(one.low), "to_value": cast(one.high)}]
+        return {"name": name, "type": self.type, "read_only": False, **described, **ranges}
+
+
+class Parameters(Served):
+    """Answers the parameter services of a node.
+
+    Args:
+        context: of the simulation.
+        backend: a backend with services.
+        components: returns the names of the components whose properties may be set.
+        call: calls a service of MORSE: component, service, arguments, and a callback for the outcome.
+    """
+
+    def __init__(
+        self, context: Context, backend: Backend, components: Callable[[], Iterable[str]], call: Callable[..., Any]
+    ) -> None:
+        self._context, self._components, self._call = context, components, call
+        handlers = {
+            "get_parameters": ("GetParameters", self._get),
+            "get_parameter_types": ("GetParameterTypes", self._types),
+            "set_parameters": ("SetParameters", self._set),
+            "set_parameters_atomically": ("SetParametersAtomically", self._set_together),
+            "describe_parameters": ("DescribeParameters", self._describe),
+            "list_parameters": ("ListParameters", self._list),
+        }
+        kinds = {f"/{NODE}/{name}": (f"rcl_interfaces/srv/{kind}", one) for name, (kind, one) in handlers.items()}
+        super().__init__(backend, kinds)
+
+    def _names(self) -> list[str]:
+        names = [_TIME]
+        for name in self._components():
+            component = self._context.component(name)
+            if component is not None:
+                names += [f"{name}.{one.name}" for one in properties(type(component)).values()]
+        return names
+
+    def _parameter(self, name: str) -> _Parameter | None:
+        if name == _TIME:
+            return _Parameter()
+        owner, _, wanted = name.rpartition(".")
+        component = self._context.component(owner) if owner in self._components() else None
+        if component is None:
+            return None
+        pairs = properties(type(component)).items()
+        return next((_Parameter(component, own, one) for own, one in pairs if one.name == wanted), None)
+
+    def _get(self, request: dict[str, Any], reply: Reply) -> None:
+        found = [self._parameter(name) for name in request["names"]]
+        reply({"values": [{"type": _NOT_SET} if one is None else one.value() for one in found]})
+
+    def _types(self, request: dict[str, Any], reply: Reply) -> None:
+        found = [self._parameter(name) for name in request["names"]]
+        reply({"types": [_NOT_SET if one is None else one.type for one in found]})
+
+    def _describe(self, request: dict[str, Any], reply: Reply) -> None:
+        pairs = [(name, self._parameter(name)) for name in request["names"]]
+        reply({"descriptors": [{"name": n, "type": _NOT_SET} if p is None else p.descriptor(n) for n, p in pairs]})
+
+    def _list(self, request: dict[str, Any], reply: Reply) -> None:
+        prefixes, depth = list(request["prefixes"]), request["depth"]
+        chosen = []
+        for name in self._names():
+            inside = [p for p in prefixes if name == p or name.startswith(f"{p}.")] if prefixes else [""]
+            rests = [name.removeprefix(prefix).lstrip(".") for prefix in inside]
+            if rests and (not depth or min(rest.count(".") for rest in rests) < depth):
+                chosen.append(name)
+        parents = dict.fromkeys(name.rpartition(".")[0] for name in chosen if "." in name)
+        reply({"result": {"names": chosen, "prefixes": list(parents)}})
+
+    # -- setting -----------------------------------------------------------------------------
+
+    def _checked(self, given: Mapping[str, Any]) -> tuple[str, str, Any] | str:
+        """Component, property and value; or why a parameter is refused."""
+        name = given["name"]
+        one = self._parameter(name)
+        if one is None:
+            return f"there is no parameter {shown(name)}{nearest(name, self._names())}"
+        if one.declaration is None:
+            fits = given["value"]["type"] == _BOOL and given["value"]["bool_value"]
+            return "" if fits else f"{_TIME} is always true: the clock of this node is that of the simulation"
+        try:
+            value = one.taken(given["value"])
+            checked_property(one.component, one.declaration.name, value)
+        except (PropertyError, ValueError) as error:
+            return f"{name}: {error}"
+        return one.component.name(), one.declaration.name, value
+
+    def _done(self, change: tuple[str, str, Any] | str) -> dict[str, Any]:
+        if isinstance(change, str):
+            return {"successful": not change, "reason": change}
+        component, name, value = change
+        outcomes: list[Outcome] = []
+        self._call(component, "set_property", [name, value], outcomes.append)
+        state, text = outcomes[0] if outcomes else (status.SUCCESS, None)
+        good = state == status.SUCCESS
+        return {"successful": good, "reason": "" if good else str(text or state)}
+
+    def _set(self, request: dict[str, Any], reply: Reply) -> None:
+        reply({"results": [self._done(self._checked(given)) for given in request["parameters"]]})
+
+    def _set_together(self, request: dict[str, Any], reply: Reply) -> None:
+        changes = [self._checked(given) for given in request["parameters"]]
+        wrong = [change for change in changes if isinstance(change, str) and change]
+        results = [{"successful": False, "reason": wrong[0]}] if wrong else [self._done(change) for change in changes]
+        bad = [result for result in results if not result["successful"]]
+        reply({"result": bad[0] if bad else {"successful": True, "reason": ""}})
