@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from morse.core.actuator import Actuator
 from morse.core.reports.faults import ENDINGS
 from morse.core.reports.hints import nearest
 from morse.core.rows.unread import present_data
 from morse.core.sensor import Sensor
 from morse.many.commands import CommandColumn
+from morse.many.convoy import Convoy
 from morse.many.layout import Layout
 from morse.many.readings import ContactColumn, DataColumn
 from morse.many.rows import only_row_of, rows_of, seeds_of, values_of, vectors_of
@@ -79,6 +82,7 @@ class Batch:
                 simulation = self._scenes.load(row, one)
                 simulation.delays_interrupts = False
                 self._simulations.append(simulation)
+            self._convoy = Convoy(self._simulations)
         except BaseException:
             self.close()
             raise
@@ -88,14 +92,18 @@ class Batch:
 
     def __getitem__(self, row: int) -> Simulation:
         self._check_open()
-        return self._simulations[row if isinstance(row, slice) else only_row_of(row, len(self))]
+        place = row if isinstance(row, slice) else only_row_of(row, len(self))
+        self._convoy.publish(range(len(self))[place] if isinstance(place, slice) else [place])
+        return self._simulations[place]
 
     def __iter__(self) -> Iterator[Simulation]:
+        self._convoy.publish(range(len(self)))
         return iter(self._simulations)
 
     def __repr__(self) -> str:
         if not self._simulations:
             return "<Batch, closed>"
+        self._rows(None)
         ticks = {simulation.ticks for simulation in self._simulations}
         when = f"tick {ticks.pop()}" if len(ticks) == 1 else f"ticks {min(ticks)} to {max(ticks)}"
         return f"<Batch of {len(self)} x {self._scenes}, {when}; robots: {', '.join(self._simulations[0].robots)}>"
@@ -151,6 +159,7 @@ class Batch:
         layout = self._layout(component, fields)
         column = DataColumn(layout, handles)
         self._readings.append(column)
+        self._convoy.read(column)
         return column.array
 
     def contacts(self, name: str) -> Contacts:
@@ -167,6 +176,7 @@ class Batch:
             KeyError: there is no such robot or object.
         """
         self._check_open()
+        self._rows(None)
         column = ContactColumn([simulation.contacts(name) for simulation in self._simulations])
         self._readings.append(column)
         return column.array
@@ -177,12 +187,15 @@ class Batch:
         Raises:
             KeyError: there is no such component.
         """
-        return self._handles(name)[0].component
+        component = self._handles(name)[0].component
+        self._convoy.publish([0])
+        return component
 
     def _handles(self, name: str) -> list[Any]:
         self._check_open()
         if not isinstance(name, str):
             raise TypeError(f"a component is given by its full name, such as 'robot.pose', not {name!r:.80}")
+        self._rows(None)
         return [_handle(simulation, name) for simulation in self._simulations]
 
     def _layout(self, component: str, fields: tuple[str, ...]) -> Layout:
@@ -221,13 +234,29 @@ class Batch:
         """
         self._check_open()
         self._simulations[0].check_step(ticks, measure)
-        for column, (rows, _) in [(column, column.check()) for column in self._commands]:
-            column.publish(rows)
-        simulations = self._simulations
+        simulations, convoy, ran = self._simulations, self._convoy, np.zeros(len(self), np.int64)
+        commands, commanded = [(column, *column.check()) for column in self._commands], np.zeros(len(self), bool)
+        for _, _, changed in commands:
+            commanded |= changed
+        # without ticks nothing is measured: commands of rows that go on together wait in their array
+        together = bool(ticks) and measure is True
+        if (ticks or measure) and not together:
+            self._rows(None)
+        for column, rows, _ in commands:
+            column.publish(rows[(commanded & together | ~convoy.members)[rows]])
         # Ctrl+C takes effect after all rows: they stay in the same tick
         with self._time:
-            self._each(range(len(self)), lambda row: simulations[row].step(ticks, measure=measure))
-            self._update(range(len(self)))
+            if together:
+                ran = convoy.run(ticks, commanded)
+            left = dict(enumerate((ticks - ran).tolist()))
+            rest = [row for row in left if left[row] or not (together or convoy.members[row])]
+            self._each(rest, lambda row: simulations[row].step(left[row], measure=measure))
+            self._update(rest)
+            if together:
+                convoy.join(rest)
+                for reading in self._readings:
+                    if isinstance(reading, ContactColumn):
+                        reading.begin(np.flatnonzero(ran == ticks))
 
     def measure(self, rows: Any = None, sensors: Sequence[str] | None = None) -> None:
         """Let sensors measure now, between two ticks, as after `place`; see `Simulation.measure`.
@@ -369,8 +398,12 @@ class Batch:
     # -- the end ---------------------------------------------------------------------------
 
     def _rows(self, rows: Any) -> list[int]:
+        """The numbers of rows, whose simulations are then up to date."""
         self._check_open()
-        return rows_of(rows, len(self))
+        chosen = rows_of(rows, len(self))
+        for row in chosen:
+            self._convoy.leave(row)
+        return chosen
 
     def _check_open(self) -> None:
         if not self._simulations:

@@ -55,6 +55,8 @@ class CommandColumn:
         self.array.written = np.zeros(rows, bool)
         self._plain: NDArray[Any] = self.array.view(np.ndarray)
         self._initial = self._plain.copy()
+        #: what was published last, and whether anything was
+        self._last, self._has_last = self._plain.copy(), np.zeros(rows, bool)
         component = handles[0].component
         declared, data = fields_of_component(component), component.local_data
         specs = [spec_of_field(declared.get(name), data[name]) for name in layout.fields]
@@ -71,13 +73,13 @@ class CommandColumn:
             self._layout.fill(self._plain, row, self._handles[row].component.local_data)
             self._initial[row] = self._plain[row]
             assert self.array.written is not None
-            self.array.written[row] = False
+            self.array.written[row] = self._has_last[row] = False
 
     def check(self) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Check the commands of all rows.
 
         Returns:
-            The rows to publish, and for each row whether its values were checked.
+            The rows to publish, and for each row whether its command may differ from the last one.
 
         Raises:
             CommandError: a value is not valid; the message names the row.
@@ -95,7 +97,11 @@ class CommandColumn:
             checked = np.zeros(len(values), bool)
         for row in rows[~checked[rows]].tolist():
             self._review(row)
-        return rows, checked
+        if not self._are_numbers:
+            return rows, written.copy()
+        # the bytes, because 0.0 and -0.0 are equal
+        now, before = (array.reshape(len(array), -1).view(np.uint8) for array in (values, self._last))
+        return rows, written & (~self._has_last | (now != before).any(axis=1))
 
     def _review(self, row: int) -> None:
         try:
@@ -105,6 +111,7 @@ class CommandColumn:
 
     def publish(self, rows: NDArray[np.intp]) -> None:
         """Give commands that `check` has accepted to the actuators."""
+        self._last[rows], self._has_last[rows] = self._plain[rows], True
         if self._are_numbers and len(rows):
             names = self._layout.fields
             for row, values in zip(rows.tolist(), self._plain[rows].reshape(len(rows), -1).tolist(), strict=True):

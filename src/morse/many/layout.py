@@ -96,6 +96,30 @@ class Layout:
                 self._refuse(row, value.shape)
         array[row] = np.concatenate([value.ravel() for value in values])
 
+    def is_numeric_in(self, fields: Sequence[str]) -> bool:
+        """Whether all fields are among others, and `fill_rows` can copy them."""
+        return self.dtype.kind == "f" and set(self.fields) <= set(fields)
+
+    def fill_rows(self, array: NDArray[Any], rows: NDArray[np.intp], data: Mapping[str, Sequence[Any]]) -> None:
+        """Copy the fields of components into M rows.
+
+        Args:
+            data: by field, the data of each component at one moment: M times (1, ...).
+
+        Raises:
+            ValueError: see `fill`.
+        """
+        for index, (name, shape) in enumerate(zip(self.fields, self.shapes, strict=True)):
+            values = data[name]
+            for row, value in zip(rows.tolist(), values, strict=True):
+                if value[0].shape != shape:
+                    self._refuse(row, value[0].shape)
+            every = np.asarray(values).reshape(len(rows), *shape)
+            if len(self.fields) == 1:
+                array[rows] = every
+            else:
+                array[rows, self.columns(index)] = every.reshape(len(rows), -1)
+
     def _refuse(self, row: int, shape: tuple[int, ...]) -> None:
         mend = "fields of varying length have no column"
         if "points" in self.fields:

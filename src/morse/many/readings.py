@@ -23,10 +23,12 @@ class DataColumn:
 
     Attributes:
         array: (N, ...) the data, read-only.
+        layout: their layout.
+        handles: the component in all rows.
     """
 
     def __init__(self, layout: Layout, handles: Sequence[ComponentHandle]) -> None:
-        self._layout, self._handles = layout, handles
+        self.layout, self.handles = layout, handles
         self._values = layout.empty(len(handles))
         self.array = self._values.view()
         self.array.flags.writeable = False
@@ -37,17 +39,21 @@ class DataColumn:
         for row in rows:
             data = self._data_of(row)
             self._values[row] = None if self._values.dtype == object else 0
-            if all(np.size(data[name]) for name in self._layout.fields):
-                self._layout.fill(self._values, row, data)
+            if all(np.size(data[name]) for name in self.layout.fields):
+                self.layout.fill(self._values, row, data)
 
     def update(self, rows: Iterable[int]) -> None:
         """Take the present data."""
-        fill, values = self._layout.fill, self._values
+        fill, values = self.layout.fill, self._values
         for row in rows:
             fill(values, row, self._data_of(row))
 
+    def put(self, rows: NDArray[np.intp], data: Mapping[str, Sequence[Any]]) -> None:
+        """Take data of some rows, by field; see `Layout.fill_rows`."""
+        self.layout.fill_rows(self._values, rows, data)
+
     def _data_of(self, row: int) -> Mapping[str, Any]:
-        component = self._handles[row].component
+        component = self.handles[row].component
         # columns of objects keep what they refer to
         return component.local_data if self._values.dtype == object else present_data(component)
 
@@ -82,9 +88,9 @@ class ContactColumn:
         self.array.impulse = impulse
 
     def begin(self, rows: Iterable[int]) -> None:
-        """Forget the contacts before a restart."""
-        for row in rows:
-            self._touched[row], self._impulses[row] = False, 0.0
+        """Let rows have no contacts."""
+        chosen = list(rows)
+        self._touched[chosen], self._impulses[chosen] = False, 0.0
 
     def update(self, rows: Iterable[int]) -> None:
         """Take the contacts of the step."""

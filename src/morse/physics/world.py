@@ -106,7 +106,7 @@ class World(ObjectWorld):
         if self.touches is not None:
             self.watch = self.touches = Touches(self, self._contact_points, self.touches.impulses)
         self._arrange_tick()
-        self._free_run = FreeRun(self, self.gliding, self._steps.passage, self.drives, self._is_idle)
+        self.free_run = FreeRun(self, self.gliding, self._steps.passage, self.drives, self._is_idle)
         self._saving = Saving(self, self.gliding, self._steps, self._names)
         self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
         self._variations = Variations(self, self._pristine)
@@ -313,7 +313,7 @@ class World(ObjectWorld):
 
     def step_freely(self, ticks: int) -> int:
         """See `morse.core.world.World.step_freely`."""
-        return self._free_run.run(ticks)
+        return self.free_run.run(ticks)
 
     def _is_idle(self) -> bool:
         """Whether no part of the physics but the drives has work."""

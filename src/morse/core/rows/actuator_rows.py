@@ -57,6 +57,13 @@ class ActuatorRows(Rows):
         if self._each:
             self._act(self._each)
 
+    def prepare(self) -> None:
+        """Do what `action` does, for ticks of which `went_on` tells later."""
+        rows, stamp, poses = self._rows, self.stamp, self._poses
+        self.action()
+        if self._rows is rows:
+            self.stamp, self._poses = stamp, poses
+
     @property
     def lasts(self) -> bool:
         """Whether the robots go on at the same speeds while no command arrives."""

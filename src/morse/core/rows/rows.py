@@ -140,6 +140,11 @@ class Rows:
         pose: tuple[Sequence[float], Sequence[float]] = self._poses.pose(row)
         return pose
 
+    def place_of(self, member: Any) -> tuple[int, Any]:
+        """Return the rigid group of a row, and its pose in the group, at its last action."""
+        place: tuple[int, Any] = self._snapshots.place(self._row_of[id(member)])
+        return place
+
     def data_of(self, member: Any) -> dict[str, Any]:
         """Return the data of a row."""
         data: dict[str, Any] = vars(member)["local_data"]

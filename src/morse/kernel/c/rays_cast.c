@@ -1,9 +1,6 @@
 // Casts rays at solids: the nearest surface of each ray; of several at the same distance, that of the first solid.
-#include "export.h"
 #include "primitives.h"
 #include "solids.h"
-
-MORSE_EXPORT void morse_rays_cast(const Solids *solids, Rays *rays, int64_t whole, int64_t part);
 
 typedef struct {
     const Solids *all;

@@ -1,6 +1,7 @@
 // The solids that rays can hit, as described in `rays/arrays.py`.
 #pragma once
 
+#include "export.h"
 #include "mesh.h"
 
 typedef struct {
@@ -28,3 +29,5 @@ typedef struct {
     int32_t *faces;                                 // triangle of the mesh, else -1
     int64_t next;                                   // first ray that no thread has taken
 } Rays;
+
+MORSE_EXPORT void morse_rays_cast(const Solids *solids, Rays *rays, int64_t whole, int64_t part);

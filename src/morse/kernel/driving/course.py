@@ -60,12 +60,23 @@ class Course:
         self._run = kernel.morse_glide_ticks
         self._run.argtypes, self._run.restype = (c_void_p, c_int64), c_int64
 
-    def ticks(self, robots: GliderWork, ticks: int) -> int:
-        """Run ticks; return their number, which is 0 if a robot does not glide, or without the kernel."""
+    @property
+    def place(self) -> int:
+        """The address of the structure."""
+        return ctypes.addressof(self._structure)
+
+    def follow(self, robots: GliderWork) -> bool:
+        """Set the robots; return False if the kernel cannot drive them."""
         if robots is not self._robots:
             if not self._is_able or not isinstance(robots, NativeGliders):
-                return 0
+                return False
             self._robots = robots
             self._structure.robots = robots.place
+        return True
+
+    def ticks(self, robots: GliderWork, ticks: int) -> int:
+        """Run ticks; return their number, which is 0 if a robot does not glide, or without the kernel."""
+        if not self.follow(robots):
+            return 0
         count: int = self._run(self._all, ticks)
         return count

@@ -139,6 +139,10 @@ class Hits(NamedTuple):
         """Uninitialised hits of some shape."""
         return cls(np.empty(shape), np.empty(shape, dtype=np.int64), np.empty(shape, dtype=np.int32))
 
+    def rows(self, rows: NDArray[np.int64] | slice) -> Hits:
+        """The hits of some sensors: views for a slice, else copies."""
+        return Hits(self.distances[rows], self.solids[rows], self.faces[rows])
+
     @classmethod
     def nothing(cls, shape: tuple[int, int]) -> Hits:
         """Rays without a hit."""

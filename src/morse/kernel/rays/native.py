@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from morse.kernel import threads
+from morse.kernel.convoy import Lane
 from morse.kernel.memory import address, addresses, aligned, pointer
 from morse.kernel.rays.arrays import Hits
 from morse.kernel.rays.structures import (
@@ -153,6 +154,26 @@ class NativeRays:
         else:
             self._cast(*arguments)
         return hits
+
+    def lane(self, fan: Fan, poses: Poses, groups: NDArray[np.int64], hits: Hits) -> Lane:
+        """Return what `morse.kernel.convoy.Lanes` needs to cast a fan; the solids have been placed before.
+
+        Args:
+            poses: the arrays that contain the poses at that time.
+            hits: the arrays for the results.
+        """
+        places = addresses(*poses)
+        placing = PlacingStructure.from_buffer_copy(self._placing)
+        placing.slot_positions, placing.slot_rotations, placing.anchor = places
+        rays = RaysStructure.from_buffer_copy(self._rays_of(fan)[0])
+        rays.slot_positions, rays.slot_rotations, rays.anchor = places
+        rays.groups = address(groups)
+        rays.distances, rays.solids, rays.faces = addresses(*hits)
+        moving = self._gatherings[True]
+        structures = placing, moving.structure, self._solids, rays
+        lane = Lane(*map(ctypes.addressof, structures), fan.shape[0] * fan.shape[1])
+        lane.keep = self, fan, poses, groups, hits, moving, structures
+        return lane
 
     def _addresses_of(self, poses: Poses) -> list[int | None]:
         """Computed once per moment: obtaining an address takes as long as the rays of a small fan."""

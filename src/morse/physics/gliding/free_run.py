@@ -19,6 +19,7 @@ from morse.physics.poses.kinematics import refresh
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from morse.kernel.driving.arrays import GliderWork
     from morse.physics.driving.drives import Drives
     from morse.physics.gliding.gliding import Gliding
     from morse.physics.gliding.passage import Passage
@@ -48,42 +49,76 @@ class FreeRun:
         Returns:
             The number of ticks; 0 if the next tick needs more than that robots glide, and nothing has changed then.
         """
-        state, gliding, drives = self._state, self._gliding, self._drives
-        count, data = min(ticks, gliding.next_look - gliding.tick - 1), state.data
-        if count <= 0 or state.is_stirred or state.has_forces or state.touched or state.kinematic:
+        gliding = self._gliding
+        if gliding.next_look - gliding.tick <= 1:
             return 0
-        if state.engine_rows is not None:
+        robots = self._robots()
+        if robots is None:
             return 0
+        count = min(ticks, self.ahead())
+        if not count:
+            return 0
+        count = self._course_of().ticks(robots, count)
+        if count:
+            self.ran(count)
+        return count
+
+    def course(self) -> Course | None:
+        """Return what runs the next ticks, with the commands that the drives have; None if robots do not only glide."""
+        robots = self._robots()
+        course = self._course_of()
+        return course if robots is not None and course.follow(robots) else None
+
+    def _robots(self) -> GliderWork | None:
+        state, gliding, data = self._state, self._gliding, self._state.data
+        if state.is_stirred or state.has_forces or state.touched or state.kinematic or state.engine_rows is not None:
+            return None
         if not gliding.glides or data.nv_awake != 6 * len(gliding.glides) or not self._passage.is_straight:
-            return 0
-        robots = drives.only_fleet()
-        if robots is None or not self._is_idle():
-            return 0
-        if gliding.tick + 1 >= gliding.clear_until and self._passage.will_be_near():
-            return 0
-        count = min(count, gliding.clear_until - gliding.tick - 1)
+            return None
+        robots = self._drives.only_fleet()
+        return robots if robots is not None and self._is_idle() else None
+
+    def ahead(self, wanted: int = 1, since: int = 0) -> int:
+        """Return the number of the next ticks in which robots touch nothing and stay on their floors.
+
+        Args:
+            wanted: a smaller number is the result of a new detection of what is near.
+            since: number of ticks that the kernel has run, and of which `ran` does not know yet.
+        """
+        gliding = self._gliding
+        gliding.tick += since
+        try:
+            if gliding.tick + wanted >= gliding.clear_until and self._passage.will_be_near():
+                return 0
+            return max(0, min(gliding.next_look, gliding.clear_until) - gliding.tick - 1)
+        finally:
+            gliding.tick -= since
+
+    def _course_of(self) -> Course:
+        state = self._state
         if self._course is None:
             self._course = Course(
                 state.model._address,
-                data._address,
+                state.data._address,
                 _functions(),
-                data.qpos,
+                state.data.qpos,
                 state.engine_positions,
                 state.engine_rotations,
                 *state.poses_before,
             )
-        count = self._course.ticks(robots, count)
-        if not count:
-            return 0
-        gliding.tick += count
+        return self._course
+
+    def ran(self, ticks: int) -> None:
+        """Take note of ticks that the kernel has run."""
+        state, data = self._state, self._state.data
+        self._gliding.tick += ticks
         time = data.time
-        for _ in range(count):
+        for _ in range(ticks):
             time += self._period
         data.time = time
         state.known_contacts = _NO_CONTACTS
-        drives.clear()
+        self._drives.clear()
         refresh(state)
-        return count
 
 
 @cache

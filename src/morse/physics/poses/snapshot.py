@@ -81,6 +81,12 @@ class Snapshots:
         #: whether the engine moves all of them; None if that is not known
         self._moves: bool | None = None
 
+    def place(self, row: int) -> tuple[int, Mounting]:
+        """Return the group of an object, and its pose in the group."""
+        if self._displacements != self._state.displacements:
+            self._look()
+        return self._slots[row], self._mountings[row]
+
     def now(self) -> Snapshot:
         """Return a snapshot of the present poses, with copies of those of the rigid groups of the objects."""
         state, index = self._state, self._index

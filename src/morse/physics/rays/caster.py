@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.rays import Fan, Poses, SolidArrays, primitives, ray_caster
+from morse.kernel.rays.native import NativeRays
 from morse.mathutils.portable import matmul
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.kernel.convoy import Lane
     from morse.kernel.rays import Hits
     from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.rays.solids import Solids
@@ -57,6 +59,17 @@ class Caster:
             groups: (S,) the group of each solid; None for the groups of the owners.
         """
         return self._rays.cast(fan, self._update(), self._solids.owners if groups is None else groups)
+
+    def lane(self, fan: Fan, positions: NDArray[np.float64], rotations: NDArray[np.float64], hits: Hits) -> Lane | None:
+        """Return what casts a fan in several worlds at once, after a cast in this one; None without the kernel.
+
+        Args:
+            positions, rotations: (K, 3) m and (K, 9), the arrays that contain the poses of the groups at that time.
+            hits: the arrays for the results.
+        """
+        if not isinstance(self._rays, NativeRays) or self._loose != self._world.loose or self._world.rearranged:
+            return None
+        return self._rays.lane(fan, Poses(positions, rotations, self.anchor), self._solids.owners, hits)
 
     def cast_one(
         self,

@@ -25,7 +25,7 @@ class _Group:
         self._first = first = bundles[0]
         self._mountings = [bundle.obj.offset for bundle in bundles]
         self._directions = first.directions
-        self._fan = Fan(
+        self.fan = Fan(
             [bundle.obj.slot for bundle in bundles],
             np.array([position for position, _ in self._mountings]),
             np.array([rotation for _, rotation in self._mountings]).reshape(-1, 3, 3),
@@ -46,7 +46,7 @@ class _Group:
 
     def cast(self, caster: Caster, stamp: int) -> None:
         """Cast the rays, and store the results in the bundles."""
-        scan = Scan(self._first, caster.cast(self._fan), self._solids)
+        scan = Scan(self._first, caster.cast(self.fan), self._solids)
         for row, bundle in enumerate(self._bundles):
             bundle.take(scan, row, stamp)
 
@@ -68,6 +68,11 @@ class Plan:
             if not group.holds():
                 return False
         return True
+
+    @property
+    def fans(self) -> list[Fan]:
+        """The rays of each shape."""
+        return [group.fan for group in self._groups]
 
     def cast(self, caster: Caster, stamp: int) -> None:
         """Cast the rays of all bundles."""

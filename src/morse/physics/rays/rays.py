@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from morse.kernel.convoy import Lane
+    from morse.kernel.rays import Hits
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.objects.posed import Posed
@@ -108,6 +110,13 @@ class Rays:
                 self._plans.clear()
             plan = self._plans[key] = Plan(key, self._solids)
         plan.cast(self._caster, self._world.stamp)
+
+    def lane(
+        self, bundle: RayBundle, positions: NDArray[np.float64], rotations: NDArray[np.float64], hits: Hits
+    ) -> Lane | None:
+        """Return what casts a bundle in several worlds at once; see `Caster.lane`."""
+        fans = Plan([bundle], self._solids).fans
+        return self._caster.lane(fans[0], positions, rotations, hits) if fans else None
 
     def first(
         self,

@@ -186,6 +186,23 @@ class Arranging:
         self._check_sensors(names)
         self._ticker.measure(names, again=again)
 
+    # -- rows of a batch that go on together ---------------------------------------------------
+
+    @property
+    def coasts(self) -> bool:
+        """Whether nothing can happen in any of the next ticks but that robots drive; see `morse.many.convoy`."""
+        return not self.context.journal.sinks and self._ticker.coasts
+
+    def obey(self) -> bool:
+        """Take the commands of the next tick; return whether nothing can happen but that robots drive."""
+        return self._ticker.obey()
+
+    def coasted(self, ticks: int) -> None:
+        """Take note of the ticks of one or more steps, of which the world knows; all sensors measure."""
+        for contacts in self._contacts.values():
+            contacts.begin()
+        self._ticker.coasted(ticks)
+
     def check_step(self, ticks: int, measure: Sequence[str] | bool) -> None:
         """Raise the error that `Simulation.step` would raise for these arguments."""
         if isinstance(ticks, bool) or not hasattr(ticks, "__index__"):

@@ -45,10 +45,32 @@ class Leaping:
             drives = is_a(entry, ActuatorRows) and entry.frequency >= frequency
             self.is_possible &= drives and not any(member.requests for member in entry.members)
             self._drives.append(entry)
+        #: whether all sensors are rows that forget their previous measurements
+        self._forgets = True
         for entry in sensors:
             if is_a(entry, SensorRows):
                 self._scans.append(entry)
+                self._forgets &= not entry.remembers
+            else:
+                self._forgets = False
         self._known: dict[tuple[int, int, bool], tuple[int, list[tuple[SensorRows, int]]]] = {}
+
+    @property
+    def coasts(self) -> bool:
+        """Whether the same holds for any number of ticks, after which all sensors measure."""
+        return self._forgets and len(self._drives) == 1 and self.look()
+
+    def obey(self) -> bool:
+        """Take the commands that have arrived for the next tick; return whether the robots go on at these speeds."""
+        for drive in self._drives:
+            drive.prepare()
+        return self.look()
+
+    def went_on(self, ticks: int) -> None:
+        """Take note of ticks that were run without a call for each of them."""
+        for drive in self._drives:
+            drive.went_on(ticks)
+        self._context.clock.advance(ticks)
 
     def look(self) -> bool:
         """Whether no actuator has anything to do but to go on, and rows of sensors need not measure in each tick."""

@@ -146,6 +146,32 @@ class Ticker:
             self._show()
         return count
 
+    @property
+    def coasts(self) -> bool:
+        """Whether nothing can happen in any of the next ticks but that robots drive."""
+        return (
+            self._may_leap()
+            and not self._busy_robots()
+            and not any(_has_work(one.action) for one in self._served)
+            and self._leaping.coasts
+            and all(observer.waits for observer in self.observers)
+        )
+
+    def obey(self) -> bool:
+        """Take the commands of the next tick while nothing else can happen; return whether robots go on."""
+        with self._acting:
+            return self._leaping.obey()
+
+    def coasted(self, ticks: int) -> None:
+        """Take note of ticks in which nothing else could happen, after the world has; all sensors measure."""
+        with self._acting:
+            self._leaping.went_on(ticks)
+            self._due = self._clock.tick - 1
+            self._answer_sensors()
+            self._sense()
+            self._show()
+        self.measure(None, again=False)
+
     def _may_leap(self) -> bool:
         """Whether nothing but a component can have work in a tick."""
         return (

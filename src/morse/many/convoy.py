@@ -1,0 +1,197 @@
+"""Rows of a batch that go on together: nothing happens in them but that robots glide, far from everything.
+
+The kernel runs the ticks and the scans of all these rows in one call: the same functions in the same order as in single
+simulations. Their simulations do not know of these ticks until somebody needs them. A row whose simulation was handed
+out is never among them, because then somebody may look at any time.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.rows.columns import columns_of
+from morse.core.rows.sensor_rows import SensorRows
+from morse.kernel.convoy import Courses, Lanes
+from morse.kernel.loading import library
+from morse.kernel.rays import Hits
+from morse.physics.poses.snapshot import Snapshot
+from morse.physics.rays.bundle import RayBundle, Scan, Sight
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.many.readings import DataColumn
+    from morse.simulation.simulation import Simulation
+
+
+#: smallest number of rows for which arrays pay
+_LEAST = 2
+
+
+class Convoy:
+    """The rows that go on together.
+
+    Attributes:
+        members: (N,) which rows these are.
+    """
+
+    def __init__(self, simulations: Sequence[Simulation]) -> None:
+        count = len(simulations)
+        self._simulations = simulations
+        self.members = np.zeros(count, bool)
+        self._public = np.zeros(count, bool)
+        #: ticks that a simulation does not know of; and ticks that are certainly free
+        self._owed, self._left = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        self._columns: list[_Column] = []
+        self._courses: Courses | None = None
+        self._is_possible = library() is not None and count >= _LEAST
+
+    def read(self, column: DataColumn) -> None:
+        """Take note of data that are read after each step."""
+        self._columns.append(_Column(column, len(self.members)))
+        self._is_possible &= self._columns[-1].is_possible
+
+    def publish(self, rows: Iterable[int]) -> None:
+        """Take note of simulations that are handed out."""
+        for row in rows:
+            self.leave(row)
+            self._public[row] = True
+
+    # -- a step ------------------------------------------------------------------------------
+
+    def run(self, ticks: int, commanded: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Run a step of the members, at whose end all sensors measure.
+
+        Args:
+            commanded: (N,) rows with another command than before.
+
+        Returns:
+            (N,) the numbers of ticks; the simulations of the other rows, and of those with fewer ticks, are up to date.
+        """
+        ran = np.zeros(len(self.members), np.int64)
+        for row in np.flatnonzero(self.members & commanded).tolist():
+            self._note(row)
+            if self._simulations[row].obey():
+                self._simulations[row].world.drives.clear()
+            else:
+                self.leave(row)
+        for row in np.flatnonzero(self.members & (self._left < ticks)).tolist():
+            self._left[row] = self._simulations[row].world.free_run.ahead(ticks, int(self._owed[row]))
+            if self._left[row] < ticks:
+                self.leave(row)
+        rows = np.flatnonzero(self.members)
+        if not len(rows):
+            return ran
+        assert self._courses is not None
+        ran[rows] = done = self._courses.run(rows, ticks)
+        self._owed[rows] += done
+        self._left[rows] -= done
+        for row in rows[done < ticks].tolist():
+            self.leave(row)
+        rows = rows[done == ticks]
+        if len(rows):
+            for column in self._columns:
+                column.update(rows, self._courses)
+        return ran
+
+    # -- who is a member -----------------------------------------------------------------------
+
+    def join(self, rows: Iterable[int]) -> None:
+        """Let those rows be members in whose next steps nothing can happen, after a step with measurements."""
+        if not self._is_possible:
+            return
+        for row in rows:
+            if not self._public[row] and self._simulations[row].coasts:
+                self.members[row] = self._prepare(row)
+
+    def _prepare(self, row: int) -> bool:
+        simulation = self._simulations[row]
+        world = simulation.world
+        course = world.free_run.course() if simulation.obey() else None
+        world.drives.clear()
+        if course is None:
+            return False
+        groups = len(world.positions)
+        if self._courses is None:
+            self._courses = Courses(len(self.members), groups)
+        courses = self._courses
+        if courses.positions.shape[1] != groups:
+            return False
+        courses.positions[row], courses.rotations[row] = world.positions.array, world.rotations.array
+        courses.set(row, course)
+        self._owed[row] = self._left[row] = 0
+        return all(column.add(row, simulation, courses) for column in self._columns)
+
+    def leave(self, row: int) -> None:
+        """Bring the simulation of a row up to date."""
+        if self.members[row]:
+            self.members[row] = False
+            self._note(row)
+
+    def _note(self, row: int) -> None:
+        ticks, self._owed[row] = int(self._owed[row]), 0
+        if ticks:
+            self._simulations[row].world.free_run.ran(ticks)
+            self._simulations[row].coasted(ticks)
+
+
+class _Column:
+    """Data that are computed for many rows at once."""
+
+    def __init__(self, column: DataColumn, rows: int) -> None:
+        self._column, self._handles = column, column.handles
+        cls = type(column.handles[0].component)
+        columns = columns_of(cls)
+        self.is_possible = columns is not None and column.layout.is_numeric_in(columns.fields)
+        if columns is None or not self.is_possible:
+            return
+        self._of, self._keep = columns.of, columns.keep
+        self._slots = np.zeros(rows, np.int64)
+        self._mountings: list[Any] = [None] * rows
+        self._chosen: tuple[bytes, list[Any]] = b"", []
+        self._bundle: RayBundle | None = None
+        self._lanes = Lanes(rows) if columns.keep is not None else None
+        self._hits: Hits | None = None
+
+    def add(self, row: int, simulation: Simulation, courses: Courses) -> bool:
+        """Prepare a row; return False if its data cannot be computed together with those of the others."""
+        component: Any = self._handles[row].component
+        entry = component._in_rows
+        if not isinstance(entry, SensorRows) or columns_of(type(component)) is None:
+            return False
+        self._slots[row], self._mountings[row] = entry.place_of(component)
+        self._chosen = b"", []
+        if self._lanes is None:
+            return True
+        bundle = component.rays
+        if len(component.requests) != 1 or not isinstance(bundle, RayBundle) or component.observe() is not bundle.sight:
+            return False
+        if self._bundle is None or self._hits is None:
+            self._bundle, self._hits = bundle, Hits.nothing((len(self._slots), len(bundle)))
+        if len(bundle) != len(self._bundle) or bundle.reach != self._bundle.reach:
+            return False
+        hits = self._hits.rows(slice(row, row + 1))
+        lane = simulation.world.rays.lane(bundle, courses.positions[row], courses.rotations[row], hits)
+        if lane is None:
+            return False
+        self._lanes.set(row, lane)
+        return True
+
+    def update(self, rows: NDArray[np.int64], courses: Courses) -> None:
+        """Write the data of some rows."""
+        key = rows.tobytes()
+        if self._chosen[0] != key:
+            self._chosen = key, [self._mountings[row] for row in rows.tolist()]
+        slots = self._slots[rows]
+        positions, rotations = courses.positions[rows, slots], courses.rotations[rows, slots]
+        moment = Snapshot(positions, rotations, range(len(rows)), self._chosen[1])
+        kept: list[Any] = []
+        if self._lanes is not None and self._keep is not None and self._hits is not None and self._bundle is not None:
+            self._lanes.cast(rows)
+            scan = Scan(self._bundle, self._hits.rows(rows))
+            kept = [self._keep(Sight(scan, row)) for row in range(len(rows))]
+        self._column.put(rows, self._of([moment], [kept]))
