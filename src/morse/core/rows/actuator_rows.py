@@ -60,7 +60,7 @@ class ActuatorRows(Rows):
     def prepare(self) -> None:
         """Do what `action` does, for ticks of which `went_on` tells later."""
         rows, stamp, poses = self._rows, self.stamp, self._poses
-        self.action()
+        self._act((self,))
         if self._rows is rows:
             self.stamp, self._poses = stamp, poses
 

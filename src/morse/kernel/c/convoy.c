@@ -8,7 +8,7 @@
 #include "solids.h"
 
 typedef struct {
-    const Course *const *courses;  // (N) of the rows
+    const Course *const *courses;   // (N) of the rows
     double *positions, *rotations;  // results (N, K, 3), (N, K, 9): the poses of all rigid groups
     int64_t groups;                 // K, of which the moving ones are the first
 } Convoy;
