@@ -99,6 +99,10 @@ visualization_msgs/Marker: std_msgs/Header header, string ns, int32 id, int32 ty
     string texture_resource, sensor_msgs/CompressedImage texture, visualization_msgs/UVCoordinate[] uv_coordinates,
     string text, string mesh_resource, visualization_msgs/MeshFile mesh_file, bool mesh_use_embedded_materials
 visualization_msgs/MarkerArray: visualization_msgs/Marker[] markers
+diagnostic_msgs/KeyValue: string key, string value
+diagnostic_msgs/DiagnosticStatus: uint8 level, string name, string message, string hardware_id,
+    diagnostic_msgs/KeyValue[] values
+diagnostic_msgs/DiagnosticArray: std_msgs/Header header, diagnostic_msgs/DiagnosticStatus[] status
 vision_msgs/ObjectHypothesis: string class_id, float64 score
 vision_msgs/ObjectHypothesisWithPose: vision_msgs/ObjectHypothesis hypothesis, geometry_msgs/PoseWithCovariance pose
 vision_msgs/BoundingBox3D: geometry_msgs/Pose center, geometry_msgs/Vector3 size

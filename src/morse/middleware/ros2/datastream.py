@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from morse.middleware.ros2.diagnostics import Diagnostics
 from morse.middleware.ros2.domain import join
 from morse.middleware.ros2.mapping import MANAGER_OPTIONS
 from morse.rosmsgs.options import ROS2_MANAGER
 from morse.rosmsgs.topics.manager import TopicManager
 
 if TYPE_CHECKING:
+    from morse.core.context import Context
     from morse.rosmsgs.topics.backend import Backend
 
 
@@ -23,5 +25,21 @@ class Ros2DatastreamManager(TopicManager):
     manager_options = MANAGER_OPTIONS
     title = "ros2"
 
+    def __init__(self, options: dict[str, Any], context: Context) -> None:
+        super().__init__(options, context)
+        self._diagnostics = Diagnostics(self) if self.options["diagnostics"] else None
+
     def _make_backend(self) -> Backend:
         return join(self.context, self.options)
+
+    def flush(self) -> None:
+        """See `TopicManager.flush`."""
+        if self._diagnostics is not None:
+            self._diagnostics.publish()
+        super().flush()
+
+    def finalize(self) -> None:
+        """See `TopicManager.finalize`."""
+        if self._diagnostics is not None:
+            self._diagnostics.close()
+        super().finalize()

@@ -18,6 +18,7 @@ MANAGER_OPTIONS = {
     "backend": Option(str, None, "library for the topics; default: rclpy if it can be imported", choices=BACKENDS),
     "domain_id": Option(int, None, "ROS domain; default: ROS_DOMAIN_ID, or 0", low=0, high=LAST_DOMAIN),
     "interface": Option(str, "lo", "network interface or its address; any: all interfaces"),
+    "diagnostics": Option(bool, True, "publish the state of all components as /diagnostics"),
     **TOPIC_OPTIONS,
 }
 

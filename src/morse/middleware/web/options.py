@@ -23,5 +23,5 @@ def server_options(port: int) -> dict[str, Option]:
 
 
 #: options of ROS 2 that only concern the transport of its topics
-_OF_ROS_2 = ("backend", "domain_id", "interface")
+_OF_ROS_2 = ("backend", "domain_id", "interface", "diagnostics")
 TOPIC_OPTIONS = {name: option for name, option in MANAGER_OPTIONS.items() if name not in _OF_ROS_2}
