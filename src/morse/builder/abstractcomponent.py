@@ -60,6 +60,8 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         self._blendname = filename
         self._category = category
         self._frequency: float | None = None
+        #: whether its frequency, which a file sets, is at most that of the simulation
+        self._keeps_tick = False
         self._exportable = True
         self._profiled = False
         self._is_optional = False
@@ -237,6 +239,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
 
     def frequency(self, frequency: float) -> None:
         """Set the frequency, Hz (per simulated second)."""
+        self._keeps_tick = False
         what = f"{type(self).__name__}.frequency(hz)"
         self._frequency = checks.number(frequency, what, above=0.0, maximum=HIGHEST_FREQUENCY)
         self.scene_node.properties["frequency"] = self._frequency

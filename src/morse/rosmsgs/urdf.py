@@ -59,13 +59,17 @@ def describe(name: str, robot: Any, base: str, joints: list[Joint], components: 
         _add_joint(model, joint)
     for frame, one in components.items():
         _add_link(model, frame, one.object, owners, product(Transformation3d(robot), one.pose))
-        kind = "floating" if one.moves else "fixed"
-        made = ElementTree.SubElement(model, "joint", name=f"{frame}_joint", type=kind)
-        ElementTree.SubElement(made, "parent", link=base)
-        ElementTree.SubElement(made, "child", link=frame)
-        made.append(_origin(one.pose))
+        add_fixed(model, f"{frame}_joint", base, frame, one.pose, moves=one.moves)
     ElementTree.indent(model)
     return ElementTree.tostring(model, encoding="unicode")
+
+
+def add_fixed(model: Any, name: str, parent: str, frame: str, pose: Transformation3d, *, moves: bool) -> None:
+    """Add a joint that is fixed, or that moves in any way."""
+    joint = ElementTree.SubElement(model, "joint", name=name, type="floating" if moves else "fixed")
+    ElementTree.SubElement(joint, "parent", link=parent)
+    ElementTree.SubElement(joint, "child", link=frame)
+    joint.append(_origin(pose))
 
 
 def _add_joint(model: Any, joint: Joint) -> None:

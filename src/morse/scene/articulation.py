@@ -86,6 +86,7 @@ class Articulation:
         apart: pairs of links that do not collide, by their names in the file.
         couplings: constraints.
         control: joint to the quantity that its motor controls, if it differs from the file.
+        description: of a robot: its URDF file, expanded, with the paths of meshes as URLs; empty for other formats.
         model: the MJCF model of the robot, from which the engine takes its bodies; None for other formats.
     """
 
@@ -94,4 +95,5 @@ class Articulation:
     apart: tuple[tuple[str, str], ...] = ()
     control: tuple[tuple[str, Control], ...] = ()
     couplings: Couplings = field(default_factory=Couplings)
+    description: str = ""
     model: MjcfModel | None = None

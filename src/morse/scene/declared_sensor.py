@@ -21,6 +21,8 @@ class DeclaredSensor:
         rotation: 9 numbers, row by row, from the frame of the sensor (X forward, Z up) to that of the link.
         properties: names and values of the properties that the file sets.
         frequency: Hz, or None.
+        noise: standard deviations of the white noise of fields; an empty name stands for all of them.
+        has_own_visual: whether the file shows what the sensor looks like.
         stream: options of its streams that the file sets, such as the topic.
     """
 
@@ -32,3 +34,5 @@ class DeclaredSensor:
     properties: tuple[tuple[str, float | int | str], ...] = ()
     frequency: float | None = None
     stream: tuple[tuple[str, str | bool], ...] = ()
+    noise: tuple[tuple[str, float], ...] = ()
+    has_own_visual: bool = False

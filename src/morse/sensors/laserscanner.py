@@ -47,10 +47,13 @@ def _once_round(values: Any, scan_window: float) -> NDArray[np.float64]:
     return array[..., :-1] if scan_window == 360.0 and array.shape[-1] > 1 else array
 
 
-def _ranges(data: Mapping[str, Any], laser_range: float, scan_window: float) -> NDArray[np.float64]:
-    """Return the distances (..., N), m; infinite for no hit."""
+def _ranges(
+    data: Mapping[str, Any], laser_range: float, scan_window: float, range_min: float = 0.0
+) -> NDArray[np.float64]:
+    """Return the distances (..., N), m; infinite for no hit, negative infinite for one that is too near (REP 117)."""
     ranges = _once_round(data["range_list"], scan_window)
-    return np.where(ranges >= laser_range, np.inf, ranges)
+    far = np.where(ranges >= laser_range, np.inf, ranges)
+    return np.where(ranges < range_min, -np.inf, far) if np.any(range_min) else far
 
 
 def _remissions(data: Mapping[str, Any], scan_window: float) -> NDArray[np.float64] | None:
@@ -65,8 +68,9 @@ def _nearest(scanner: LaserScanner) -> float:
 
 
 def _hits(scanner: LaserScanner) -> NDArray[np.bool_]:
-    """Return booleans (N,): rays with a hit."""
-    return np.asarray(scanner.local_data["range_list"]) < scanner.laser_range
+    """Return booleans (N,): rays with a hit that is not too near."""
+    ranges = np.asarray(scanner.local_data["range_list"])
+    return (ranges < scanner.laser_range) & (ranges >= scanner.range_min)
 
 
 def _points(scanner: LaserScanner) -> NDArray[np.float64]:
@@ -100,11 +104,11 @@ def _ranges_at(_snapshots: Any, kept: Sequence[Sequence[NDArray[np.float64]]]) -
 _SEPARATION: dict[str, Any] = {"unit": "deg", "low": -180.0, "high": 180.0}
 _OFFSET: dict[str, Any] = {"unit": "deg", "low": -360.0, "high": 360.0}
 _SCAN: dict[str, Any] = {
-    "ranges": computed(_ranges, "laser_range", "scan_window", by_rows=True),
+    "ranges": computed(_ranges, "laser_range", "scan_window", "range_min", by_rows=True),
     "intensities": computed(_remissions, "scan_window", by_rows=True),
     "angle_min": prop("scan_window", scale=-0.5),
     "angle_increment": prop("resolution"),
-    "range_min": 0.0,
+    "range_min": prop("range_min"),
     "range_max": prop("laser_range"),
 }
 
@@ -190,6 +194,10 @@ class LaserScanner(Sensor):
     )
 
     add_property("laser_range", 30.0, "laser_range", "float", "Largest distance", unit="m", low=1e-3, high=1e7)
+    add_property(
+        "range_min", 0.0, "range_min", "float", "Smallest distance: messages have no points nearer than it", unit="m",
+        low=0.0, high=1e7,
+    )  # fmt: skip
     add_property("resolution", 1.0, "resolution", "float", "Angle between two rays", unit="deg", low=1e-3, high=360.0)
     add_property("scan_window", 180.0, "scan_window", "float", "Full angle of the fan", unit="deg", low=0.0, high=360.0)
     add_property("visible_arc", False, "Visible_arc", "bool", "Show the rays in the view")
@@ -201,7 +209,7 @@ class LaserScanner(Sensor):
         "range",
         level="range",
         distance=_nearest,
-        min=0.0,
+        min=prop("range_min"),
         max=prop("laser_range"),
         fov=prop("scan_window"),
         radiation="infrared",
@@ -214,6 +222,7 @@ class LaserScanner(Sensor):
     #: whether the fan rotates about the vertical axis, so that its rays do not lie in one plane
     turns = False
     laser_range: float
+    range_min: float
     resolution: float
     scan_window: float
     visible_arc: bool

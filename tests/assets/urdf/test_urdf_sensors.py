@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 
 import morse
 from morse.assets.urdf import read_urdf
+from morse.core.kinds import bind
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -66,7 +68,8 @@ def test_what_the_file_says_of_sensors(tmp_path: Path) -> None:
         {"cam_width": 64, "cam_height": 48, "cam_fov": math.degrees(1.0), "cam_near": 0.05, "cam_far": 50.0}
     )
     scan = dict(found["scan"].properties)
-    assert scan == pytest.approx({"laser_range": 8.0, "scan_window": 90.0, "resolution": 1.0}, rel=1e-5)
+    expected = {"laser_range": 8.0, "range_min": 0.1, "scan_window": 90.0, "resolution": 1.0}
+    assert scan == pytest.approx(expected, rel=1e-5)
     assert found["old"].frequency == 5.0
     (warning,) = [text for text in library.warnings if "sensors" in text]
     assert "'nose' (chemical)" in warning
@@ -120,3 +123,80 @@ def test_absurd_sizes_are_limited(tmp_path: Path) -> None:
     text = f'<gazebo reference="base"><sensor name="s" type="camera">{image}</sensor></gazebo>'
     (one,) = [one for one in read_urdf(write(tmp_path, more=text)).sensors if one.name == "s"]
     assert dict(one.properties) == {"cam_width": 4096, "cam_height": 1}
+
+
+FAST = """<robot name="rover"><link name="base"><inertial><mass value="1"/></inertial>{visual}<collision><geometry>
+<box size="0.2 0.2 0.1"/></geometry></collision></link>
+<gazebo reference="base"><sensor name="imu" type="imu"><update_rate>1000</update_rate><imu><angular_velocity><x>
+<noise type="gaussian"><stddev>0.02</stddev></noise></x></angular_velocity></imu></sensor>
+<sensor name="scan" type="gpu_lidar"><topic>front/scan</topic><update_rate>10</update_rate><lidar><scan><horizontal>
+<samples>181</samples><min_angle>-1.57</min_angle><max_angle>1.57</max_angle></horizontal></scan><range><min>0.5</min>
+<max>8</max></range></lidar><plugin name="p" filename="libgazebo_ros_ray_sensor.so"><ros><namespace>/a</namespace>
+<remapping>~/out:=laser</remapping></ros></plugin></sensor></gazebo></robot>"""
+
+
+def saved(tmp_path, text):
+    path = tmp_path / "rover.urdf"
+    path.write_text(text)
+    return str(path)
+
+
+def test_a_fast_sensor_does_not_change_the_tick(simulate, tmp_path, caplog) -> None:
+    file = saved(tmp_path, FAST.format(visual=""))
+    simulation = simulate(f"robot = Robot({file!r})\nenv = Environment('empty')\n", sockets=False)
+    simulation.step(60)
+    assert simulation.clock.time == pytest.approx(1.0)
+    (line,) = (record.message for record in caplog.records if "measure in each tick" in record.message)
+    assert "imu (1000 Hz)" in line
+    # unless the script asks for it
+    scene = f"robot = Robot({file!r})\nrobot.sensors['imu'].frequency(1000)\nenv = Environment('empty')\n"
+    simulation = simulate(scene, sockets=False)
+    simulation.step(60)
+    assert simulation.clock.time == pytest.approx(0.06)
+
+
+def test_noise_of_a_file(simulate, tmp_path) -> None:
+    file = saved(tmp_path, FAST.format(visual=""))
+    simulation = simulate(
+        f"robot = Robot({file!r})\nrobot.translate(z=0.06)\nenv = Environment('empty')\n", sockets=False
+    )
+    simulation.step(120)
+    values = []
+    for _ in range(300):
+        simulation.step(1)
+        values.append(simulation.robot.imu.get()["angular_velocity"][2])
+    # five standard errors of a standard deviation of 300 values
+    assert np.std(values) == pytest.approx(0.02, rel=5.0 / math.sqrt(600.0))
+
+
+def test_topics_ranges_and_visuals_of_a_file(tmp_path) -> None:
+    box = '<visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual>'
+    for visual in ("", box):
+        library = read_urdf(saved(tmp_path, FAST.format(visual=visual)))
+        imu, scan = library.sensors
+        assert dict(scan.stream) == {"topic": "/a/laser"}
+        assert dict(imu.stream) == {}
+        assert dict(scan.properties)["range_min"] == 0.5
+        assert scan.has_own_visual is imu.has_own_visual is bool(visual)
+
+
+def test_echoes_nearer_than_the_smallest_distance(simulate, tmp_path) -> None:
+    (tmp_path / "wall.urdf").write_text(
+        """<robot name="wall"><link name="world"/><link name="w"><inertial><mass value="1"/></inertial><collision>
+        <geometry><box size="0.1 2 2"/></geometry></collision></link>
+        <joint name="j" type="fixed"><parent link="world"/><child link="w"/></joint></robot>"""
+    )
+    scene = f"""robot = Robot({saved(tmp_path, FAST.format(visual=""))!r})
+robot.translate(z=0.051)
+wall = Robot({str(tmp_path / "wall.urdf")!r})
+wall.translate(x=0.35)
+env = Environment('empty')
+"""
+    simulation = simulate(scene, sockets=False)
+    simulation.step(30)
+    (kind,) = (one for one in bind(simulation.context.components["robot.scan"]) if one.kind.name == "scan")
+    message = kind.gather()
+    assert message.range_min == 0.5
+    # straight ahead, the wall is 0.3 m away; REP 117
+    assert np.asarray(message.ranges)[90] == -math.inf
+    assert np.asarray(message.ranges)[0] == math.inf

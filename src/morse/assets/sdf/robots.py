@@ -169,7 +169,8 @@ class Models:
             for joint in joints:
                 yield from ((element, f"{prefix}{joint.child}") for element in joint.element.findall("sensor"))
 
-        sensors, remarks = declared_sensors(elements(), {f"{prefix}{name}" for name in links})
+        shown = {f"{prefix}{name}" for name, link in links.items() if link.part.element.find("visual") is not None}
+        sensors, remarks = declared_sensors(elements(), {f"{prefix}{name}" for name in links}, shown)
         return sensors, [*wrong, *remarks]
 
 

@@ -10,7 +10,7 @@ from morse.assets.errors import AssetError
 from morse.assets.inertial import inertial_of
 from morse.assets.triangle_limit import check_parts
 from morse.assets.urdf.drives import add_plugins
-from morse.assets.urdf.expansion import read_expanded
+from morse.assets.urdf.expansion import read_expanded, text_with_urls
 from morse.assets.urdf.sensors import sensors_of
 from morse.mathutils import Euler, Matrix
 from morse.scene import JointDynamics
@@ -119,6 +119,7 @@ class Document:
         constraints: joints that close a loop.
         self_collision: whether its links collide with each other.
         actuators: what its plugins stand for.
+        text: the URDF of the robot, see `morse.scene.Articulation`.
     """
 
     name: str
@@ -131,6 +132,7 @@ class Document:
     constraints: tuple[Constraint, ...] = ()
     self_collision: bool = False
     actuators: list[DeclaredSensor] = field(default_factory=list)
+    text: str = ""
 
 
 class _Parser:
@@ -310,6 +312,7 @@ def parse(path: Path) -> Document:
     sensors, remarks = sensors_of(robot, links)
     document = Document(robot.get("name") or path.stem, links, ordered, root, [*parser.warnings, *remarks], sensors)
     add_plugins(robot, document)
+    document.text = text_with_urls(robot, path)
     return document
 
 

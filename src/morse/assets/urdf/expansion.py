@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 from typing import TYPE_CHECKING
+from xml.etree import ElementTree
 
 from morse.assets.arguments import ARGUMENTS
 from morse.assets.errors import AssetError
-from morse.assets.nearby_files import FileRefusedError, find_package
+from morse.assets.nearby_files import FileRefusedError, find_near, find_package
 from morse.assets.xml_files import parse_xml, read_xml
 
 if TYPE_CHECKING:
     from pathlib import Path
-    from xml.etree import ElementTree
 
+#: package://, file://
+_URL = re.compile(r"[a-z][a-z0-9+.-]*://")
 _SUBSTITUTION = re.compile(r"\$\((optenv|env|find|dirname)\s*([^)]*)\)")
 
 
@@ -33,6 +36,16 @@ def read_expanded(path: Path) -> ElementTree.Element:
             if "$(" in value:
                 element.set(name, _substituted(value, path))
     return root
+
+
+def text_with_urls(robot: ElementTree.Element, path: Path) -> str:
+    """Return a robot as text, in which relative paths of meshes are URLs, so that programs elsewhere read them."""
+    for mesh in robot.iter("mesh"):
+        name = mesh.get("filename", "")
+        if name and not _URL.match(name):
+            with contextlib.suppress(FileRefusedError, OSError, ValueError):
+                mesh.set("filename", find_near(name, path).resolve().as_uri())
+    return ElementTree.tostring(robot, encoding="unicode")
 
 
 def _substituted(value: str, path: Path) -> str:

@@ -6,15 +6,21 @@ See http://wiki.ros.org/urdf/XML/sensor and http://sdformat.org/spec?elem=sensor
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.noise import noise_of
+from morse.assets.gazebo.topics import topic_of
+from morse.assets.gazebo.values import text_of
 from morse.mathutils import Euler, Matrix
 from morse.mathutils.rotations import nine
 from morse.scene.declared_sensor import DeclaredSensor
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Iterator
+    from collections.abc import Container, Iterable, Iterator, Mapping
     from xml.etree import ElementTree
+
+    from morse.assets.urdf.document import Link
 
 _PRODUCTS = {
     "camera": "VideoCamera",
@@ -45,15 +51,20 @@ _MOST_PIXELS, _MOST_RAYS = 4096, 100_000
 _FARTHEST = 1e6
 
 
-def sensors_of(robot: ElementTree.Element, links: Container[str]) -> tuple[list[DeclaredSensor], list[str]]:
+def sensors_of(robot: ElementTree.Element, links: Mapping[str, Link]) -> tuple[list[DeclaredSensor], list[str]]:
     """Return the sensors of a robot, and warnings about those that are left out."""
-    return declared_sensors(_elements(robot), links)
+    return declared_sensors(_elements(robot), links, {name for name, link in links.items() if link.visuals})
 
 
 def declared_sensors(
-    elements: Iterable[tuple[ElementTree.Element, str]], links: Container[str]
+    elements: Iterable[tuple[ElementTree.Element, str]], links: Container[str], shown: Container[str] = ()
 ) -> tuple[list[DeclaredSensor], list[str]]:
-    """Return the sensors of some elements, each with the name of its link, and warnings about those left out."""
+    """Return the sensors of some elements, each with the name of its link, and warnings about those left out.
+
+    Args:
+        links: names of the links.
+        shown: names of the links that show what is on them.
+    """
     sensors: list[DeclaredSensor] = []
     unknown: list[str] = []
     wrong: list[str] = []
@@ -65,7 +76,7 @@ def declared_sensors(
             unknown.append(f"'{name:.60}' ({what:.80})")
             continue
         try:
-            sensors.append(_sensor(element, name, kind, link))
+            sensors.append(replace(_sensor(element, name, kind, link), has_own_visual=link in shown))
         except ValueError as error:
             wrong.append(f"the sensor '{name:.60}' is left out: {error}")
     if unknown:
@@ -107,8 +118,20 @@ def _sensor(element: ElementTree.Element, name: str, kind: str, link: str) -> De
     x, y, z = pose.translation
     return DeclaredSensor(
         name, product, link, (x, y, z), nine(list(pose.to_3x3())), tuple(properties.items()),
-        rate if rate is not None and 0.0 < rate <= 10_000.0 else None,
+        rate if rate is not None and 0.0 < rate <= 10_000.0 else None, noise=tuple(noise_of(element, product)),
+        stream=_stream(element),
     )  # fmt: skip
+
+
+def _stream(element: ElementTree.Element) -> tuple[tuple[str, str | bool], ...]:
+    """The topic that the sensor, or its plugin for ROS, names."""
+    plugin = element.find("plugin")
+    name = text_of(element, "topic")
+    if plugin is not None:
+        name = topic_of(plugin, name, "topicName", "cameraName", "camera_name", private="out")
+    elif name:
+        name = topic_of(element, "", "topic")
+    return (("topic", name),) if name else ()
 
 
 def _camera(element: ElementTree.Element) -> dict[str, float | int]:
@@ -135,6 +158,9 @@ def _camera(element: ElementTree.Element) -> dict[str, float | int]:
 def _scan(element: ElementTree.Element) -> tuple[dict[str, float | int], float]:
     """Return the properties of a laser scanner, and the direction of the middle of its fan, rad."""
     options: dict[str, float | int] = {"laser_range": _positive(element, (".//range/max",), 30.0)}
+    nearest = _number(element, (".//range/min",), 0.0) or 0.0
+    if 0.0 < nearest < options["laser_range"]:
+        options["range_min"] = nearest
     low, high = (
         _number(element, (".//horizontal/min_angle",), None),
         _number(element, (".//horizontal/max_angle",), None),

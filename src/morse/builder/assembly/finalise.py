@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from struct import pack, unpack
 from typing import TYPE_CHECKING
@@ -16,8 +17,12 @@ from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration, Scene, TimeStrategies, Zone
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from morse.builder.assembly.description import EnvironmentDescription
     from morse.builder.workspace import Workspace
+
+logger = logging.getLogger(__name__)
 
 #: properties of the world that place its origin on the Earth
 _ORIGIN = ("longitude", "latitude", "altitude")
@@ -44,10 +49,12 @@ def build_scene(workspace: Workspace) -> Scene:
         robots = [part for part in workspace.components if isinstance(part, Robot)]
         distribute(robots, environment._distribution)
     parts = [part for part in workspace.components if isinstance(part, AbstractComponent) and part.is_morseable()]
-    components = [declare(part) for part in of_own_robots(parts)]
-    fastest = max((c.frequency for c in components if c.frequency is not None), default=0.0)
+    own = list(of_own_robots(parts))
+    fastest = max((part._frequency or 0.0 for part in own if not part._keeps_tick), default=0.0)
     if environment._auto_tune and settings.time_strategy is TimeStrategies.BestEffort:
         settings.frequency = max(settings.frequency, fastest)
+    _slow_down([part for part in own if part._keeps_tick], settings.frequency)
+    components = [declare(part) for part in own]
     settings.view.display = Displaying(workspace, components).display(environment._wishes)
     _check_poses(workspace)
     return Scene(
@@ -64,6 +71,18 @@ def build_scene(workspace: Workspace) -> Scene:
         log_levels=environment._log_levels,
         multinode=environment._multinode,
     )
+
+
+def _slow_down(parts: Iterable[AbstractComponent], tick: float) -> None:
+    """Let sensors of files measure at most once in a tick: the world does not become slower for one of them."""
+    fast = {part.name: part._frequency for part in parts if (part._frequency or 0.0) > tick}
+    if fast:
+        names = ", ".join(f"{name} ({rate:g} Hz)" for name, rate in fast.items())
+        mend = "frequency(hz) of the sensor makes the simulation as fast"
+        logger.warning("sensors of files measure in each tick, at %g Hz; %s: %.400s", tick, mend, names)
+    for part in parts:
+        if part.name in fast:
+            part.frequency(tick)
 
 
 def _properties(environment: EnvironmentDescription) -> dict[str, object]:

@@ -57,6 +57,12 @@ def add_sensors(
             sensor.properties(**dict(one.properties))
         if one.frequency is not None:
             sensor.frequency(one.frequency)
+            sensor._keeps_tick = True
+        for field, deviation in one.noise:
+            sensor.noise(gaussian=deviation, field=field or None)
+        if one.has_own_visual:
+            for node in sensor.own_nodes():
+                node.visible = False
         sensor._is_optional = True
         sensor._file_options = dict(one.stream)
         robot.append(sensor, one.link if one.link and one.link != robot.scene_node.source_name else None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from morse.rosmsgs.moving import joints_of, name_of
 from morse.rosmsgs.parts import time
 from morse.rosmsgs.qos import Qos
 from morse.rosmsgs.urdf import Carried, describe
+from morse.rosmsgs.urdf_of_file import describe_file
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
@@ -112,7 +114,12 @@ class Robots:
             for stream in known.streams
             if stream.own_frame() != manager.names.base(robot)
         }
-        text = describe(robot.name(), robot.bge_object, manager.names.base(robot), known.joints, frames)
+        base, articulation = manager.names.base(robot), robot.bge_object.node.articulation
+        if articulation is not None and articulation.description:
+            link = partial(manager.names.link, robot)
+            text = describe_file(articulation.description, base, link, known.joints, frames)
+        else:
+            text = describe(robot.name(), robot.bge_object, base, known.joints, frames)
         manager.tell(known.description, _TEXT, {"data": text})
 
     def _send_states(self, known: _Robot) -> None:
@@ -128,7 +135,11 @@ def union(messages: list[tuple[Any, Message]], stamp: int, joints: list[Joint]) 
     names: list[str] = []
     values: dict[str, list[float]] = {quantity: [] for quantity in _QUANTITIES}
     for owner, message in messages:
-        names += [name_of(joints, owner, str(name)) for name in message.names]
+        own_names = [name_of(joints, owner, str(name)) for name in message.names]
+        if own_names and own_names[0] in names:
+            # another sensor of the same armature
+            continue
+        names += own_names
         count = len(message.names)
         for quantity, column in values.items():
             known = getattr(message, quantity)
