@@ -73,16 +73,17 @@ class Convoy:
             (N,) the numbers of ticks; the simulations of the other rows, and of those with fewer ticks, are up to date.
         """
         ran = np.zeros(len(self.members), np.int64)
+        # whoever leaves is stepped next, so that its sensors measure at the end of that step
         for row in np.flatnonzero(self.members & commanded).tolist():
-            self._note(row)
+            self._note(row, measured=False)
             if self._simulations[row].obey():
                 self._simulations[row].world.drives.clear()
             else:
-                self.leave(row)
+                self.leave(row, measured=False)
         for row in np.flatnonzero(self.members & (self._left < ticks)).tolist():
             self._left[row] = self._simulations[row].world.free_run.ahead(ticks, int(self._owed[row]))
             if self._left[row] < ticks:
-                self.leave(row)
+                self.leave(row, measured=False)
         rows = np.flatnonzero(self.members)
         if not len(rows):
             return ran
@@ -91,7 +92,7 @@ class Convoy:
         self._owed[rows] += done
         self._left[rows] -= done
         for row in rows[done < ticks].tolist():
-            self.leave(row)
+            self.leave(row, measured=False)
         rows = rows[done == ticks]
         if len(rows):
             for column in self._columns:
@@ -126,17 +127,21 @@ class Convoy:
         self._owed[row] = self._left[row] = 0
         return all(column.add(row, simulation, courses) for column in self._columns)
 
-    def leave(self, row: int) -> None:
-        """Bring the simulation of a row up to date."""
+    def leave(self, row: int, *, measured: bool = True) -> None:
+        """Bring the simulation of a row up to date.
+
+        Args:
+            measured: whether its sensors measure; False if they measure at the end of a step that follows.
+        """
         if self.members[row]:
             self.members[row] = False
-            self._note(row)
+            self._note(row, measured=measured)
 
-    def _note(self, row: int) -> None:
+    def _note(self, row: int, *, measured: bool) -> None:
         ticks, self._owed[row] = int(self._owed[row]), 0
         if ticks:
             self._simulations[row].world.free_run.ran(ticks)
-            self._simulations[row].coasted(ticks)
+            self._simulations[row].coasted(ticks, measured=measured)
 
 
 class _Column:

@@ -36,6 +36,8 @@ class Touches:
         self._force = np.zeros(6)
         self._owners = np.array([owner(world, world.slot_of[node]) for node in world.geom_node], np.intp)
         self.impulses = impulses
+        #: which shapes belong to watched bodies
+        self._is_watched = np.zeros(len(self._owners), bool)
         self._slots: dict[int, str] = {}
         self._resting: dict[int, dict[str, float]] = {}
         self._trees: list[int] = []
@@ -48,6 +50,7 @@ class Touches:
         slot = self._world.named.get(name)
         if slot is not None:
             self._slots[owner(self._world, slot)] = name
+            self._is_watched = np.isin(self._owners, list(self._slots))
             bodies = [body for one in self._slots if (body := self._world.slots[one].body) > 0]
             self._trees = [tree for tree in self._world.model.body_treeid[bodies].tolist() if tree >= 0]
 
@@ -104,17 +107,21 @@ class Touches:
         self.before_step()
 
     def _add(self, data: mujoco.MjData, duration: float) -> None:
-        pairs = data.contact.geom[: data.ncon]
-        owners = self._owners[pairs]
-        for index in np.flatnonzero(np.isin(owners, list(self._slots)).any(axis=1)).tolist():
-            if data.contact.efc_address[index] < 0:
+        contact = data.contact
+        pairs = contact.geom[: data.ncon]
+        chosen = np.flatnonzero(self._is_watched[pairs].any(axis=1)).tolist()
+        if not chosen:
+            return
+        owners, addresses, frames = self._owners[pairs], contact.efc_address, contact.frame
+        for index in chosen:
+            if addresses[index] < 0:
                 continue
             mujoco.mj_contactForce(self._world.model, data, index, self._force)
             normal = float(self._force[0])
             if not normal > 0.0:
                 continue
             impulse = float(np.sqrt((self._force[:3] ** 2).sum())) * duration
-            up = float(data.contact.frame[index, 2])
+            up = float(frames[index, 2])
             for own, other in ((0, 1), (1, 0)):
                 name = self._slots.get(int(owners[index, own]))
                 # the normal points from the first body to the second one

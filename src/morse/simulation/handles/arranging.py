@@ -197,11 +197,11 @@ class Arranging:
         """Take the commands of the next tick; return whether nothing can happen but that robots drive."""
         return self._ticker.obey()
 
-    def coasted(self, ticks: int) -> None:
-        """Take note of the ticks of one or more steps, of which the world knows; all sensors measure."""
+    def coasted(self, ticks: int, *, measured: bool) -> None:
+        """Take note of the ticks of one or more steps, of which the world knows; see `Ticker.coasted`."""
         for contacts in self._contacts.values():
             contacts.begin()
-        self._ticker.coasted(ticks)
+        self._ticker.coasted(ticks, measured=measured)
 
     def check_step(self, ticks: int, measure: Sequence[str] | bool) -> None:
         """Raise the error that `Simulation.step` would raise for these arguments."""

@@ -162,10 +162,16 @@ class Ticker:
         with self._acting:
             return self._leaping.obey()
 
-    def coasted(self, ticks: int) -> None:
-        """Take note of ticks in which nothing else could happen, after the world has; all sensors measure."""
+    def coasted(self, ticks: int, *, measured: bool) -> None:
+        """Take note of ticks in which nothing else could happen, after the world has.
+
+        Args:
+            measured: whether all sensors measure.
+        """
+        self._leaping.went_on(ticks)
+        if not measured:
+            return
         with self._acting:
-            self._leaping.went_on(ticks)
             self._due = self._clock.tick - 1
             self._answer_sensors()
             self._sense()
