@@ -2,8 +2,10 @@
 
     python examples/learn_to_drive.py                   # about a minute on two quiet cores
     python examples/learn_to_drive.py --steps 20000 --picture curve.svg
+    python examples/learn_to_drive.py --depth           # by a depth camera, which sees what is ahead
 
-The task is `morse.gym.reach`. The robot learns in 64 arenas, and is then tested in 64 others, which it has never seen.
+The tasks are those of `morse.gym.reach`. The robot learns in 64 arenas, and is then tested in 64 others, which it has
+never seen.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 import morse.gym
-from morse.gym.reach import Reach
+from morse.gym.reach import Reach, ReachDepth
 
 ROWS, LENGTH = 64, 32  # simulations; actions of each between two updates
 DISCOUNT, TRACE = 0.98, 0.95  # of rewards per action; of the generalised advantage estimation
@@ -152,9 +154,9 @@ def scaled(actions, low, high):
     return (low + (np.clip(actions, -1.0, 1.0) + 1.0) * 0.5 * (high - low)).astype(np.float32)
 
 
-def train(steps, seed=1, tell=print):
+def train(steps, seed=1, tell=print, task=Reach):
     """Return a driver, and the learning curve: actions, processor time in s, share of episodes that reach the goal."""
-    envs = morse.gym.vector(Reach(layouts=range(64)), ROWS)
+    envs = morse.gym.vector(task(layouts=range(64)), ROWS)
     driver = Driver(envs.single_observation_space.shape[0], envs.single_action_space.shape[0], seed)
     seen, _ = envs.reset(seed=seed)
     curve, reached, begin = [], [], time.process_time()
@@ -169,9 +171,9 @@ def train(steps, seed=1, tell=print):
     return driver, curve
 
 
-def success(driver, layouts=range(1000, 1064), episodes=4):
+def success(driver, layouts=range(1000, 1064), episodes=4, task=Reach):
     """Return the share of episodes that reach the goal in arenas that the driver has never seen."""
-    envs = morse.gym.vector(Reach(layouts=layouts), len(layouts))
+    envs = morse.gym.vector(task(layouts=layouts), len(layouts))
     space, reached = envs.single_action_space, [[] for _ in layouts]
     seen, _ = envs.reset(seed=12345)
     while min(map(len, reached)) < episodes:
@@ -217,9 +219,11 @@ def main(arguments=None):
     parser.add_argument("--steps", type=int, default=120_000, help="number of actions")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--picture", type=Path, help="write the learning curve to this SVG file")
+    parser.add_argument("--depth", action="store_true", help="drive by a depth camera instead of the scanner")
     options = parser.parse_args(arguments)
-    driver, curve = train(options.steps, options.seed)
-    result = success(driver)
+    task = ReachDepth if options.depth else Reach
+    driver, curve = train(options.steps, options.seed, task=task)
+    result = success(driver, task=task)
     print(f"{result:.0%} reach the goal in new arenas, after {curve[-1][1]:.0f} s of processor time")
     if options.picture:
         options.picture.write_text(picture(curve, result))

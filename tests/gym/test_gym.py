@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -16,20 +18,21 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 import morse.gym
-from morse.gym.reach import Reach
-from morse.many import uniform
+from morse.gym.crossing import AGENTS, Crossing
+from morse.gym.reach import Reach, ReachDepth
+from morse.many import normal, uniform
 
 
-@pytest.mark.parametrize("task", [Reach, LookAround, Picture])
+@pytest.mark.parametrize("task", [Reach, ReachDepth, LookAround, Picture])
 def test_gymnasium_checks_it(task):
     env = morse.gym.TaskEnv(task, render_mode="rgb_array")
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*symmetric and normalized.*")
-        check_env(env, skip_render_check=task is Reach)  # a view of the scene takes long
+        check_env(env, skip_render_check=issubclass(task, Reach))  # a view of the scene takes long
     env.close()
 
 
-@pytest.mark.parametrize("task", [Reach, LookAround, Picture])
+@pytest.mark.parametrize("task", [Reach, ReachDepth, LookAround, Picture])
 def test_stable_baselines_checks_it(task):
     try:
         from stable_baselines3.common.env_checker import check_env as check
@@ -42,13 +45,13 @@ def test_stable_baselines_checks_it(task):
 
 @pytest.mark.slow
 def test_stable_baselines_learns():
-    try:
-        from stable_baselines3 import PPO
-    except ImportError:
-        pytest.skip("needs stable-baselines3")
-    model = PPO("MlpPolicy", gymnasium.make("morse/Reach-v0"), n_steps=128, batch_size=64, seed=0, device="cpu")
-    model.learn(256)
-    assert model.num_timesteps == 256
+    pytest.importorskip("stable_baselines3")
+    page = (Path(__file__).parents[2] / "docs" / "gym.md").read_text(encoding="utf-8")
+    example = next(text for text in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "stable_baselines3" in text)
+    functions: dict = {}
+    exec(example, functions)
+    model = functions["learn"](512)
+    assert model.num_timesteps == 512
 
 
 def test_spaces_come_from_declarations():
@@ -132,6 +135,49 @@ def test_each_episode_draws_parameters():
     env.close()
 
 
+def test_rows_draw_arguments_of_the_scene_poses_and_colours():
+    def scene(noise=0.0, obstacle=3.0):
+        from morse.builder import ATRV, Cube, Environment, MotionVW, Pose
+
+        robot = ATRV("robot")
+        pose = Pose("pose")
+        if noise:
+            pose.alter("Noise", pos_std=noise, rot_std=0.0)
+        for part in (MotionVW("motion"), pose):
+            robot.append(part)
+        box = Cube("Box")
+        box.location = (obstacle, 0.0, 1.0)
+        box._bpy_object.game.physics_type = "STATIC"
+        Environment("empty")
+
+    class Drawn(morse.gym.Task):
+        arguments = {"noise": uniform(0.1, 0.2), "obstacle": uniform(2.0, 9.0)}  # noqa: RUF012
+        vary = {"Box": {"y": uniform(4.0, 5.0), "color": uniform(0.0, 1.0)}, "robot": {"yaw": normal(0.0, 0.5)}}  # noqa: RUF012
+        action = morse.gym.Command("robot.motion", v=(-1.0, 1.0), w=(-1.0, 1.0))
+        observation = morse.gym.Read("robot.pose", "x", "y", "yaw")
+
+        def reward(self, before, now):
+            return 0.0, False, {}
+
+    Drawn.scene = staticmethod(scene)
+    drawn = []
+    for workers in (0, 2):
+        env = morse.gym.vector(Drawn, 4, workers=workers)
+        observations, infos = env.reset(seed=3)
+        drawn.append((observations, infos))
+        if not workers:
+            boxes = [sim.world.objects_by_name["Box"] for sim in env._rows.episodes.many]
+            assert [box.worldPosition[0] for box in boxes] == pytest.approx(infos["scene.obstacle"].tolist())
+            assert [box.worldPosition[1] for box in boxes] == pytest.approx(infos["Box.y"].tolist())
+            assert [box.node.color[:3] for box in boxes] == [tuple(color) for color in infos["Box.color"].tolist()]
+            assert observations[:, 2] == pytest.approx(infos["robot.yaw"], abs=0.05)
+        env.close()
+    assert len(set(drawn[0][1]["scene.obstacle"].tolist())) == 4
+    assert (drawn[0][0] == drawn[1][0]).all()
+    for name, values in drawn[0][1].items():
+        assert (values == drawn[1][1][name]).all(), name
+
+
 def test_pettingzoo_checks_it():
     from pettingzoo.test import parallel_api_test, parallel_seed_test
 
@@ -146,6 +192,29 @@ def test_pettingzoo_checks_it():
         parallel_seed_test(make, num_cycles=20)
     with pytest.raises(KeyError, match=r"no robot 'r3'"):
         morse.gym.parallel(Meet, agents=["r0", "r3"])
+
+
+def test_pettingzoo_checks_three_robots_that_cross():
+    from pettingzoo.test import parallel_api_test, parallel_seed_test
+
+    def make():
+        return morse.gym.parallel(Crossing, AGENTS)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        env = make()
+        parallel_api_test(env, num_cycles=110)
+        # straight ahead they meet in the middle
+        env.reset(seed=1)
+        crashed = set()
+        while env.agents:
+            seen = {agent: env._episodes.task.observe(env._episodes._now)[row] for row, agent in enumerate(AGENTS)}
+            actions = {agent: np.float32([1.0, np.clip(3.0 * seen[agent][38], -1.5, 1.5)]) for agent in env.agents}
+            _, _, ended, _, infos = env.step(actions)
+            crashed |= {agent for agent, over in ended.items() if over and not infos[agent]["is_success"]}
+        assert len(crashed) >= 2
+        env.close()
+        parallel_seed_test(make, num_cycles=20)
 
 
 def test_a_process_that_dies_is_named():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -12,12 +13,16 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture(scope="module")
-def example():
-    spec = importlib.util.spec_from_file_location("learn_to_drive", ROOT / "examples" / "learn_to_drive.py")
+def loaded(name):
+    spec = importlib.util.spec_from_file_location(name, ROOT / "examples" / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="module")
+def example():
+    return loaded("learn_to_drive")
 
 
 def test_gradients_are_those_of_differences(example):
@@ -60,6 +65,20 @@ def test_a_short_run(example):
     assert [row[0] for row in curve] == [2048, 4096]
     assert driver.policy.updates == 2 * example.PASSES * example.PARTS
     ElementTree.fromstring(example.picture(curve, 0.5))
+
+
+def test_a_short_run_of_three_robots(example, monkeypatch):
+    monkeypatch.setitem(sys.modules, "learn_to_drive", example)
+    crossing = loaded("learn_to_cross")
+    team, curve = crossing.train(2 * 6 * crossing.LENGTH, tell=print, worlds=2)
+    assert [row[0] for row in curve] == [192, 384]
+    assert team.policy.updates == 2 * example.PASSES * example.PARTS
+
+
+@pytest.mark.slow
+def test_three_robots_learn_not_to_meet(example, monkeypatch):
+    monkeypatch.setitem(sys.modules, "learn_to_drive", example)
+    assert loaded("learn_to_cross").main([]) >= 0.9
 
 
 @pytest.mark.slow

@@ -217,6 +217,32 @@ study = Study(scene, run, number=range(25))
     assert "there is another result" not in str(table)
 
 
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_run_without_an_end_fails(tmp_path, workers):
+    text = (
+        SCENE
+        + """
+def run(sim, kind):
+    while kind:
+        try:
+            sim.step() if kind == "step" else sum(range(1000))
+        except Exception:
+            pass
+    sim.step(3)
+    return {"x": 1.0}
+study = Study(scene, run, kind=["", "step", "python"], timeout=3.0)
+"""
+    )
+    table = study_of(tmp_path, text).run(tmp_path / "r", workers=workers)
+    rows = {row["kind"]: row for row in table}
+    assert (rows[""]["error"], rows[""]["x"], rows[""]["ticks"]) == ("", 1.0, 3)
+    for kind in ("step", "python"):
+        assert rows[kind]["error"] == "RunTimeout: the run has taken longer than 3 s of wall-clock time"
+        assert rows[kind]["hash"] == ""
+        assert rows[kind]["wall"] >= 3.0
+    assert rows["step"]["ticks"] > 0
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -224,6 +250,7 @@ study = Study(scene, run, number=range(25))
         (lambda run: Study("s.py", run, gain=[]), "'gain' has no values"),
         (lambda run: Study("s.py", run, gain=[object()]), "'gain' is a object"),
         (lambda run: Study("s.py", run, ticks=[1]), "cannot be called 'ticks'"),
+        (lambda run: Study("s.py", run, timeout=-1.0), "timeout is a time in seconds"),
         (lambda run: uniform(2.0, 1.0), "the lower one first"),
         (lambda run: uniform(0.0, 1.0, samples=0), "at least 1"),
         (lambda run: loguniform(0.0, 1.0), "greater than 0"),

@@ -1,12 +1,12 @@
 """Tasks of reinforcement learning for Gymnasium and PettingZoo; with the extra ``gym``."""
 
 try:
-    import gymnasium as _gymnasium
+    import gymnasium as _gymnasium  # noqa: F401
 except ImportError:
     raise ImportError("morse.gym needs Gymnasium: pip install 'morse-simulator[gym]'") from None
 
 from morse.gym.env import TaskEnv
-from morse.gym.registration import register
+from morse.gym.registration import register, register_all
 from morse.gym.task import Command, Read, Task, Touch
 from morse.gym.vector import TaskVectorEnv, vector
 
@@ -21,5 +21,4 @@ def __getattr__(name: str) -> object:
     raise AttributeError(f"module 'morse.gym' has no attribute '{name}'")
 
 
-if "morse/Reach-v0" not in _gymnasium.registry:
-    register("morse/Reach-v0", "morse.gym.reach:Reach")
+register_all("morse/")

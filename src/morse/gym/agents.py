@@ -14,6 +14,7 @@ import numpy as np
 from morse.gym.env import check_render_mode
 from morse.gym.episodes import Episodes, row_of
 from morse.gym.team import Team
+from morse.gym.variety import scenes_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -34,7 +35,7 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         self.render_mode = render_mode
         self.possible_agents: list[str] = list(agents)
         self.agents: list[str] = []
-        self._episodes = Episodes(task, lambda one: Team(one.scene, agents))
+        self._episodes = Episodes(task, lambda one: Team(scenes_of(one, 0, 1), agents))
         self._seeds = np.random.default_rng(0)
         self.observation_spaces = dict.fromkeys(self.possible_agents, self._episodes.observation_space)
         self.action_spaces = dict.fromkeys(self.possible_agents, self._episodes.action_space)

@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 
 from morse.gym.episodes import Episodes, row_of
+from morse.gym.variety import scenes_of
 from morse.many.batch import batch
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
     def __init__(self, task: Task | Callable[[], Task], render_mode: str | None = None) -> None:
         check_render_mode(render_mode)
         self.render_mode = render_mode
-        self._episodes = Episodes(task, lambda one: batch(one.scene, 1))
+        self._episodes = Episodes(task, lambda one: batch(scenes_of(one, 0, 1), 1))
         self.observation_space, self.action_space = self._episodes.observation_space, self._episodes.action_space
 
     @property

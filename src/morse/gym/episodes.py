@@ -9,6 +9,7 @@ from gymnasium import spaces
 
 from morse.gym.spaces import action_space, fitted, space_of
 from morse.gym.task import Command, Read, Task, Touch
+from morse.gym.variety import draw
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -62,7 +63,7 @@ class Episodes:
             many.close()
             raise
         self._age = np.zeros(self._rows, np.int64)
-        self.drawn: list[dict[str, float]] = [{} for _ in range(self._rows)]
+        self.drawn: list[dict[str, Any]] = [{} for _ in range(self._rows)]
         self._now: dict[str, NDArray[Any]] = {}
 
     def _bind(self, name: str, part: Any) -> spaces.Space[Any]:
@@ -96,20 +97,12 @@ class Episodes:
         if seeds is not None or task.restarts or task.vary:
             many.restart(list(rows), [int(rng.integers(2**31)) for rng in rngs])
         for row, rng in zip(rows, rngs, strict=True):
-            self.drawn[row] = self._draw(row, rng)
+            self.drawn[row] = draw(task, row, rng)
         task.start(list(rows), rngs)
         many.measure(list(rows))
         self._age[list(rows)] = 0
         self._actions[list(rows)] = 0.0
         self._now = self._look()
-
-    def _draw(self, row: int, rng: np.random.Generator) -> dict[str, float]:
-        drawn: dict[str, float] = {}
-        for name, parameters in self.task.vary.items():
-            values = {what: float(distribution.draw(rng)) for what, distribution in parameters.items()}
-            self.many.vary(name, rows=[row], **values)
-            drawn |= {f"{name}.{what}": value for what, value in values.items()}
-        return drawn
 
     def step(
         self, actions: NDArray[Any]

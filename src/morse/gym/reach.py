@@ -1,4 +1,4 @@
-"""Drive to a goal among boxes: a task to begin with."""
+"""Drive to a goal among boxes, by a laser scanner or by a depth camera: tasks to begin with."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _HALF, _BOXES, _BOX = 5.0, 12, 0.3
 #: sectors of the scan, and the distance beyond which all is free, m
 _SECTORS, _FAR = 36, 3.0
+#: height of the images of the depth camera, pixels; its focal length, mm: it sees 90 degrees
+_HEIGHT, _WIDE = 4, 16.0
 #: distance at which the goal is reached, m
 _REACHED = 0.3
 
@@ -34,11 +36,35 @@ def boxes(layout: int) -> NDArray[np.float64]:
     return centres
 
 
-def arena(layout: int) -> Callable[[], None]:
-    """Return the scene of a layout: a robot with a scanner in the middle of an arena."""
+def robot_with(name: str, *, by_camera: bool = False) -> Any:
+    """Add a round robot of 0.4 m that senses by a scanner or by a depth camera to the scene, and return it."""
+    from morse.builder import Cylinder, DepthVideoCamera, MotionVW, Pose, Robot, Sick
+
+    robot, body = Robot(name=name), Cylinder("body")
+    robot.properties(GroundRobot=True)
+    body.scale, body.location = (0.2, 0.2, 0.15), (0.0, 0.0, 0.15)
+    game = body._bpy_object.game
+    game.physics_type, game.collision_bounds_type, game.use_collision_bounds = "RIGID_BODY", "CYLINDER", True
+    robot.append(body)
+    robot.set_rigid_body()
+    robot.set_mass(10.0)
+    eye = DepthVideoCamera("depth") if by_camera else Sick("laser")
+    eye.translate(0.0, 0.0, 0.35 if by_camera else 0.2)
+    eye.frequency(10)
+    if by_camera:
+        eye.properties(cam_width=_SECTORS, cam_height=_HEIGHT, cam_focal=_WIDE)
+    else:
+        eye.level("range")
+    for part in (MotionVW("motion"), Pose("pose"), eye):
+        robot.append(part)
+    return robot
+
+
+def arena(layout: int, *, by_camera: bool = False) -> Callable[[], None]:
+    """Return the scene of a layout: a robot with a scanner, or with a depth camera, in the middle of an arena."""
 
     def scene() -> None:
-        from morse.builder import Cube, Cylinder, Environment, MotionVW, Pose, Robot, Sick
+        from morse.builder import Cube, Environment
 
         def block(name: str, x: float, y: float, half_x: float, half_y: float) -> None:
             cube = Cube(name)
@@ -50,20 +76,7 @@ def arena(layout: int) -> Callable[[], None]:
             block(f"Wall{number}", x, y, *((0.1, edge) if x else (edge, 0.1)))
         for number, (x, y) in enumerate(boxes(layout).tolist()):
             block(f"Box{number}", x, y, _BOX, _BOX)
-        robot, body = Robot(name="robot"), Cylinder("body")
-        robot.properties(GroundRobot=True)
-        body.scale, body.location = (0.2, 0.2, 0.15), (0.0, 0.0, 0.15)
-        game = body._bpy_object.game
-        game.physics_type, game.collision_bounds_type, game.use_collision_bounds = "RIGID_BODY", "CYLINDER", True
-        robot.append(body)
-        robot.set_rigid_body()
-        robot.set_mass(10.0)
-        laser = Sick("laser")
-        laser.translate(0.0, 0.0, 0.2)
-        laser.frequency(10)
-        laser.level("range")
-        for part in (MotionVW("motion"), Pose("pose"), laser):
-            robot.append(part)
+        robot_with("robot", by_camera=by_camera)
         Environment("empty")
 
     scene.__name__ = f"arena {layout}"
@@ -81,6 +94,7 @@ class Reach(Task):
     """
 
     ticks, limit, restarts = 6, 150, False
+    by_camera: ClassVar[bool] = False
     action = Command("robot.motion", v=(0.0, 1.0), w=(-1.5, 1.5))
     observation = spaces.Box(-2.0, 4.0, (_SECTORS + 4,), np.float32)
     data: ClassVar[dict[str, Read | Touch]] = {
@@ -91,7 +105,7 @@ class Reach(Task):
 
     def __init__(self, layouts: Sequence[int] = tuple(range(64))) -> None:
         self._layouts = list(layouts)
-        self.scene = [arena(layout) for layout in self._layouts]
+        self.scene = [arena(layout, by_camera=self.by_camera) for layout in self._layouts]
         self._boxes = [boxes(layout) for layout in self._layouts]
 
     def start(self, rows: Sequence[int], rngs: Sequence[np.random.Generator]) -> None:
@@ -110,14 +124,19 @@ class Reach(Task):
 
     def observe(self, data: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
         """See the class."""
-        scan, pose = data["scan"], data["pose"]
-        near = scan[:, 1:].reshape(len(scan), _SECTORS, -1).min(axis=2)
+        near, pose = self._near(data), data["pose"]
         ahead = data["goal"] - pose[:, :2]
         far = np.sqrt(ahead[:, 0] ** 2 + ahead[:, 1] ** 2)
         east, north = ahead.T / np.maximum(far, 1e-9)
         c, s = portable.cos(pose[:, 2]), portable.sin(pose[:, 2])
         parts = [far / 5.0, c * east + s * north, c * north - s * east, data["action"][:, 1]]
         return np.column_stack([np.minimum(near, _FAR) / (0.5 * _FAR) - 1.0, *parts]).astype(np.float32)
+
+    def _near(self, data: dict[str, NDArray[Any]]) -> NDArray[np.floating[Any]]:
+        """Return (N, 36) the nearest distance in each sector, m."""
+        scan = data["scan"][:, 1:]
+        nearest: NDArray[np.floating[Any]] = scan.reshape(len(scan), _SECTORS, -1).min(axis=2)
+        return nearest
 
     def reward(
         self, before: dict[str, NDArray[Any]], now: dict[str, NDArray[Any]]
@@ -128,6 +147,25 @@ class Reach(Task):
         crashed = now["hit"].astype(bool) & ~reached
         reward = 2.0 * (was - far) - 0.01 + 5.0 * reached - 5.0 * crashed
         return reward, reached | crashed, {"is_success": reached}
+
+
+class ReachDepth(Reach):
+    """The same by a depth camera, which looks ahead only.
+
+    The observation is (40,), as for `Reach`: the sectors are the columns of the image, from left to right, 90 degrees.
+    """
+
+    by_camera = True
+    data: ClassVar[dict[str, Read | Touch]] = {
+        "depth": Read("robot.depth", "image"),
+        "pose": Read("robot.pose", "x", "y", "yaw"),
+        "hit": Touch("robot"),
+    }
+
+    def _near(self, data: dict[str, NDArray[Any]]) -> NDArray[np.floating[Any]]:
+        # the first rows of the image are the lowest ones, which show the floor
+        nearest: NDArray[np.floating[Any]] = data["depth"][:, _HEIGHT // 2 :].min(axis=1)
+        return nearest
 
 
 def _free(rng: np.random.Generator, obstacles: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -46,7 +46,15 @@ def _make(create: Callable[..., Any], task: type[Task] | str, **options: Any) ->
     return create(partial(kind, **own) if own else kind, **{name: options[name] for name in options.keys() - own})
 
 
-def register_all() -> None:
+#: the tasks of MORSE
+TASKS = {
+    "Reach-v0": "morse.gym.reach:Reach",
+    "ReachDepth-v0": "morse.gym.reach:ReachDepth",
+}
+
+
+def register_all(namespace: str = "") -> None:
     """Register the tasks of MORSE: Gymnasium calls it when it is imported, in the namespace ``morse``."""
-    if "morse/Reach-v0" not in gymnasium.registry:
-        register("Reach-v0", "morse.gym.reach:Reach")
+    for name, task in TASKS.items():
+        if f"morse/{name}" not in gymnasium.registry:
+            register(f"{namespace}{name}", task)

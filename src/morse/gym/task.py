@@ -61,8 +61,10 @@ class Task:
             values of a space are ``self.values[name]`` (``self.values["observation"]`` without a dictionary), which the
             task sets; or `observe` returns them.
         data: further data that the functions need: name to `Read` or `Touch`.
-        vary: name of a robot or an object to parameters and their distributions, which each episode draws:
-            ``{"robot": {"mass": uniform(8.0, 12.0)}}``.
+        arguments: arguments of the function ``scene`` and their distributions, which are drawn once for each row.
+        vary: name of a robot, an object or a lamp to parameters and their distributions, which each episode draws:
+            ``{"robot": {"mass": uniform(8.0, 12.0)}}``. Parameters are those of `morse.many.batch.Batch.vary`, and the
+            pose: x, y, z, yaw, m and rad. Three numbers are drawn for a colour.
         restarts: whether each episode restarts the simulation; else it continues from where `start` places things,
             which is faster.
         camera: full name of a colour camera whose image `render` returns; empty for a view of the scene.
@@ -76,6 +78,7 @@ class Task:
     action: ClassVar[Command]
     observation: ClassVar[Any]
     data: ClassVar[Mapping[str, Read | Touch]] = {}
+    arguments: ClassVar[Mapping[str, Distribution]] = {}
     vary: ClassVar[Mapping[str, Mapping[str, Distribution]]] = {}
     restarts: ClassVar[bool] = True
     camera: ClassVar[str] = ""

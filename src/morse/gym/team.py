@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.reports.hints import nearest
+from morse.gym.variety import AGENT
 from morse.launch.load import load
 from morse.many.commands import CommandColumn
 from morse.many.layout import Layout
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
-
-AGENT = "{agent}"
 
 
 class Team:
@@ -29,8 +28,8 @@ class Team:
 
     def __init__(self, scene: Any, agents: Sequence[str], seed: int = 0) -> None:
         self.agents = list(agents)
-        self._scene = scene
-        self._simulation = load(scene, seed=seed)
+        self._scene = scene[0] if isinstance(scene, list) else scene
+        self._simulation = load(self._scene, seed=seed)
         self._commands: list[CommandColumn] = []
         self._readings: list[DataColumn | ContactColumn] = []
         try:
@@ -78,7 +77,7 @@ class Team:
 
     def contacts(self, robot: str) -> Any:
         """See `morse.many.batch.Batch.contacts`."""
-        self._readings.append(ContactColumn(self._handles(robot)))
+        self._readings.append(ContactColumn([handle.contacts() for handle in self._handles(robot)]))
         return self._readings[-1].array
 
     def step(self, ticks: int, *, measure: bool) -> None:
@@ -106,7 +105,7 @@ class Team:
         for row, pose in zip(rows, poses, strict=True):
             self._simulation.place(name.replace(AGENT, self.agents[row]), pose)
 
-    def vary(self, name: str, *, rows: Sequence[int], **values: float) -> None:
+    def vary(self, name: str, *, rows: Sequence[int], **values: Any) -> None:
         """See `morse.many.batch.Batch.vary`."""
         for row in rows:
             for what, value in values.items():

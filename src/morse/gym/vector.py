@@ -10,6 +10,7 @@ from gymnasium.vector.utils import batch_space
 
 from morse.gym.env import check_render_mode
 from morse.gym.episodes import Episodes, row_of
+from morse.gym.variety import scenes_of
 from morse.many.batch import batch
 from morse.many.rows import seeds_of
 
@@ -27,7 +28,7 @@ class Rows:
     """
 
     def __init__(self, task: Task | Callable[[], Task], count: int, first: int = 0) -> None:
-        self.episodes = Episodes(task, lambda one: batch(_turned(one.scene, first), count, seed=first))
+        self.episodes = Episodes(task, lambda one: batch(scenes_of(one, first, count), count, seed=first))
         self.episodes.task.first_row = first
         self.count = count
 
@@ -60,18 +61,12 @@ class Rows:
         return observations, rewards, ended, late, infos
 
 
-def _turned(scene: Any, first: int) -> Any:
-    """The scenes for the rows from ``first`` on: rows use a list of scenes in turn."""
-    if not isinstance(scene, (list, tuple)):
-        return scene
-    start = first % len(scene)
-    return [*scene[start:], *scene[:start]]
-
-
 def _drawn(episodes: Episodes, rows: Sequence[int], count: int) -> dict[str, Any]:
     infos: dict[str, Any] = {}
     for name in episodes.drawn[rows[0]] if rows else ():
-        values, there = np.zeros(count), np.zeros(count, bool)
+        one = np.asarray(episodes.drawn[rows[0]][name])
+        kind = object if one.dtype.kind not in "biuf" else np.float64
+        values, there = np.zeros((count, *one.shape), kind), np.zeros(count, bool)
         for row in rows:
             values[row], there[row] = episodes.drawn[row][name], True
         infos |= {name: values, f"_{name}": there}

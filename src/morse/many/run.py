@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from morse.core.reports.faults import place, summary
 from morse.launch.load import load
+from morse.many.limit import RunTimeout, limited
 from morse.many.values import plain
 from morse.version import __version__
 
@@ -44,6 +45,7 @@ class Runs(Protocol):
     """What does runs: `morse.many.study.Study`."""
 
     options: dict[str, Any]
+    timeout: float | None
 
     @property
     def axes(self) -> Mapping[str, Sequence[Any]]:
@@ -90,16 +92,24 @@ def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None
                 simulation.record(path)
                 row["recording"] = f"{path.parent.name}/{path.name}"
             try:
-                row |= _results(study.call(simulation, run), row)
+                with limited(study.timeout):
+                    row |= _results(study.call(simulation, run), row)
+            except RunTimeout as error:
+                # it has ended anywhere in a tick: its state says nothing
+                return row | _failure(error) | {"ticks": simulation.ticks} | _spent(begin, cpu)
             except Exception as error:
                 row |= _failure(error)
             row |= {"hash": simulation.state_hash(), "ticks": simulation.ticks}
     except Exception as error:
         row |= _failure(error)
-    return row | {"wall": time.perf_counter() - begin, "cpu": time.process_time() - cpu}
+    return row | _spent(begin, cpu)
 
 
-def _failure(error: Exception) -> dict[str, str]:
+def _spent(wall: float, cpu: float) -> dict[str, float]:
+    return {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
+
+
+def _failure(error: BaseException) -> dict[str, str]:
     return {"error": summary(error), "where": place(error).strip()}
 
 

@@ -35,6 +35,7 @@ class Study:
         seeds: number of seeds, for 0, 1, …; or the seeds.
         arguments: ``sys.argv[1:]`` of a scene script; ``{name}`` stands for the value of a parameter.
         options: other arguments of `morse.load`.
+        timeout: wall-clock time after which a run fails, s; None for no limit.
         parameters: a list of values or a `Distribution` for each parameter. The study consists of all combinations.
 
     Raises:
@@ -50,12 +51,16 @@ class Study:
         seeds: int | Sequence[int] = 1,
         arguments: Sequence[str] = (),
         options: dict[str, Any] | None = None,
+        timeout: float | None = None,
         **parameters: Any,
     ) -> None:
         if not callable(run):
             raise TypeError(f"run is a function of a simulation, not {run!r:.80}")
         self.scene = str(Path(scene).resolve()) if isinstance(scene, (str, os.PathLike)) else scene
         self.run_function, self.arguments, self.options = run, list(arguments), dict(options or {})
+        if timeout is not None and not (isinstance(timeout, (int, float)) and 0.0 < timeout < 1e9):
+            raise ValueError(f"timeout is a time in seconds, or None, not {timeout!r:.80}")
+        self.timeout = timeout
         self.seeds = list(range(seeds)) if isinstance(seeds, int) else [int(seed) for seed in seeds]
         self.axes = {name: axis(name, values) for name, values in parameters.items()}
         self._accepted = {
@@ -210,6 +215,7 @@ class Study:
         return parts | {
             "arguments": self.arguments,
             "options": self.options,
+            "timeout": self.timeout,
             "axes": self.axes,
             "seeds": self.seeds,
             "code": self.code,
@@ -227,6 +233,7 @@ class Study:
             seeds=description["seeds"],
             arguments=description["arguments"],
             options=description["options"],
+            timeout=description["timeout"],
             **description["axes"],
         )
         # of the process that has named the runs: this one may find the files elsewhere

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import json
 import os
 import signal
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 #: wall-clock time after which a worker is killed: one that is stopped, or whose code never lets its threads run, s
 _GRACE = 2.0
+#: wall-clock time beyond the limit of a run after which its process ends, s
+_STUCK = 30.0
 
 
 def serve(study: Runs, connection: socket.socket, lifeline: int) -> None:
@@ -33,7 +36,10 @@ def serve(study: Runs, connection: socket.socket, lifeline: int) -> None:
     with contextlib.suppress(ConnectionError), connection, connection.makefile("rwb") as lines:
         for line in lines:
             name, parameters, seed, record = json.loads(line)
+            if study.timeout is not None:  # code that never returns to Python
+                faulthandler.dump_traceback_later(study.timeout + _STUCK, exit=True)
             row = run_once(study, Run(name, parameters, seed), record)
+            faulthandler.cancel_dump_traceback_later()
             lines.write(json.dumps(row).encode() + b"\n")
             lines.flush()
 
