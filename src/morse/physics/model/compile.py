@@ -148,8 +148,12 @@ def _compile(scene: Scene) -> Compiled:
 def _make_bodies_independent(model: mujoco.MjModel) -> None:
     """Let the engine compute the same bits for a body, however many other bodies there are that it does not touch.
 
-    Only for contacts with friction last digits may differ: the engine chooses the start of its solver for all bodies
-    together. Without that choice, heaps would not fall asleep.
+    Last digits may differ in two cases:
+
+    * Contacts with friction. The engine chooses the start of its solver for all bodies together. Without that choice,
+      heaps would not fall asleep.
+    * Driven robots with the centre of mass off their centre. The engine solves a single island of contacts as a whole
+      and several islands one by one, and the results differ by rounding. The number of islands depends on all bodies.
     """
     # products with rows of another length are summed in another order
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE
