@@ -129,7 +129,7 @@ def test_rows_are_numbers_slices_or_masks(many):
         (lambda many: many.restart([[0], [0, 1]]), "rows are a number"),
         (lambda many: many.place(0, "robot", "abc"), "no array of numbers"),
         (lambda many: many.place(0, "robot", [1e9, 0, 0]), "within 1e"),
-        (lambda many: many.vary("robot"), "mass or friction"),
+        (lambda many: many.vary("robot"), "mass, friction"),
         (lambda many: many.vary("robot", mass="heavy"), "no array of numbers"),
         (lambda many: many.restore(0, 5), "a state is what save"),
         (lambda many: many.restore(None, [many.save(0)[0], 5, 5]), "a state is what save"),
