@@ -87,7 +87,7 @@ def test_types_and_what_is_advertised(call: Caller) -> None:
     assert call.servers["/morse/spawn_entity"][0] == "simulation_interfaces/srv/SpawnEntity"
     features = call("get_simulator_features")["features"]["features"]
     # spawning, deleting, state of entities, reset, state of the simulation, steps (SimulatorFeatures.msg)
-    assert {0, 1, 10, 11, 20, 24, 25, 26, 31, 32} == set(features)
+    assert {0, 1, 8, 10, 11, 12, 20, 24, 25, 26, 31, 32} == set(features)
     assert {2, 3, 4, 5, 40, 41} & set(features) == set(), "neither named poses, bounds, tags nor worlds"
 
 
@@ -179,3 +179,17 @@ def test_a_filter_that_takes_long_for_many_names_is_given_up(call: Caller, monke
     result = call("get_entities", filters={**ALL, "filter": "a*a*a*b"})["result"]
     assert result["result"] != OK
     assert "takes too long" in result["error_message"]
+
+
+def test_robots_and_objects(call: Caller) -> None:
+    robot, thing = 1, 0
+    assert call("spawn_entity", **spawn("box", "props/crates", pose(5.0, 0.0, 0.5)))["result"]["result"] == OK
+    for name, category in (("robot", robot), ("box", thing)):
+        answer = call("get_entity_info", entity=name)
+        assert answer["result"]["result"] == OK
+        assert answer["info"]["category"]["category"] == category
+        chosen = call("get_entities", filters={**ALL, "categories": [{"category": category}]})["entities"]
+        assert name in chosen
+    assert "robot" not in call("get_entities", filters={**ALL, "categories": [{"category": thing}]})["entities"]
+    assert "ATRV" in call("get_entity_info", entity="robot")["info"]["description"]
+    assert call("get_entity_info", entity="ghost")["result"]["result"] == NOT_FOUND

@@ -37,8 +37,11 @@ _ALREADY, _NOT_UNIQUE, _NAME_INVALID, _NO_FORMAT, _NO_RESOURCE, _NO_NAMESPACE, _
     109,
 )
 _STOPPED, _PLAYING, _PAUSED, _QUITTING = 0, 1, 2, 3
-#: spawning, deleting, state of entities (get, set), reset, state of the simulation (get, set, pause), steps
-FEATURES = (0, 1, 10, 11, 20, 24, 25, 26, 31, 32)
+#: spawning, deleting, categories, state of entities (get, set), their info, reset, state of the simulation (get, set,
+#: pause), steps
+FEATURES = (0, 1, 8, 10, 11, 12, 20, 24, 25, 26, 31, 32)
+#: constants of EntityCategory
+_OBJECT, _ROBOT = 0, 1
 #: scopes of ResetSimulation: the default; time, state and spawned entities together; everything
 _WHOLE = (0, 7, 255)
 _WORLDS = ("", "map", "world")
@@ -69,6 +72,7 @@ class SimulationInterfaces(Served):
             "get_entities_states": ("GetEntitiesStates", self._entities_states),
             "get_entity_state": ("GetEntityState", self._entity_state),
             "set_entity_state": ("SetEntityState", self._set_entity_state),
+            "get_entity_info": ("GetEntityInfo", self._entity_info),
             "spawn_entity": ("SpawnEntity", self._spawn),
             "delete_entity": ("DeleteEntity", self._delete),
         }
@@ -121,9 +125,10 @@ class SimulationInterfaces(Served):
     def _chosen(self, request: dict[str, Any]) -> tuple[list[str], dict[str, Any]]:
         filters = request["filters"]
         pattern = filters["filter"]
-        names = list(self._names())
-        if len(filters["categories"]) or len(filters["tags"]["tags"]) or filters["bounds"]["type"]:
-            return [], _result(_UNSUPPORTED, "entities are filtered by their names only")
+        wanted = {category["category"] for category in filters["categories"]}
+        names = [name for name in self._names() if not wanted or self._category(name) in wanted]
+        if len(filters["tags"]["tags"]) or filters["bounds"]["type"]:
+            return [], _result(_UNSUPPORTED, "entities are filtered by their names and categories only")
         if not pattern:
             return names, _result()
         if len(pattern) > _LONGEST or not _HARMLESS.fullmatch(pattern):
@@ -156,6 +161,19 @@ class SimulationInterfaces(Served):
             reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
         else:
             reply({"result": _result(), "state": self._state_of(name)})
+
+    def _category(self, name: str) -> int:
+        return _ROBOT if name in self._context.robots else _OBJECT
+
+    def _entity_info(self, request: dict[str, Any], reply: Reply) -> None:
+        name = request["entity"]
+        if name not in self._names():
+            reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
+            return
+        robot = self._context.robots.get(name)
+        text = f"robot, {type(robot).__name__}" if robot is not None else "object"
+        info = {"category": {"category": self._category(name)}, "description": text, "tags": []}
+        reply({"result": _result(), "info": info})
 
     def _state_of(self, name: str) -> dict[str, Any]:
         found = self._context.world.objects_by_name[name]
