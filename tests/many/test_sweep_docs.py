@@ -21,7 +21,7 @@ def test_the_study_runs(tmp_path):
     assert "it has hit the block" in outcome.stdout
 
 
-@pytest.mark.parametrize(("function", "package"), [("optimise", "optuna"), ("log", "mlflow")])
+@pytest.mark.parametrize(("function", "package"), [("optimise", "optuna"), ("log", "mlflow"), ("means", "polars")])
 def test_other_packages(tmp_path, monkeypatch, function, package):
     if importlib.util.find_spec(package) is None:
         return  # an optional package, which MORSE does not install
@@ -33,5 +33,10 @@ def test_other_packages(tmp_path, monkeypatch, function, package):
     exec(OTHERS, functions)
     if function == "optimise":
         assert 0.5 <= functions["optimise"](study, 3)["speed"] <= 2.0
-    else:
+    elif function == "log":
         functions["log"](study.run("results", workers=0))
+    else:
+        table = study.run("results", workers=0)
+        means = functions["means"](table)
+        assert means["runs"].sum() == len(table) - len(table.failures)
+        assert means.columns == [*study.axes, "x", "runs"]
