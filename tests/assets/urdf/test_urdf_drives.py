@@ -220,9 +220,23 @@ def test_what_is_not_understood_is_one_line(file) -> None:
     assert read_urdf(file(text)).warnings == ["plugins that MORSE does not have are left out: a, b"]
 
 
+CONTROL = """<ros2_control name="x" type="system"><joint name="left_j"><command_interface name="velocity"/></joint>
+</ros2_control><transmission name="t"><joint name="right_j"><hardwareInterface>
+hardware_interface/VelocityJointInterface</hardwareInterface></joint></transmission>"""
+
+
 def test_interfaces_set_what_motors_control(file) -> None:
-    control = """<ros2_control name="x" type="system"><joint name="left_j"><command_interface name="velocity"/></joint>
-    </ros2_control><transmission name="t"><joint name="right_j"><hardwareInterface>
-    hardware_interface/VelocityJointInterface</hardwareInterface></joint></transmission>"""
-    armature = read_urdf(file(CART + control)).roots[0].children[0]
+    armature = read_urdf(file(CART + CONTROL)).roots[0].children[0]
     assert {bone.name for bone in armature.bones if str(bone.dynamics.control) == "velocity"} == {"left_j", "right_j"}
+
+
+def test_wheels_with_velocity_interfaces_drive(simulate, file) -> None:
+    drives(simulate(SCENE.format(file=file(CART + CONTROL), lines=""), sockets=False))
+
+
+def test_friction_of_links(file) -> None:
+    text = link("base_link", 1, '<box size="0.4 0.4 0.1"/>')
+    for number, friction in (("0.2", 0.2), ("100.0", None)):
+        gazebo = f'<gazebo reference="base_link"><mu1>{number}</mu1><mu2>{number}</mu2></gazebo>'
+        (box,) = (node for node in read_urdf(file(text + gazebo)).roots[0].walk() if node.name.endswith("collision1"))
+        assert box.body.friction == friction

@@ -65,6 +65,7 @@ class Link:
 
     Attributes:
         inertial: None if the file does not contain it.
+        friction: Coulomb coefficient of its shapes; None for the default.
         parts: shapes that are nodes already, from formats with more shapes than URDF.
     """
 
@@ -73,6 +74,7 @@ class Link:
     visuals: list[Shape] = field(default_factory=list)
     collisions: list[Shape] = field(default_factory=list)
     parts: list[Node] = field(default_factory=list)
+    friction: float | None = None
 
 
 @dataclass(slots=True)

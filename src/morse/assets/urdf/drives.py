@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.friction import friction_of
 from morse.assets.gazebo.motors import prepare_motors
 from morse.assets.gazebo.plugins import Plugins
 from morse.scene import Control
@@ -23,16 +24,27 @@ _CONTROLS = {"position": Control.POSITION, "effort": Control.POSITION, "velocity
 def add_plugins(robot: Element, document: Document) -> None:
     """Add actuators and sensors to a robot, and set the control modes of its motors."""
     joints = {joint.name: joint for joint in document.joints}
+    for gazebo in robot.findall("gazebo"):
+        link = document.links.get(gazebo.get("reference", ""))
+        if link is not None:
+            link.friction = friction_of(gazebo, ("mu1", "mu"))
+    turning = set()
     for name, control in [*_transmissions(robot), *_interfaces(robot)]:
         joint = joints.get(name)
         if joint is None:
             document.warnings.append(f"the interface of the joint '{name:.60}' is left out: there is no such joint")
         elif joint.has_value:
             joint.dynamics = replace(joint.dynamics, control=control)
+            if control is Control.VELOCITY and not joint.dynamics.limited:
+                turning.add(name)
     # the link that carries the others comes first
     links = sorted(document.links, key=lambda name: name != document.root)
     plugins = Plugins(joints, links, "", document.name, document.warnings.append)
     plugins.read((element, "") for gazebo in robot.findall("gazebo") for element in gazebo.findall("plugin"))
+    if len(turning) > 1 and not plugins.actuators:
+        # the controller that drives them is not in the file
+        plugins.add("motion", "MotionVWDiff", {}, options={"topic": "cmd_vel"})
+        plugins.measure("odom", "Odometry", {"topic": "odom"}, 50.0)
     prepare_motors(document, plugins)
     document.actuators += plugins.actuators
     document.sensors += plugins.sensors

@@ -181,6 +181,9 @@ class _Reader:
             self._add(node, f"{link.name}_visual{number}", shape, is_solid=False)
         for number, shape in enumerate(link.collisions, 1):
             self._add(node, f"{link.name}_collision{number}", shape, is_solid=True)
+        if link.friction is not None:
+            for part in node.walk():
+                part.body.friction = link.friction
         for part in link.parts:
             node.attach(part)
         return node
