@@ -200,3 +200,13 @@ env = Environment('empty')
     # straight ahead, the wall is 0.3 m away; REP 117
     assert np.asarray(message.ranges)[90] == -math.inf
     assert np.asarray(message.ranges)[0] == math.inf
+
+
+def test_noise_of_a_camera_is_in_codes_of_its_image(simulate, tmp_path, caplog) -> None:
+    camera = """<sensor name="eye" type="camera"><camera><image><width>8</width><height>8</height></image><noise>
+    <type>gaussian</type><stddev>0.01</stddev></noise></camera></sensor></gazebo>"""
+    file = saved(tmp_path, FAST.format(visual="").replace("</gazebo>", camera))
+    (eye,) = (one for one in read_urdf(file).sensors if one.name == "eye")
+    assert dict(eye.noise) == pytest.approx({"image": 2.55})
+    simulate(f"robot = Robot({file!r})\nenv = Environment('empty')\n", sockets=False).step(10)
+    assert not [record for record in caplog.records if "noise" in record.message]

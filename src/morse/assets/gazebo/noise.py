@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 #: fields of products, and where the standard deviations of their noise may be
 _FIELDS: dict[str, dict[str, tuple[str, ...]]] = {
+    "VideoCamera": {"image": (".//noise/stddev",)},
     "IMU": {
         "angular_velocity": (".//angular_velocity/x/noise/stddev", ".//noise/rate/stddev"),
         "linear_acceleration": (".//linear_acceleration/x/noise/stddev", ".//noise/accel/stddev"),
