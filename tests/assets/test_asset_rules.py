@@ -156,7 +156,7 @@ def test_any_values_give_a_sound_body(properties: dict[str, object]) -> None:
     assert 0 < body.mass <= 1e9
     assert 0 < body.radius <= 1e6
     assert body.friction is None or body.friction >= 0
-    assert 0 <= body.restitution <= 1
+    assert body.restitution is None or 0 <= body.restitution <= 1
     assert isinstance(body.type, PhysicsType)
     assert settled.properties == {}
 

@@ -148,4 +148,4 @@ def test_a_lens_sees_so_much(angle):
 
 
 def test_the_focal_length_is_that_of_a_sensor_32_mm_wide():
-    assert Lens.of_focal_length(256, 128, 35.0).matrix == [[280.0, 0, 128], [0, 280.0, 64], [0, 0, 1]]
+    assert Lens.of_focal_length(256, 128, 35.0).matrix == [[280.0, 0, 127.5], [0, 280.0, 63.5], [0, 0, 1]]

@@ -68,7 +68,7 @@ def test_a_picture_is_rgba_with_the_top_row_first(camera):
     assert image.dtype == np.uint8
     assert image.shape == (48, 64, 4)
     assert (image[..., 3] == 255).all()
-    assert eye.local_data["intrinsic_matrix"] == [[32.0, 0, 32.0], [0, 32.0, 24.0], [0, 0, 1]]
+    assert eye.local_data["intrinsic_matrix"] == [[32.0, 0, 31.5], [0, 32.0, 23.5], [0, 0, 1]]
     red = (image[..., 0] > 100) & (image[..., 1] < 90) & (image[..., 2] < 90)
     rows, columns = np.nonzero(red)
     # the box is 3 m ahead, 1 m to the right and 1 m up: 32 / 2.8 to 32 / 3.2 pixels from the middle
@@ -189,7 +189,7 @@ def test_properties_can_change_while_it_runs(camera):
     eye.set_property("cam_height", 30)
     simulation.sleep(0.2)
     assert eye.local_data["image"].shape == (30, 40, 4)
-    assert eye.local_data["intrinsic_matrix"][0][2] == 20.0
+    assert eye.local_data["intrinsic_matrix"][0][2] == 19.5
 
 
 def first_line(simulation, name):

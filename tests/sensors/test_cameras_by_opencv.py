@@ -49,8 +49,6 @@ def test_a_marker_is_found_where_it_is(simulate, more, error):
     half = 0.04
     square = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
     matrix = np.array(eye.local_data["intrinsic_matrix"])
-    # the centre of the first pixel is at 0 in OpenCV, at 0.5 here
-    matrix[:2, 2] -= 0.5
     bend = np.array(getattr(eye.lens, "coefficients", np.zeros(5)))
     _, _, place = cv2.solvePnP(square, corners[0].reshape(4, 2), matrix, bend, flags=cv2.SOLVEPNP_IPPE_SQUARE)
     here, turned = eye.bge_object.world_pose()

@@ -63,7 +63,7 @@ class Variations:
         self.check(obj, "friction", friction)
         for geom in _geoms(self._world.slots[obj.slot]):
             self._world.model.geom_friction[geom, 0] = friction
-            self._world.model.geom_priority[geom] = 1
+            self._world.model.geom_priority[geom] = 2
         self._world.is_stirred = True
 
     def check(self, obj: Posed, what: str, value: float) -> None:

@@ -84,8 +84,8 @@ class Lens:
 
     @property
     def matrix(self) -> list[list[float]]:
-        """The intrinsic matrix, 3x3, pixels."""
-        return [[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]]
+        """The intrinsic matrix, 3x3, pixels, with the centre of the first pixel at 0, as in OpenCV and ROS."""
+        return [[self.fx, 0.0, self.cx - 0.5], [0.0, self.fy, self.cy - 0.5], [0.0, 0.0, 1.0]]
 
     def rays(self) -> NDArray[np.float32]:
         """(H, W, 3) float32: the point that each pixel shows at a depth of 1 m; X right, Y down, Z forward."""

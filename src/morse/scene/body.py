@@ -49,7 +49,7 @@ class BodySettings:
         mass: kg.
         radius: radius of the sphere that represents a body without a mesh, m.
         friction: Coulomb coefficient, or None for the default of the simulation.
-        restitution: 0 (no bounce) to 1.
+        restitution: 0 (no bounce) to 1, or None for the default of the simulation, at which bodies bounce a little.
         linear_damping: share of the linear velocity lost each second, 0..1.
         angular_damping: share of the angular velocity lost each second, 0..1.
         ghost: whether contacts are reported but exert no force.
@@ -65,7 +65,7 @@ class BodySettings:
     mass: float = 1.0
     radius: float = 1.0
     friction: float | None = None
-    restitution: float = 0.0
+    restitution: float | None = None
     linear_damping: float = 0.04
     angular_damping: float = 0.1
     ghost: bool = False

@@ -45,7 +45,7 @@ _OF_AN_IMAGE = {"take", "measure", "develop", "default_action", "action", "senso
 INTRINSIC: dict[str, Any] = {
     "default_value": [[0.0] * 3] * 3,
     "type": "mat3<float>",
-    "doc": "Focal lengths and principal point, px",
+    "doc": "Focal lengths and principal point, px; the centre of the first pixel is at 0",
     "unit": "px",
     "frame": "optical",
     "shape": (3, 3),

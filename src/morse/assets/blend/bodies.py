@@ -48,7 +48,7 @@ def rigid_body(record: Record) -> dict[str, object]:
         "compound": shape == _COMPOUND,
         "mass": settings.real("mass", 1.0),
         "friction": settings.real("friction", 0.5),
-        "restitution": settings.real("restitution", 0.0),
+        "restitution": settings.real("restitution", 0.0) or None,
         "linear_damping": settings.real("lin_damping", 0.04),
         "angular_damping": settings.real("ang_damping", 0.1),
     }

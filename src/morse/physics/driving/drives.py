@@ -272,7 +272,7 @@ class Drives:
             set_damping(model, slot, state.physics_of_1_4)
         geoms, priorities = self._surfaces(index, slot)
         model.geom_condim[geoms] = 1 if sliding else 3
-        model.geom_priority[geoms] = 2 if sliding else priorities
+        model.geom_priority[geoms] = 3 if sliding else priorities
 
     def _surfaces(self, index: int, slot: Slot) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Return the shapes of a robot that lose their friction while it slides, and their priorities at rest."""

@@ -23,6 +23,7 @@ from morse.physics.model.file_options import are_all_from_files, level, models_o
 from morse.physics.model.files import Files
 from morse.physics.model.inertia import bounding_box, robot_inertia, volume
 from morse.physics.model.layout import Frame, Motion, frames_of
+from morse.physics.model.restitution import IMPEDANCE, solver_of
 from morse.physics.model.slot import Slot
 from morse.physics.model.unusable_hulls import replace_unusable_hulls
 from morse.physics.model.wheel_shapes import wheel_axis, wheel_size
@@ -365,16 +366,16 @@ class _Builder:
             friction = friction_of(node.body if node.body.friction is not None else frame.node.body)
         if friction is not None:
             geom.friction = [friction, _TORSIONAL, _ROLLING]
-            # the friction of a script applies to all contacts, not only to contacts with lower friction
-            geom.priority = 1
-        restitution = max(node.body.restitution, frame.node.body.restitution)
-        if restitution > 0.0:
-            logarithm = math.log(min(restitution, 0.99))
-            geom.solref = [2.0 * self._step, -logarithm / math.hypot(math.pi, logarithm)]
-            geom.priority = 1
+            # the friction of a script applies to all contacts, not only to contacts with lower friction, and that of a
+            # body that moves also where the ground has one
+            geom.priority = max(geom.priority, 1) if frame.motion is Motion.FIXED else max(geom.priority, 1) + 1
+        bounces = [body.restitution for body in (node.body, frame.node.body) if body.restitution is not None]
+        if bounces:
+            geom.solref, geom.solimp = solver_of(max(bounces), self._step), IMPEDANCE
+            geom.priority = max(geom.priority, 1)
         # a caster with a joint rolls, others slide
         if is_caster(node) and frame.motion is not Motion.JOINT:
-            geom.condim, geom.priority = 1, 2
+            geom.condim, geom.priority = 1, 3
         if (not node.body.collides and not frame.node.body.collides) or node.body.type is PhysicsType.SENSOR:
             geom.contype = geom.conaffinity = 0
 
