@@ -17,8 +17,8 @@ WORLDS = sorted(
     for path in (DATA / "environments").rglob("*.blend")
 )
 PROPS = sorted(f"props/{path.stem}" for path in (DATA / "props").glob("*.blend"))
-#: objects that are meant to move
-ROLLS = ("Ball", "ball")
+#: objects that are meant to move, and one that starts in the air, as in MORSE 1.4
+ROLLS = ("Ball", "ball", "CubeSelect")
 
 
 def _peaks(script: Path, seconds: float) -> dict[str, tuple[float, float, float]]:

@@ -282,8 +282,8 @@ class Drives:
             fixed = slot.frame.node.body.friction is not None or state.physics_of_1_4
             shapes = [(geoms, node) for node, geoms in slot.geoms.items() if not is_caster(node)]
             shapes += [part for link in state.links.get(index, ()) for part in _shapes(state.slots[link])]
-            rows = [(geom, fixed or node.body.friction is not None) for geoms, node in shapes for geom in geoms]
-            rows += [(foot, fixed) for foot in slot.feet]
+            rows = [(geom, 2 * (fixed or node.body.friction is not None)) for geoms, node in shapes for geom in geoms]
+            rows += [(foot, 2 * fixed) for foot in slot.feet]
             table = np.array(rows, dtype=np.intp).reshape(-1, 2)
             surfaces = self._known_surfaces[index] = table[:, 0].copy(), table[:, 1].copy()
         return surfaces
