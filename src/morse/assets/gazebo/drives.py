@@ -10,7 +10,7 @@ from morse.assets.gazebo.values import ValueMistakeError, boolean, number
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-    from morse.assets.gazebo.plugins import Options, Plugins, Properties
+    from morse.assets.gazebo.converted import Options, Plugins, Properties
 
 _LEFT = ("left_joint", "leftJoint", "leftFrontJoint", "leftRearJoint", "leftMidJoint", "left_wheel_joint")
 _RIGHT = ("right_joint", "rightJoint", "rightFrontJoint", "rightRearJoint", "rightMidJoint", "right_wheel_joint")

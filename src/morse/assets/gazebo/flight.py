@@ -11,7 +11,7 @@ from morse.mathutils import Matrix, Vector
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-    from morse.assets.gazebo.plugins import Plugins, Properties
+    from morse.assets.gazebo.converted import Plugins, Properties
 
 
 def propeller(plugins: Plugins, element: Element, prefix: str) -> None:

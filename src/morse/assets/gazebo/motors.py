@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from morse.scene import Control
 
 if TYPE_CHECKING:
-    from morse.assets.gazebo.plugins import Plugins
-    from morse.assets.urdf.document import Document
+    from morse.assets.gazebo.converted import Plugins
+    from morse.assets.urdf.structure import Document
 
 
 def prepare_motors(document: Document, plugins: Plugins) -> None:

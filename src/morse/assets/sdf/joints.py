@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from morse.assets.gazebo.values import FARTHEST, ValueMistakeError, number, unlimited
 from morse.assets.sdf.scope import SEPARATOR
-from morse.assets.urdf.document import Joint, Link, check_depth
+from morse.assets.urdf.document import check_depth
+from morse.assets.urdf.structure import Joint, Link
 from morse.mathutils import Matrix, Vector
 from morse.scene import JointDynamics
 from morse.scene.couplings import Constraint, ConstraintKind

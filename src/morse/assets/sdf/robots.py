@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.converted import Plugins
 from morse.assets.gazebo.motors import prepare_motors
-from morse.assets.gazebo.plugins import Plugins
+from morse.assets.gazebo.plugins import read_plugins
 from morse.assets.gazebo.values import ValueMistakeError, boolean
 from morse.assets.sdf.flat import FlatLink, joints_of, links_of
 from morse.assets.sdf.inertials import inertial_in
 from morse.assets.sdf.joints import JointTree
 from morse.assets.sdf.scope import SEPARATOR, WORLD
 from morse.assets.sdf.worlds import light_node
-from morse.assets.urdf.document import Document, Link, check_counts
+from morse.assets.urdf.document import check_counts
 from morse.assets.urdf.reader import robot_library
 from morse.assets.urdf.sensors import declared_sensors
+from morse.assets.urdf.structure import Document, Link
 from morse.mathutils import Matrix
 
 if TYPE_CHECKING:
@@ -77,7 +79,7 @@ class Models:
         first = document.root.removeprefix(prefix)
         links.sort(key=lambda name: name != first)
         plugins = Plugins({joint.name: joint for joint in document.joints}, links, prefix, document.name, self._warn)
-        plugins.read(_plugins_of(model))
+        read_plugins(plugins, _plugins_of(model))
         prepare_motors(document, plugins)
         return plugins
 

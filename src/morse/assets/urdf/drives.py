@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.converted import Plugins
 from morse.assets.gazebo.friction import friction_of
 from morse.assets.gazebo.motors import prepare_motors
-from morse.assets.gazebo.plugins import Plugins
+from morse.assets.gazebo.plugins import read_plugins
 from morse.scene import Control
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from xml.etree.ElementTree import Element
 
-    from morse.assets.urdf.document import Document
+    from morse.assets.urdf.structure import Document
 
 #: what a motor controls, by a word in the interface of ros2_control, or of a transmission of ROS 1. The controllers of
 #: interfaces for efforts hold positions, too
@@ -40,7 +41,7 @@ def add_plugins(robot: Element, document: Document) -> None:
     # the link that carries the others comes first
     links = sorted(document.links, key=lambda name: name != document.root)
     plugins = Plugins(joints, links, "", document.name, document.warnings.append)
-    plugins.read((element, "") for gazebo in robot.findall("gazebo") for element in gazebo.findall("plugin"))
+    read_plugins(plugins, ((element, "") for gazebo in robot.findall("gazebo") for element in gazebo.findall("plugin")))
     if len(turning) > 1 and not plugins.actuators:
         # the controller that drives them is not in the file
         plugins.add("motion", "MotionVWDiff", {}, options={"topic": "cmd_vel"})

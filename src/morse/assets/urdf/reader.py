@@ -9,7 +9,7 @@ from morse.assets import solids
 from morse.assets.errors import AssetError
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.triangle_limit import check_parts
-from morse.assets.urdf.document import WORLD, Joint, Link, Shape, parse
+from morse.assets.urdf.document import WORLD, parse
 from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.rotations import nine
@@ -28,7 +28,7 @@ from morse.scene import (
 from morse.scene.couplings import Couplings
 
 if TYPE_CHECKING:
-    from morse.assets.urdf.document import Document
+    from morse.assets.urdf.structure import Document, Joint, Link, Shape
     from morse.scene import Mesh
 
 _KINDS = {

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Mapping
     from xml.etree import ElementTree
 
-    from morse.assets.urdf.document import Link
+    from morse.assets.urdf.structure import Link
 
 _PRODUCTS = {
     "camera": "VideoCamera",

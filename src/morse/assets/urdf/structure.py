@@ -1,0 +1,112 @@
+"""What a URDF file describes: links, joints, shapes; also files of other formats that are read like it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.mathutils import Matrix
+    from morse.scene import Inertial, JointDynamics, Node
+    from morse.scene.couplings import Constraint
+    from morse.scene.declared_sensor import DeclaredSensor
+
+#: joints that move in several directions
+LOOSE = ("floating", "planar", "spherical")
+
+
+@dataclass(slots=True)
+class Shape:
+    """A shape of a link.
+
+    Attributes:
+        kind: ``box``, ``cylinder``, ``sphere`` or ``mesh``.
+        size: m: the three sides of a box; radius and length of a cylinder; the radius of a sphere; the scale of a mesh.
+        file: path of a mesh.
+        origin: 4x4 in the frame of the link.
+        color: RGBA, or None.
+    """
+
+    kind: str
+    size: tuple[float, ...]
+    file: str
+    origin: Matrix
+    color: tuple[float, float, float, float] | None = None
+
+
+@dataclass(slots=True)
+class Link:
+    """A rigid body.
+
+    Attributes:
+        inertial: None if the file does not contain it.
+        friction: Coulomb coefficient of its shapes; None for the default.
+        parts: shapes that are nodes already, from formats with more shapes than URDF.
+    """
+
+    name: str
+    inertial: Inertial | None = None
+    visuals: list[Shape] = field(default_factory=list)
+    collisions: list[Shape] = field(default_factory=list)
+    parts: list[Node] = field(default_factory=list)
+    friction: float | None = None
+
+
+@dataclass(slots=True)
+class Joint:
+    """A joint between two links.
+
+    Attributes:
+        origin: 4x4 pose of the child in the frame of the parent, at joint value 0.
+        axis: unit vector in the frame of the joint.
+        dynamics: damping, friction, and limits of the motor.
+        mimic: name of the joint that this one follows, factor and offset; or None.
+        anchor: 4x4 pose of the joint in the frame of the child; None for the frame of the child itself.
+        start: initial value; None for the value next to 0 within the limits.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin: Matrix
+    axis: tuple[float, float, float]
+    low: float
+    high: float
+    dynamics: JointDynamics
+    mimic: tuple[str, float, float] | None = None
+    anchor: Matrix | None = None
+    start: float | None = None
+
+    @property
+    def has_value(self) -> bool:
+        """Whether a single number determines its position."""
+        return self.kind != "fixed" and self.kind not in LOOSE
+
+
+@dataclass(slots=True)
+class Document:
+    """The content of a file.
+
+    Attributes:
+        joints: each joint after the one that moves its parent.
+        root: the link without a parent.
+        warnings: ignored elements, one sentence each.
+        fixed: whether the robot is fixed to the world; None if its masses decide.
+        constraints: joints that close a loop.
+        self_collision: whether its links collide with each other.
+        actuators: what its plugins stand for.
+        text: the URDF of the robot, see `morse.scene.Articulation`.
+    """
+
+    name: str
+    links: dict[str, Link]
+    joints: list[Joint]
+    root: str
+    warnings: list[str]
+    sensors: list[DeclaredSensor]
+    fixed: bool | None = None
+    constraints: tuple[Constraint, ...] = ()
+    self_collision: bool = False
+    actuators: list[DeclaredSensor] = field(default_factory=list)
+    text: str = ""
