@@ -219,14 +219,13 @@ def complete(simulation: Simulation) -> None:
         RecordingError: the recording cannot be written.
         OSError: the live view cannot be opened.
     """
-    from morse.physics.model.overlaps import overlap_message
-    from morse.physics.model.separation import overlapping_pairs
+    from morse.physics.model.overlaps import overlaps
     from morse.simulation.fallen import Fallen
     from morse.simulation.published_data import PublishedData
 
     simulation.load()
-    if before := simulation.world.overlaps:
-        logger.warning("%s", overlap_message(before, overlapping_pairs(simulation.world)))
+    if overlapping := overlaps(simulation.world):
+        logger.warning("%s", overlapping)
     if simulation.options.view != "none":
         from morse.viewer.opening import open_view
 

@@ -24,7 +24,7 @@ from morse.physics.gliding.gliding import Gliding
 from morse.physics.model import motors
 from morse.physics.model.compile import compile_scene
 from morse.physics.model.layout import Motion
-from morse.physics.model.separation import separate
+from morse.physics.model.sunken import raise_sunken
 from morse.physics.objects.attachments import Attachments
 from morse.physics.objects.gameobject import GameObject
 from morse.physics.objects.linkage import Linkage
@@ -66,7 +66,6 @@ class World(ObjectWorld):
         repainted: objects whose appearance changed since the view last read it.
         repaints: number of changes of appearance.
         repaint_sinks: called with each object whose appearance changes.
-        overlaps: depths, m, of pairs of objects that overlapped in the scene (`morse.physics.model.separation`).
         arrangement: changes whenever objects are added, removed or replaced.
     """
 
@@ -276,9 +275,7 @@ class World(ObjectWorld):
         self.is_stirred = True
         self.known_contacts = None
         forward(self, self._hold_joints)
-        overlaps = separate(self, self.bodies)
-        self.overlaps = overlaps or {}
-        if overlaps is not None:
+        if raise_sunken(self, self.bodies):
             forward(self, self._hold_joints)
         kinematics.refresh(self)
 

@@ -82,8 +82,8 @@ def test_fields_are_those_of_the_definition(name: str) -> None:
     for field, (node, what) in STORE.fielddefs[name][1]:
         inner, size = (what, SINGLE) if node.name in ("BASE", "NAME") else (what[0][1], what[1])
         word = inner if isinstance(inner, str) else inner[0]
-        # the old word for bytes
-        theirs.append((field, "uint8" if word == "char" else word, size))
+        # old words for bytes
+        theirs.append((field, "uint8" if word in ("char", "byte") else word, size))
     assert [(field.name, field.type, field.size) for field in fields_of(name)] == theirs
 
 

@@ -1,36 +1,57 @@
-"""The message about objects that overlap at the start."""
+"""Robots and other bodies that overlap at the start.
+
+Objects of a world model that overlap its ground, such as crates on hills, are not reported.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.physics.model.layout import Motion
+
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from morse.physics.model.layout import Frame
+    from morse.physics.state.engine_state import EngineState
+    from morse.scene import Node
 
-    from morse.physics.model.separation import Pair
-
+#: minimum depth of a reported overlap, m; objects that were placed on a floor by hand overlap it by less
+_DEEP = 0.03
 _NAMED = 5
 
 
-def overlap_message(before: Mapping[Pair, float], after: Mapping[Pair, float]) -> str:
+def overlaps(state: EngineState) -> str:
     """Return a message about the pairs of overlapping objects, the deepest first; empty if there are none.
 
-    Args:
-        before, after: the depths, m, of the pairs in the scene, and after `separate` has moved them apart.
+    Call it before the first tick.
     """
-    if not before:
+    depths: dict[tuple[str, str], float] = {}
+    contact = state.data.contact
+    for (a, b), distance in zip(contact.geom.tolist(), contact.dist.tolist(), strict=True):
+        frames = _frame(state, a), _frame(state, b)
+        if distance > -_DEEP or not (any(frame.robot for frame in frames) or all(map(_moves, frames))):
+            continue
+        pair = (_name(frames[0], state.geom_node[a]), _name(frames[1], state.geom_node[b]))
+        if pair[0] != pair[1]:
+            depths[pair] = max(depths.get(pair, 0.0), -distance)
+    if not depths:
         return ""
-    apart = {pair: depth for pair, depth in before.items() if pair not in after}
-    close = {pair: depth for pair, depth in before.items() if pair in after}
-    texts = [
-        f"{_listing(pairs)} {what}"
-        for pairs, what in ((apart, "were moved apart"), (close, "have no room and will be pushed apart"))
-        if pairs
-    ]
-    return f"objects overlap at the start: {'; '.join(texts)}; move one object of each pair"
-
-
-def _listing(depths: Mapping[Pair, float]) -> str:
     pairs = sorted(depths.items(), key=lambda item: -item[1])
     listing = ", ".join(f"'{a}' and '{b}' by {depth:.2g} m" for (a, b), depth in pairs[:_NAMED])
-    return listing + (f" and {len(pairs) - _NAMED} more pairs" if len(pairs) > _NAMED else "")
+    more = f" and {len(pairs) - _NAMED} more pairs" if len(pairs) > _NAMED else ""
+    return f"objects overlap at the start, and will be pushed apart: {listing}{more}; move one object of each pair"
+
+
+def _frame(state: EngineState, geom: int) -> Frame:
+    """Return the body of a shape; for a wheel or a link, the robot."""
+    frame = state.slots[state.slot_of[state.geom_node[geom]]].frame
+    while frame.parent is not None:
+        frame = frame.parent
+    return frame
+
+
+def _moves(frame: Frame) -> bool:
+    return frame.motion is not Motion.FIXED
+
+
+def _name(frame: Frame, node: Node) -> str:
+    return frame.node.name if _moves(frame) else node.name
