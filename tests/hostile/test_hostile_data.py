@@ -90,6 +90,12 @@ class Boaster(Sensor):
         return type(self).value()
 
 
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # the text stream of the scene is a file in the current directory
+    monkeypatch.chdir(tmp_path)
+
+
 def _scene() -> None:
     robot = FakeRobot("robot")
     sensor = Boaster("boaster")
@@ -103,7 +109,6 @@ def test_the_field_is_refused_and_the_others_are_published(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     value, text = VALUES[name]
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(Boaster, "value", staticmethod(value))
     published: list[dict[str, Any]] = []
     with morse.load(_scene) as simulation:
