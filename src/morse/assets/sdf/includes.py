@@ -13,6 +13,7 @@ from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, text
 from morse.assets.model_folders import version_of
 from morse.assets.nearby_files import FileRefusedError
 from morse.assets.sdf.files import find_model, read_root
+from morse.assets.sdf.names import free_name
 from morse.assets.sdf.scope import MODEL, Part, Scope
 from morse.assets.sdf.usual import usual_model
 from morse.assets.triangle_limit import check_parts
@@ -131,10 +132,7 @@ class Includes:
             return pose_of(None), base
 
     def _unique(self, name: str, names: Container[str], what: str) -> str:
-        unique, number = name, 1
-        while unique in names:
-            number += 1
-            unique = f"{name}_{number}"
+        unique = free_name(name, names)
         if unique != name:
             self.warn(f"{what} '{name:.60}'; one is called '{unique:.60}'")
         return unique

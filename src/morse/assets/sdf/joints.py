@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.assets.gazebo.values import FARTHEST, ValueMistakeError, number, unlimited
+from morse.assets.sdf.names import free_name
 from morse.assets.sdf.scope import SEPARATOR
 from morse.assets.urdf.document import check_depth
 from morse.assets.urdf.structure import Joint, Link
@@ -215,10 +216,7 @@ class JointTree:
                 joint.mimic = None
 
     def _unique(self, name: str) -> str:
-        unique, count = name, 1
-        while unique in self._names:
-            count += 1
-            unique = f"{name}_{count}"
+        unique = free_name(name, self._names)
         self._names.add(unique)
         return unique
 

@@ -13,6 +13,7 @@ from morse.assets.errors import AssetError
 from morse.assets.model_folders import version_of
 from morse.assets.sdf.flat import links_of
 from morse.assets.sdf.includes import Includes
+from morse.assets.sdf.names import free_name
 from morse.assets.sdf.reader import read_sdf
 
 if TYPE_CHECKING:
@@ -99,10 +100,7 @@ class _Script:
     def _variable(self, name: str) -> str:
         base = re.sub(r"\W", "_", name, flags=re.ASCII).strip("_") or "model"
         base = f"model_{base}" if base[0].isdigit() or keyword.iskeyword(base) else base
-        variable, number = base, 1
-        while variable in self._names:
-            number += 1
-            variable = f"{base}_{number}"
+        variable = free_name(base, self._names)
         self._names.add(variable)
         return variable
 
