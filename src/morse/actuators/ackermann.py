@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from morse.actuators.speed_command import SpeedCommand
 from morse.helpers.components import add_property
 from morse.helpers.joint_motors import JointMotors, joint_names
-from morse.helpers.joint_wheels import joint_wheels
+from morse.helpers.joint_wheels import WHEEL_LENGTH, joint_wheels
 from morse.scene import Control
 
 if TYPE_CHECKING:
@@ -35,25 +35,9 @@ class MotionVWAckermann(SpeedCommand):
     add_property("_right", "", "RightWheels", "string", "Driven joints on the right")
     add_property("_left_steering", "", "LeftSteering", "string", "Joint that steers the wheel on the left")
     add_property("_right_steering", "", "RightSteering", "string", "Joint that steers the wheel on the right")
+    add_property("_radius", 0.0, "WheelRadius", "float", "Radius of the wheels; 0: of their shapes", **WHEEL_LENGTH)
     add_property(
-        "_radius",
-        0.0,
-        "WheelRadius",
-        "float",
-        "Radius of the wheels; 0: of their shapes",
-        unit="m",
-        low=0.0,
-        high=100.0,
-    )
-    add_property(
-        "_base",
-        0.0,
-        "WheelBase",
-        "float",
-        "Distance between the axles; 0: between their joints",
-        unit="m",
-        low=0.0,
-        high=100.0,
+        "_base", 0.0, "WheelBase", "float", "Distance between the axles; 0: between their joints", **WHEEL_LENGTH
     )
     add_property(
         "_separation",
@@ -61,9 +45,7 @@ class MotionVWAckermann(SpeedCommand):
         "WheelSeparation",
         "float",
         "Distance between left and right wheels; 0: between the joints that steer them",
-        unit="m",
-        low=0.0,
-        high=100.0,
+        **WHEEL_LENGTH,
     )
     add_property("_limit", 0.5, "SteeringLimit", "float", "Largest angle of a wheel", unit="rad", low=1e-3, high=1.5)
 

@@ -9,7 +9,7 @@ from morse.core.wheeled_robot import PhysicsDifferentialRobot, drives_wheels
 from morse.helpers.components import add_property, while_same
 from morse.helpers.differential_drive import differential_drive, joint_list
 from morse.helpers.joint_motors import JointMotors, joint_names
-from morse.helpers.joint_wheels import joint_wheels
+from morse.helpers.joint_wheels import WHEEL_LENGTH, joint_wheels
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -33,14 +33,7 @@ class MotionVWDiff(SpeedCommand):
     add_property("_left", "", "LeftWheels", "string", "Joints of the wheels on the left, separated by commas")
     add_property("_right", "", "RightWheels", "string", "Joints of the wheels on the right")
     add_property(
-        "_radius",
-        0.0,
-        "WheelRadius",
-        "float",
-        "Radius of wheels that are joints; 0: of their shapes",
-        unit="m",
-        low=0.0,
-        high=100.0,
+        "_radius", 0.0, "WheelRadius", "float", "Radius of wheels that are joints; 0: of their shapes", **WHEEL_LENGTH
     )
     add_property(
         "_separation",
@@ -48,9 +41,7 @@ class MotionVWDiff(SpeedCommand):
         "WheelSeparation",
         "float",
         "Distance between left and right wheels that are joints; 0: between the middles of their shapes",
-        unit="m",
-        low=0.0,
-        high=100.0,
+        **WHEEL_LENGTH,
     )
 
     turns_wheels = True

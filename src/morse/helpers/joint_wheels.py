@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
     _Points = npt.NDArray[np.float64]
 
+#: unit and range of the properties of drives that are lengths of wheels, or between wheels
+WHEEL_LENGTH: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 100.0}
 #: cosine of the largest angle between an axle and the Y axis of the robot
 _ALONG = 0.9
 #: a wheel that touches the ground is at most this part of its radius above the lowest one
