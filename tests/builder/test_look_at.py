@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from effort import examples
@@ -30,6 +30,8 @@ def test_straight_ahead_is_as_mounted(kind: type[VideoCamera]) -> None:
 
 
 @given(st.tuples(NUMBER, NUMBER, NUMBER), st.tuples(NUMBER, NUMBER, NUMBER))
+@example((0.0004275207691126407, 0.0, 0.0), (0.0, 0.0, 1.0))
+@example((1e-7, 0.0, 0.0), (0.0, 0.0, 1.0))
 @settings(max_examples=examples(40), suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_the_point_is_in_the_centre_and_up_is_up(place: tuple[float, ...], point: tuple[float, ...]) -> None:
     way = np.subtract(point, place)

@@ -16,8 +16,9 @@ from morse.scene import Material, Node, NodeKind
 MOUNTED = (math.pi / 2, math.pi, math.pi / 2)
 
 
-#: shortest distance of a point that a camera looks at, m, and steepest slope at which up is up in the image
-_NEAREST, _STEEP = 1e-6, 0.999999
+#: shortest distance of a point that a camera looks at, m; a direction whose horizontal part is smaller than the second is
+#: straight up or down
+_NEAREST, _LEVEL = 1e-6, 1e-9
 
 
 class CameraCreator(SensorCreator):
@@ -67,7 +68,8 @@ class CameraCreator(SensorCreator):
             raise ValueError(f"camera.look_at takes another point than that of the camera, got {tuple(target)}")
         ahead.normalize()
         # straight up or down, the front of the robot is above the centre of the image, or below it
-        up = Vector((0.0, 0.0, 1.0)) if abs(ahead.z) < _STEEP else Vector((-math.copysign(1.0, ahead.z), 0.0, 0.0))
+        has_up = math.hypot(ahead.x, ahead.y) > _LEVEL
+        up = Vector((0.0, 0.0, 1.0)) if has_up else Vector((-math.copysign(1.0, ahead.z), 0.0, 0.0))
         right = ahead.cross(up).normalized()
         down = ahead.cross(right)
         self.scene_node.rotation_euler[:] = Matrix((right, down, ahead)).transposed().to_euler()
