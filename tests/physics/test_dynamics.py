@@ -71,6 +71,19 @@ def test_a_torque_turns_by_inertia():
     assert w.game_object("Box").worldAngularVelocity.z == pytest.approx(0.5, rel=1e-2)
 
 
+def test_a_wall_that_moves_after_gravity_was_disabled_stops_a_body():
+    wall = node("Wall", box(0.2, 3, 1), at=(5, 0, 0.5))
+    # the engine uses its tree of bounding boxes for bodies with several shapes
+    posts = [node(f"Post{i}", box(0.2, 0.2, 1), at=(-5, i, 0.5)) for i in range(20)]
+    w = world(wall, *posts, rigid("Box", box(0.3, 0.3, 0.3), at=(0, 0, 0.5)))
+    w.game_object("Wall").worldPosition = (5, 4, 0.5)
+    w.game_object("Box").disable_gravity()
+    w.game_object("Wall").worldPosition = (1, 0, 0.5)
+    w.game_object("Box").worldLinearVelocity = (1, 0, 0)
+    run(w, 2.0)
+    assert w.game_object("Box").worldPosition.x <= 0.75 + 0.01
+
+
 def test_weightless_bodies_hover():
     w = world(rigid("A", sphere(0.1), at=(0, 0, 3), gravity=False), rigid("B", sphere(0.1), at=(2, 0, 3)))
     w.game_object("B").disable_gravity()

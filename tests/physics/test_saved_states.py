@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from worlds import bits, box, ground, node, rigid, robot, scene, sphere, world
 
@@ -136,6 +136,7 @@ places = st.lists(
 
 @settings(max_examples=examples(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(places, st.integers(0, 10_000), st.integers(1, 150), st.booleans())
+@example([(-1.5, 0.5, 0.15), (-0.5, -1.5, 0.15)], 6859, 131, False)  # a wall moves beside a block without gravity
 def test_a_saved_state_goes_on_as_without_a_break(blocks, seed, at, act_before_saving):
     w, hands = make(blocks), Hands(seed, len(blocks))
     for tick in range(at):

@@ -13,10 +13,13 @@ if TYPE_CHECKING:
 def count_weightless(state: EngineState) -> None:
     """Count the weightless bodies, which the engine does at compile time only.
 
-    The function of the engine for that modifies positions, and computes the collision masks of bodies from the present
-    masks of their shapes. A robot that is gliding at that time would later fall through the floor.
+    The function of the engine for that modifies positions; it computes the collision masks of bodies from the present
+    masks of their shapes, and the bounding boxes from their present poses. A robot that is gliding at that time would
+    later fall through the floor, and a wall that moves later would be missed.
     """
     model, data = state.model, state.data
-    originals = data.qpos.copy(), model.body_contype.copy(), model.body_conaffinity.copy()
+    changed = data.qpos, model.body_contype, model.body_conaffinity, model.bvh_aabb
+    originals = [values.copy() for values in changed]
     mujoco.mj_setConst(model, data)
-    data.qpos[:], model.body_contype[:], model.body_conaffinity[:] = originals
+    for values, original in zip(changed, originals, strict=True):
+        values[:] = original
