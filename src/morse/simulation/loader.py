@@ -19,6 +19,7 @@ from morse.core.robot import Robot
 from morse.core.rows.unread import Unclaimed
 from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel
+from morse.simulation.threads import watch_threads
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -73,6 +74,7 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
     Raises:
         LoadError: the message contains the component and the line of the script that created it.
     """
+    watch_threads()
     loaded = Loaded()
     declarations = context.scene.components if declarations is None else declarations
     by_node: dict[Any, Robot] = {}
