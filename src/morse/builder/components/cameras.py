@@ -16,7 +16,7 @@ from morse.scene import Material, Node, NodeKind
 MOUNTED = (math.pi / 2, math.pi, math.pi / 2)
 
 
-#: shortest distance of a point that a camera looks at, m; a direction whose horizontal part is smaller than the second is
+#: shortest distance of a point that a camera looks at, m; and the horizontal part of a direction, below which it points
 #: straight up or down
 _NEAREST, _LEVEL = 1e-6, 1e-9
 
