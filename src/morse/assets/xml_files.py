@@ -32,38 +32,53 @@ def read_xml(path: Path) -> ElementTree.Element:
 
 
 def parse_xml(data: bytes, path: Path) -> ElementTree.Element:
-    """Return the root element of the content of a file; see `read_xml`."""
-    # several programs write "--" into comments
+    """Return the root element of the content of a file; see `read_xml`.
+
+    The programs that robots are written for also accept what is not XML: comments with double dashes, prefixes without
+    a namespace, and Latin-1 without a declaration. A prefix without a namespace remains part of the name.
+    """
     data = _COMMENT.sub(b"", data.strip()).strip()
-    _check(data, path)
+    try:
+        return _parsed(data, path)
+    except (expat.ExpatError, ValueError, LookupError) as error:
+        try:
+            return _parsed(data.decode("latin-1").encode(), path)
+        except (expat.ExpatError, ValueError, LookupError):
+            raise AssetError(path, f"it is not XML: {error}") from None
+
+
+def _parsed(data: bytes, path: Path) -> ElementTree.Element:
+    tree = _without_namespaces(data, path)
     try:
         return ElementTree.fromstring(data)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise AssetError(path, f"it is not XML: {error}") from None
+    except ElementTree.ParseError:
+        return tree
 
 
-def _check(data: bytes, path: Path) -> None:
+def _without_namespaces(data: bytes, path: Path) -> ElementTree.Element:
+    """Check a file, and return its root element."""
+    builder = ElementTree.TreeBuilder()
     parser = expat.ParserCreate()
     depth = 0
 
     def entity(name: str, *_: object) -> None:
         raise AssetError(path, f"it defines the entity '{name:.60}'; files with entities are not read")
 
-    def begin(*_: object) -> None:
+    def begin(tag: str, attributes: dict[str, str]) -> None:
         nonlocal depth
         depth += 1
         if depth > _DEEPEST:
             raise AssetError(path, f"its elements are nested more than {_DEEPEST} deep")
+        builder.start(tag, attributes)
 
-    def end(_: str) -> None:
+    def end(tag: str) -> None:
         nonlocal depth
         depth -= 1
+        builder.end(tag)
 
+    parser.buffer_text = True
     parser.EntityDeclHandler = entity
     parser.StartElementHandler, parser.EndElementHandler = begin, end
-    try:
-        parser.Parse(data, True)
-    except AssetError:
-        raise
-    except (expat.ExpatError, ValueError, LookupError) as error:
-        raise AssetError(path, f"it is not XML: {error}") from None
+    parser.CharacterDataHandler = builder.data
+    parser.Parse(data, True)
+    return builder.close()

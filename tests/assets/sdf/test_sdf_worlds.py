@@ -424,14 +424,3 @@ def test_files_outside_of_the_model_are_not_read(tmp_path) -> None:
     library = load(folder / "model.sdf")
     assert [node for node in library.nodes() if node.mesh is not None] == []
     assert "outside of the package of the model" in library.warnings[0]
-
-
-def test_prefixes_without_a_namespace_and_comments_with_dashes_are_read(tmp_path) -> None:
-    library = load(
-        world(
-            tmp_path,
-            """<!-- a -- b --><model name="m"><link name="l"/>
-      <plugin name="p" filename="f"><gz:thing>1</gz:thing></plugin></model>""",
-        )
-    )
-    assert list(places(library)) == ["m"]

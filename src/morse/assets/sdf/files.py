@@ -1,24 +1,19 @@
-"""The files of SDF models: URIs, folders with ``model.config``, and XML that is not quite XML."""
+"""The files of SDF models: URIs, and folders with ``model.config``."""
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
 from morse.assets.model_folders import CONFIG, model_file
 from morse.assets.nearby_files import FileRefusedError, find_near
-from morse.assets.xml_files import MOST_BYTES, parse_xml, read_xml
-from morse.system.regular_files import read_regular
+from morse.assets.xml_files import read_xml
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-_MOST_PREFIXES = 50
 _ROOTS = ("sdf", "gazebo")
-_PREFIX = re.compile(rb"[<\s/]([A-Za-z_][\w.-]{0,40}):[A-Za-z_]")
-_OPENING = re.compile(rb"<(sdf|gazebo)\b")
 
 
 def find_model(uri: str, model: Path) -> Path:
@@ -69,41 +64,11 @@ def _downloaded(uri: str, model: Path) -> Path:
 def read_root(path: Path) -> Element:
     """Return the element ``sdf`` of a file.
 
-    Gazebo also accepts comments with double dashes and prefixes without a namespace, which are no XML.
-
     Raises:
         AssetError: it is no SDF file, or is refused by `read_xml`.
         OSError: it cannot be opened.
     """
-    try:
-        root = read_xml(path)
-    except AssetError as error:
-        mended = _mended(path) if "it is not XML" in error.message else None
-        if mended is None:
-            raise
-        root = parse_xml(mended, path)
+    root = read_xml(path)
     if root.tag not in _ROOTS:
         raise AssetError(path, f"it is not SDF: it begins with <{str(root.tag)[:60]}>, expected <sdf>")
     return root
-
-
-def _mended(path: Path) -> bytes | None:
-    data = _without_comments(read_regular(path, MOST_BYTES))
-    try:
-        data.decode()
-    except UnicodeDecodeError:
-        data = data.decode("latin-1").encode()
-    opening = _OPENING.search(data)
-    prefixes = {prefix for prefix in _PREFIX.findall(data) if prefix not in (b"xml", b"xmlns")}
-    if opening is None or len(prefixes) > _MOST_PREFIXES:
-        return None
-    names = b"".join(b' xmlns:%s="%s"' % (name, name) for name in sorted(prefixes) if b"xmlns:" + name not in data)
-    return data[: opening.end()] + names + data[opening.end() :]
-
-
-def _without_comments(data: bytes) -> bytes:
-    parts, position = [], 0
-    while (begin := data.find(b"<!--", position)) >= 0 and (end := data.find(b"-->", begin)) >= 0:
-        parts.append(data[position:begin])
-        position = end + 3
-    return b"".join([*parts, data[position:]])
