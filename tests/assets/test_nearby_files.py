@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.assets.nearby_files import FileRefusedError, find_near, find_package
 from morse.assets.search import project_dirs
 
 if TYPE_CHECKING:
@@ -65,12 +65,47 @@ def test_what_the_user_lists_may_be_read(model: Path, tmp_path: Path, monkeypatc
 
 
 def test_a_package_reaches_as_far_as_its_mark_says(model: Path, tmp_path: Path) -> None:
-    deep = model.parent / "deep" / "rover.urdf"
+    deep = tmp_path / "ws" / "rover" / "made" / "deep" / "rover.urdf"
+    deep.parent.mkdir(parents=True)
     deep.write_text("<robot/>")
     with pytest.raises(FileRefusedError, match="outside of the package"):
         find_near("../../meshes/a.stl", deep)
     (tmp_path / "ws/rover/package.xml").write_text("<package/>")
     assert find_near("../../meshes/a.stl", deep).samefile(tmp_path / "ws/rover/meshes/a.stl")
+
+
+@pytest.mark.parametrize("marks", [(), ("ws/rover/urdf/deep/__init__.py", "ws/rover/urdf/__init__.py")])
+def test_a_package_without_a_mark_is_above_its_folder_of_models(model: Path, tmp_path: Path, marks) -> None:
+    for mark in marks:
+        (tmp_path / mark).touch()
+    deep = model.parent / "deep" / "rover.urdf"
+    assert find_near("../../meshes/a.stl", deep).samefile(tmp_path / "ws/rover/meshes/a.stl")
+    with pytest.raises(FileRefusedError, match="outside of the package"):
+        find_near("../../../other/meshes/b.stl", deep)
+
+
+def test_python_packages_reach_as_far_as_they_are_nested(model: Path, tmp_path: Path) -> None:
+    deep = tmp_path / "ws" / "rover" / "made" / "deep" / "rover.urdf"
+    deep.parent.mkdir(parents=True)
+    for folder in (deep.parent, deep.parent.parent):
+        (folder / "__init__.py").touch()
+    with pytest.raises(FileRefusedError, match="outside of the package"):
+        find_near("../../meshes/a.stl", deep)
+    (tmp_path / "ws/rover/__init__.py").touch()
+    assert find_near("../../meshes/a.stl", deep).samefile(tmp_path / "ws/rover/meshes/a.stl")
+
+
+def test_a_renamed_package_and_other_capitals_are_understood(model: Path, tmp_path: Path) -> None:
+    mesh = tmp_path / "ws/rover/meshes/a.stl"
+    for name in ("package://rover_description/meshes/a.stl", "../meshes/A.STL", "package://rover/meshes/A.stl"):
+        assert find_near(name, model).samefile(mesh)
+    assert find_package("rover_description", model).samefile(tmp_path / "ws/rover")
+    with pytest.raises(FileRefusedError, match="outside of the package"):
+        find_near("../../other/meshes/B.stl", model)
+    # a package that says its name is not another one
+    (tmp_path / "ws/rover/package.xml").write_text("<package><name>rover</name></package>")
+    with pytest.raises(FileRefusedError, match="there is no package 'rover_description'"):
+        find_package("rover_description", model)
 
 
 @pytest.mark.parametrize("name", ["", "\0", "package://", "package:///etc/passwd", "gone.stl", "x" * 5000])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import morse as simulator
 
@@ -11,7 +13,7 @@ WORLD = """<sdf version="1.9"><world name="yard"><gravity>0 0 -1.62</gravity>
 </spherical_coordinates><include><uri>model://ground_plane</uri></include>
 <include><uri>model://crate</uri><name>first crate</name><pose>3 1 0.25 0 0 0.5</pose></include>
 <model name="box"><pose>-2 0 0.5 0 0 0</pose><link name="l"><collision name="c"><geometry><box><size>1 1 1</size></box>
-</geometry></collision></link></model>
+</geometry></collision><visual name="v"><geometry><box><size>1 1 1</size></box></geometry></visual></link></model>
 <model name="box 2"><static>1</static><pose>-4 0 0.5 0 0 1</pose><link name="l"><collision name="c"><geometry><box>
 <size>1 1 1</size></box></geometry></collision></link></model>
 <model name="class"><pose>0 0 0.2 0 0 0.3</pose><link name="base"><collision name="c"><geometry><box>
@@ -57,11 +59,29 @@ def test_a_model_is_no_world(morse, folder) -> None:
     assert "contains no <world>" in answer.err
 
 
-def test_check_lists_the_content_of_a_model(morse, folder) -> None:
-    answer = morse("check", str(folder / "world.sdf"))
+def test_check_lists_the_content_of_a_model_and_draws_it(morse, folder) -> None:
+    picture = folder / "yard.png"
+    answer = morse("check", str(folder / "world.sdf"), "--picture", str(picture))
     assert answer.status == 0
     for part in ("first crate (free)", "box 2 (fixed)", "imu (IMU)", "gravity 1.62", "can be loaded"):
         assert part in " ".join(answer.out.split()), part
+    with Image.open(picture) as image:
+        shades = np.asarray(image.convert("L"))
+    assert np.ptp(shades) > 20, "something is in front of the sky"
+
+
+CRANE = """<robot name="crane"><link name="base"/><link name="arm"/><link name="rope"/>
+<joint name="turn" type="continuous"><parent link="base"/><child link="arm"/></joint>
+<joint name="lift" type="revolute"><parent link="arm"/><child link="rope"/>
+<limit lower="0" upper="1" effort="1" velocity="1"/></joint><transmission name="t"/></robot>"""
+
+
+def test_check_tells_joints_with_limits_from_those_without(morse, folder, monkeypatch) -> None:
+    monkeypatch.chdir(folder)
+    (folder / "crane.urdf").write_text(CRANE)
+    answer = morse("check", "crane.urdf")
+    assert "2: 1 continuous, 1 revolute" in answer.out
+    assert (folder / "crane_check.png").is_file()
 
 
 def test_check_names_what_is_wrong(morse, folder) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,17 +15,23 @@ from morse.system import variables
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    #: folders that may contain a file in addition to the usual ones
+    Owners = tuple[Path, ...]
+
 #: files that mark the folder of a package
 _MARKS = ("package.xml", "model.config", "manifest.xml")
 #: variables of ROS and Gazebo that list folders of packages and models
 _VARIABLES = ("ROS_PACKAGE_PATH", *search.MODEL_PATHS)
 #: files that mark the folder of a project whose models share meshes
-_PROJECT_MARKS = (".git", "pyproject.toml", "setup.py", "__init__.py")
+_PYTHON = "__init__.py"
+_PROJECT_MARKS = (".git", "pyproject.toml", "setup.py", _PYTHON)
 _NAME = re.compile(rb"<name[^>]*>([^<]+)</name>")
 #: maximum number of folders that are searched for packages, and size of the beginning of a ``package.xml``, bytes
 _MOST_FOLDERS, _MOST_BYTES = 1000, 1 << 16
 #: maximum number of folders above a model that are searched for its package
-_LEVELS = 4
+_LEVELS = 6
+#: folders of packages that hold models; the package is the folder above the outermost of them
+_MODEL_FOLDERS = ("urdf", "xacro", "robots", "robot", "mjcf", "xml", "xmls", "sdf", "models", "worlds")
 
 
 class FileRefusedError(ValueError):
@@ -34,10 +42,12 @@ def find_near(name: str, model: Path) -> Path:
     """Return the file that a model refers to: ``package://robot/meshes/arm.stl``, ``file:///...`` or a path.
 
     A package is a folder above the model, a folder beside one of these folders, or a folder in ROS_PACKAGE_PATH,
-    GZ_SIM_RESOURCE_PATH and the like, or directly below one of them. After symbolic links are resolved, a file must be
-    in the package of the model, or in a folder of these variables, of MORSE_RESOURCE_PATH or of the project. If no file
-    marks the package of the model, the folder of the model and its parent are used, and the Python package or the
-    repository that contains them. The models of a world may also be in a folder ``models`` beside its own.
+    GZ_SIM_RESOURCE_PATH and the like, or directly below one of them. If no package has that name, the file is searched
+    in the folders above the model: the package was renamed. After symbolic links are resolved, a file must be in the
+    package of the model, or in a folder of these variables, of MORSE_RESOURCE_PATH or of the project. If no file marks
+    the package of the model, the folder of the model and its parent are used, the folder above one such as ``urdf``,
+    and the Python package or the repository that contains them. The models of a world may also be in a folder
+    ``models`` beside its own. A file whose name differs in capitals is used if there is no other.
 
     Raises:
         FileRefusedError: the file does not exist, or is in another folder.
@@ -57,7 +67,8 @@ def find_folder_near(name: str, model: Path) -> Path:
 def _find(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
     is_package = name.startswith(("package://", "model://"))
     elsewhere = None
-    for candidate, own in _candidates(name, model):
+    candidates = list(_candidates(name, model))
+    for candidate, own in chain(candidates, _in_other_capitals(candidates)):
         if not exists(candidate):
             continue
         real = Path(os.path.realpath(candidate))
@@ -85,6 +96,9 @@ def find_package(name: str, model: Path) -> Path:
     for candidate, _ in _candidates(f"package://{name}/.", model):
         if candidate.is_dir():
             return candidate
+    if not _marked(model) and (unmarked := _above_models(model)) is not None:
+        # it was renamed
+        return unmarked
     raise FileRefusedError(f"there is no package '{name:.60}'; add its folder to ROS_PACKAGE_PATH")
 
 
@@ -108,29 +122,57 @@ def _name_of(folder: Path) -> str | None:
     return match[1].decode("utf-8", "replace").strip() if match else None
 
 
+def _in_other_capitals(candidates: list[tuple[Path, Owners]]) -> Iterator[tuple[Path, Owners]]:
+    """The same files as on systems that ignore the case of names."""
+    for candidate, own in candidates:
+        with contextlib.suppress(OSError, ValueError):
+            for name in sorted(os.listdir(candidate.parent))[:_MOST_FOLDERS]:
+                if name != candidate.name and name.casefold() == candidate.name.casefold():
+                    yield candidate.with_name(name), own
+
+
 def _folders(model: Path) -> Iterator[Path]:
     """The folders whose files may all be read."""
     folder = model.absolute().parent
     yield folder
-    above = [one for one in (folder, *folder.parents) if any((one / mark).is_file() for mark in _MARKS)]
+    above = _marked(model)
     if above:
         yield above[0]
     elif folder.parent != Path(folder.anchor):
         yield folder.parent
+        if (unmarked := _above_models(model)) is not None:
+            yield unmarked
         yield from _project(folder)
     yield from search.resource_dirs()
     yield from search.component_dirs()
     yield from _listed()
 
 
+def _marked(model: Path) -> list[Path]:
+    """The folders above a model that are marked as packages, the nearest first."""
+    return [one for one in model.absolute().parents if any((one / mark).is_file() for mark in _MARKS)]
+
+
+def _above_models(model: Path) -> Path | None:
+    """Return the package of a model by the usual names of its folders: ``lab`` of ``lab/urdf/arm/arm.urdf``."""
+    for folder in reversed(list(model.absolute().parents)[:_LEVELS]):
+        if folder.name in _MODEL_FOLDERS and folder.parent not in (Path(folder.anchor), Path.home()):
+            return folder.parent
+    return None
+
+
 def _project(folder: Path) -> Iterator[Path]:
-    """The folder of the Python package or the repository of a model, if it is a few folders above."""
+    """The folders of the Python packages around a model, or of the repository, if they are a few folders above."""
+    inside = False
     for one in list(folder.parents)[:_LEVELS]:
-        if one in (Path(one.anchor), Path.home()):
+        marks = [mark for mark in _PROJECT_MARKS if (one / mark).exists()]
+        if one in (Path(one.anchor), Path.home()) or (inside and _PYTHON not in marks):
             return
-        if any((one / mark).exists() for mark in _PROJECT_MARKS):
+        if marks:
             yield one
-            return
+            if _PYTHON not in marks:
+                return
+            inside = True
 
 
 def _listed() -> list[Path]:
@@ -138,7 +180,7 @@ def _listed() -> list[Path]:
     return folders + [Path(entry) / "share" for entry in variables.paths("AMENT_PREFIX_PATH")]
 
 
-def _candidates(name: str, model: Path) -> Iterator[tuple[Path, tuple[Path, ...]]]:
+def _candidates(name: str, model: Path) -> Iterator[tuple[Path, Owners]]:
     """Yield possible paths of the file, each with a folder that may contain it in addition to the usual folders."""
     if "\0" in name:
         return
@@ -168,3 +210,5 @@ def _candidates(name: str, model: Path) -> Iterator[tuple[Path, tuple[Path, ...]
         yield folder / package / inside, ()
         if folder.name == package:
             yield folder / inside, ()
+    for folder in list(model.absolute().parents)[:_LEVELS] if inside != "." else ():
+        yield folder / inside, ()

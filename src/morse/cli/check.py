@@ -29,7 +29,8 @@ def command(
         typer.Argument(
             metavar="[SCENE | MODEL | component FILE_OR_NAME...]",
             help="A scene script or environment: list what needs a change, and whether it runs. A model file: what is "
-            "read, and what is left out. Or components: classes of scene scripts, or files with classes of your own.",
+            "read, what is left out, and a picture. Or components: classes of scene scripts, or files with classes of "
+            "your own.",
             show_default=False,
         ),
     ] = None,
@@ -44,17 +45,26 @@ def command(
     fix: Annotated[
         bool, typer.Option("--fix", help="Write a mended copy beside the scene script, which is not changed.")
     ] = False,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            "--picture",
+            metavar="FILE.png",
+            help="The picture of a model file (default: MODEL_check.png in the present folder).",
+            show_default=False,
+        ),
+    ] = None,
 ) -> int:
     """Check the requirements of MORSE and optional programs; or a scene script; or components.
 
     `morse check SCENE` executes a scene script, lists all lines that need a change, e.g. since MORSE 1.4, and ends with
-    "runs" or "does not run". `morse check MODEL` lists the content of a model file. `morse check component NAME` runs a
-    component in small simulations and reports violated rules of the contract.
+    "runs" or "does not run". `morse check MODEL` lists the content of a model file, and draws it. `morse check
+    component NAME` runs a component in small simulations and reports violated rules of the contract.
     """
     if what and what[0] == "component":
         return check_components(what[1:], robot)
     if what:
-        return _check_scene(what, fix=fix)
+        return _check_scene(what, fix=fix, picture=picture)
     if fix:
         raise CommandError("--fix belongs to `morse check SCENE`.", status=2)
     if robot is not None:
@@ -76,10 +86,12 @@ def command(
     return 0
 
 
-def _check_scene(words: list[str], *, fix: bool) -> int:
+def _check_scene(words: list[str], *, fix: bool, picture: Path | None) -> int:
     model = _model(words[0])
     if model is not None:
-        return check_model(model)
+        return check_model(model, picture)
+    if picture is not None:
+        raise CommandError("--picture belongs to `morse check MODEL`; `morse render` draws scenes.", status=2)
     try:
         return check_scene(words, fix=fix)
     except CommandError as error:

@@ -1,8 +1,9 @@
-"""``morse check robot.sdf``: what MORSE understands of a model file."""
+"""``morse check robot.sdf``: what MORSE understands of a model file, and how it looks."""
 
 from __future__ import annotations
 
 from collections import Counter
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich import box
@@ -11,25 +12,29 @@ from rich.table import Table
 from rich.text import Text
 
 from morse.cli.messages import CommandError, say
+from morse.scene.armature import JointKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
-    from pathlib import Path
 
-    from morse.scene import Library, Node
+    from morse.scene import Bone, Library, Node
 
 
-def check_model(path: Path) -> int:
+def check_model(path: Path, picture: Path | None = None) -> int:
     """Print a table of the content of a model file, and what is left out.
+
+    Args:
+        picture: file for a picture of the model; None for ``<model>_check.png`` in the present folder.
 
     Returns:
         The exit status.
 
     Raises:
-        CommandError: the file cannot be read.
+        CommandError: the file cannot be read, or not be drawn.
     """
     # imported on demand, because it loads numpy
     from morse.assets.formats import reader_of
+    from morse.cli.model_picture import draw
 
     try:
         library = reader_of(path)(path)
@@ -39,8 +44,12 @@ def check_model(path: Path) -> int:
     for name, content in _rows(library):
         table.add_row(name, Text(content, overflow="fold"))
     Console().print(table)
-    for warning in dict.fromkeys(library.warnings):
-        say(f"Left out or changed: {warning}")
+    target = picture or Path(f"{path.stem}_check.png")
+    try:
+        draw(path, library, target)
+    except OSError as error:
+        raise CommandError(f"the picture {target} could not be written: {error.strerror or error}") from None
+    say(f"Picture: {target}")
     say(f"{path.name} can be loaded.")
     return 0
 
@@ -53,7 +62,7 @@ def _rows(library: Library) -> Iterator[tuple[str, str]]:
     if links:
         yield "links", f"{len(links)}, together {sum(n.inertial.mass for n in links if n.inertial is not None):g} kg"
     if bones:
-        yield "joints", f"{len(bones)}: {_counted(bone.kind.value for bone in bones)}"
+        yield "joints", f"{len(bones)}: {_counted(map(_kind_of_joint, bones))}"
     meshes = [node for node in nodes if node.mesh is not None]
     triangles = sum(len(node.mesh.triangles) for node in meshes if node.mesh is not None and node.visible)
     yield "shown", f"{sum(node.visible for node in meshes)} meshes, {triangles} triangles"
@@ -66,6 +75,13 @@ def _rows(library: Library) -> Iterator[tuple[str, str]]:
         yield "lights", _counted(node.light.type.lower() for node in lights if node.light is not None)
     if library.world:
         yield "world", ", ".join(f"{key} {value}" for key, value in library.world.items())
+    for warning in dict.fromkeys(library.warnings):
+        yield "left out or changed", warning
+
+
+def _kind_of_joint(bone: Bone) -> str:
+    endless = bone.kind is JointKind.REVOLUTE and bone.dynamics is not None and not bone.dynamics.limited
+    return "continuous" if endless else bone.kind.value
 
 
 def _kind(root: Node) -> str:

@@ -77,7 +77,7 @@ def command(
         picture_files.check(path, film=film is not None)
     except ValueError as error:
         raise CommandError(f"-o: {error}.", status=2) from None
-    simulation = _load(scene, seed)
+    simulation = load(scene, seed)
     try:
         show = show or usual_of(simulation, camera)
         request = request_of(simulation, camera, places, (width, height), fov, fine, show == "color")
@@ -117,7 +117,12 @@ def _check(
         )
 
 
-def _load(words: list[str], seed: int | None) -> Simulation:
+def load(words: list[str], seed: int | None) -> Simulation:
+    """Load a scene without windows and sockets.
+
+    Raises:
+        CommandError: it cannot be loaded.
+    """
     from morse.builder.errors.script_error import ScriptError
     from morse.core.exceptions import MorseError
     from morse.launch.load import described, start

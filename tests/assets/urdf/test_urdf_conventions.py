@@ -10,6 +10,7 @@ import trimesh
 from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.assets.urdf import read_urdf
+from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -89,5 +90,14 @@ def test_macros_are_expanded(package: Path) -> None:
     bones = load(file, {"count": "1"}).roots[0].children[0].bones
     assert [(bone.name, bone.position[2]) for bone in bones] == [("hip_a", pytest.approx(0.2))]
     file.write_text(XACRO.replace("crane_description", "gone"))
-    with pytest.raises(AssetError, match="there is no package 'gone'"):
+    with pytest.raises(AssetError, match=r"robot.urdf.xacro: \$\(find gone\): there is no package 'gone'"):
         load(file)
+    with pytest.raises(AssetError, match="no links: load the file that includes it"):
+        load(package / "leg.xacro")
+
+
+def test_a_world_that_is_not_declared_fixes_the_robot(package: Path) -> None:
+    file = package / "arm.urdf"
+    file.write_text("""<robot name="arm"><link name="base"><inertial><mass value="2"/></inertial></link>
+      <joint name="weld" type="fixed"><parent link="world"/><child link="base"/></joint></robot>""")
+    assert load(file).roots[0].body.type is PhysicsType.STATIC

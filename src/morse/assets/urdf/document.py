@@ -207,6 +207,9 @@ def parse(path: Path) -> Document:
         parser.define(material)
     links = {link.name: link for link in map(parser.link, robot.findall("link"))}
     joints = [parser.joint(element) for element in robot.findall("joint")]
+    if any(joint.parent == WORLD for joint in joints):
+        # joints fix robots to the world also in files that do not declare it
+        links.setdefault(WORLD, Link(WORLD))
     root, ordered = _tree(parser, links, joints)
     root, ordered = _let_float(parser, links, root, ordered)
     sensors, remarks = sensors_of(robot, links)

@@ -78,14 +78,26 @@ def _expanded(path: Path) -> bytes:
         from xacro import substitution_args
     except ImportError:
         raise AssetError(path, "files of xacro need: pip install 'morse-simulator[xacro]'") from None
+    refused: list[AssetError] = []
+
+    def package(name: str) -> str:
+        try:
+            return _package(name, path)
+        except AssetError as error:
+            # xacro raises errors of its own instead
+            refused.append(error)
+            raise
+
     # without ROS, xacro cannot find packages
-    substitution_args._eval_find = lambda name: _package(name, path)
+    substitution_args._eval_find = package
     try:
         document = xacro.process_file(str(path), mappings=dict(ARGUMENTS.get({})))
-    except AssetError:
-        raise
     except Exception as error:  # the expressions of the file raise anything
+        if refused:
+            raise refused[0] from None
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise AssetError(path, f"xacro cannot expand it: {reason:.300}") from None
+    if not document.getElementsByTagName("link"):
+        raise AssetError(path, "it defines macros or properties, and no links: load the file that includes it")
     expanded: bytes = document.toxml(encoding="utf-8")
     return expanded
