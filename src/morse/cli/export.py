@@ -1,4 +1,4 @@
-"""``morse export``: the topics of a recording as tables, or the run as a film."""
+"""``morse export``: the topics of a recording as tables, the run as a film or a page, a layout for its topics."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import typer
 
 from morse.cli.filming import Filmed, check_span
 from morse.cli.filming import film as write_film
+from morse.cli.foxglove_layout import write_layout
 from morse.cli.messages import CommandError, say
 from morse.cli.paging import page as write_page
 from morse.cli.sites import registered
@@ -46,13 +47,18 @@ def command(
         str | None,
         typer.Option("--html", metavar="FILE", help="As a page that plays the run anywhere, without a server."),
     ] = None,
+    foxglove_layout: Annotated[
+        bool,
+        typer.Option("--foxglove-layout", help="A layout of Foxglove for its topics, or for those of a scene script."),
+    ] = False,
     output: Annotated[
         str | None,
         typer.Option(
             "-o",
             "--output",
             metavar="FILE",
-            help="File of --mcap or of the film: .gif (default), .webp, frame_%04d.png, by ffmpeg .mp4, .webm, .mkv.",
+            help="File of --mcap, of the layout or of the film: .gif (default), .webp, frame_%04d.png, by ffmpeg .mp4, "
+            ".webm, .mkv.",
         ),
     ] = None,
     origin: Annotated[
@@ -94,8 +100,10 @@ def command(
     from morse.recording.export import export
     from morse.recording.mcap.reader import McapFile
 
-    if [csv, parquet, mcap, film, html is not None].count(True) != 1:
-        raise CommandError("Give --csv or --parquet for tables, --mcap, --film or --html.", 2)
+    if [csv, parquet, mcap, film, html is not None, foxglove_layout].count(True) != 1:
+        raise CommandError("Give --csv or --parquet for tables, --mcap, --film, --html or --foxglove-layout.", 2)
+    if foxglove_layout:
+        return write_layout(file, Path(output or f"{Path(file).stem}-layout.json"))
     if html is not None:
         check_span(begin, length)
         return _again(

@@ -87,6 +87,7 @@ class Articulation:
         couplings: constraints.
         control: joint to the quantity that its motor controls, if it differs from the file.
         description: of a robot: its URDF file, expanded, with the paths of meshes as URLs; empty for other formats.
+        meshes: of the description: URLs with their files on this machine; empty if the scene comes from a recording.
         model: the MJCF model of the robot, from which the engine takes its bodies; None for other formats.
     """
 
@@ -96,4 +97,5 @@ class Articulation:
     control: tuple[tuple[str, Control], ...] = ()
     couplings: Couplings = field(default_factory=Couplings)
     description: str = ""
+    meshes: tuple[tuple[str, str], ...] = ()
     model: MjcfModel | None = None

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _HERE = Path(__file__).parent
+#: by the suffix of a program; all others are run by this Python
+_RUNS = {".mjs": "node"}
 LIMIT = 200.0
 """Wall-clock seconds after which the other side counts as lost."""
 
@@ -40,7 +42,7 @@ def talk(program: str | Path, step: Callable[[], object], *arguments: object) ->
     path = program if isinstance(program, Path) else _HERE / program
     with tempfile.TemporaryFile("w+") as said, tempfile.TemporaryFile("w+") as complaints:
         # files, because an unread pipe would block the peer
-        command = [sys.executable, str(path), *map(str, arguments)]
+        command = [_RUNS.get(path.suffix, sys.executable), str(path), *map(str, arguments)]
         with subprocess.Popen(command, stdout=said, stderr=complaints) as other:
             end = time.monotonic() + LIMIT
             while other.poll() is None and time.monotonic() < end:

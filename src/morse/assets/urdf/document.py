@@ -215,7 +215,7 @@ def parse(path: Path) -> Document:
     sensors, remarks = sensors_of(robot, links)
     document = Document(robot.get("name") or path.stem, links, ordered, root, [*parser.warnings, *remarks], sensors)
     add_plugins(robot, document)
-    document.text = text_with_urls(robot, path)
+    document.text, document.files = text_with_urls(robot, path)
     return document
 
 

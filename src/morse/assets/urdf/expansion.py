@@ -38,14 +38,21 @@ def read_expanded(path: Path) -> ElementTree.Element:
     return root
 
 
-def text_with_urls(robot: ElementTree.Element, path: Path) -> str:
-    """Return a robot as text, in which relative paths of meshes are URLs, so that programs elsewhere read them."""
+def text_with_urls(robot: ElementTree.Element, path: Path) -> tuple[str, dict[str, str]]:
+    """A robot as text, in which relative paths of meshes are URLs, so that programs elsewhere read them.
+
+    Returns:
+        The text, and the URLs of the meshes with their files.
+    """
+    files = {}
     for mesh in robot.iter("mesh"):
         name = mesh.get("filename", "")
-        if name and not _URL.match(name):
-            with contextlib.suppress(FileRefusedError, OSError, ValueError):
-                mesh.set("filename", find_near(name, path).resolve().as_uri())
-    return ElementTree.tostring(robot, encoding="unicode")
+        with contextlib.suppress(FileRefusedError, OSError, ValueError):
+            file = find_near(name, path).resolve()
+            url = name if _URL.match(name) else file.as_uri()
+            mesh.set("filename", url)
+            files[url] = str(file)
+    return ElementTree.tostring(robot, encoding="unicode"), files
 
 
 def _substituted(value: str, path: Path) -> str:

@@ -87,7 +87,7 @@ class _Reader:
         root = Node(document.name, body=body, source_name=document.name)
         armature = Node(f"{document.name}_joints", NodeKind.ARMATURE, source_name=f"{document.name}_joints")
         armature.bones = tuple(self._bones())
-        root.articulation = Articulation(mass=mass, description=document.text)
+        root.articulation = Articulation(mass=mass, description=document.text, meshes=tuple(document.files.items()))
         couplings = Couplings(constraints=document.constraints)
         armature.articulation = Articulation(mass=mass, self_collision=document.self_collision, couplings=couplings)
         root.attach(armature)

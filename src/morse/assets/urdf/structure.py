@@ -97,6 +97,7 @@ class Document:
         self_collision: whether its links collide with each other.
         actuators: what its plugins stand for.
         text: the URDF of the robot, see `morse.scene.Articulation`.
+        files: URLs of its meshes with their files.
     """
 
     name: str
@@ -110,3 +111,4 @@ class Document:
     self_collision: bool = False
     actuators: list[DeclaredSensor] = field(default_factory=list)
     text: str = ""
+    files: dict[str, str] = field(default_factory=dict)

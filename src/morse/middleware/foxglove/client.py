@@ -3,28 +3,45 @@
 from __future__ import annotations
 
 import uuid
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short, shown
-from morse.middleware.foxglove import frames
+from morse.middleware.foxglove import frames, graph
+from morse.middleware.foxglove.assets import Assets
+from morse.middleware.foxglove.parameters import GET, SET
 from morse.middleware.web.hub import HubClient
 from morse.rosmsgs.definitions import definition
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from websockets.asyncio.server import ServerConnection
 
     from morse.middleware.web.topics import WebTopic
 
 _ENCODINGS = ("cdr", "json")
+_CAPABILITIES = (
+    *("clientPublish", "services", "time"),
+    *("parameters", "parametersSubscribe", "connectionGraph", "assets"),
+)
 _ERROR = 2
 _LARGEST = 2**32 - 1
 #: bytes that are counted for the name of a topic
 _LONGEST_TOPIC = 256
+
+
+#: operations that change who reads and publishes what
+_CHANGE_GRAPH = ("subscribe", "unsubscribe", "advertise", "unadvertise")
+
+
+class _Asked(NamedTuple):
+    """A request for parameters; the answer contains the id, and is sent if it is to be told."""
+
+    id: dict[str, str]
+    told: bool
 
 
 class FoxgloveClient(HubClient):
@@ -37,13 +54,19 @@ class FoxgloveClient(HubClient):
         #: id of a channel of the client to its topic
         self._channels: dict[int, str] = {}
         self._services: frozenset[int] = frozenset()
+        #: names of parameters whose changes are told; replaced, never modified: the simulation thread reads it
+        self.watched: frozenset[str] = frozenset()
+        self._watched_values: dict[str, bytes] = {}
+        #: the connection graph as the client knows it; None while it has not asked for it
+        self._graph: Mapping[str, graph.Table] | None = None
+        self._assets = Assets(self)
 
     def begin(self) -> None:
         """See `WebClient.begin`."""
         self._say(
             op="serverInfo",
             name="MORSE",
-            capabilities=["clientPublish", "services", "time"],
+            capabilities=list(_CAPABILITIES),
             supportedEncodings=list(_ENCODINGS),
             metadata={},
             sessionId=str(uuid.uuid4()),
@@ -77,6 +100,7 @@ class FoxgloveClient(HubClient):
     def topic_added(self, topic: WebTopic) -> None:
         """See `HubClient.topic_added`."""
         self._advertise_topics([topic])
+        self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
     def topic_removed(self, topic: WebTopic) -> None:
         """See `HubClient.topic_removed`."""
@@ -84,6 +108,7 @@ class FoxgloveClient(HubClient):
             del self._subscriptions[number]
             self.release(0)
         self._say(op="unadvertise", channelIds=[topic.number])
+        self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
     def show(self, topic: WebTopic, frame: Any) -> None:
         """See `HubClient.show`."""
@@ -160,6 +185,7 @@ class FoxgloveClient(HubClient):
             self._say(op="unadvertiseServices", serviceIds=gone)
         if new:
             self._say(op="advertiseServices", services=[self._service(number, known[number]) for number in new])
+        self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
     def _service(self, number: int, path: str) -> dict[str, Any]:
         request = self.hub.arguments_of(path)  # type: ignore[attr-defined] # it is a FoxgloveHub
@@ -183,12 +209,106 @@ class FoxgloveClient(HubClient):
 
     def answer(self, call: Any, error: str | None, value: bytes) -> None:
         """See `HubClient.answer`."""
+        if isinstance(call, _Asked):
+            self._answer_parameters(call, error, value)
+            return
         service, number = call
         if error is not None:
             self._say(op="serviceCallFailure", serviceId=service, callId=number, message=error)
         else:
             data = value if value.startswith(b"{") else b'{"result":' + value + b"}"
             self.tell(frames.answer(service, number, "json", data))
+
+    # -- parameters --------------------------------------------------------------------------
+
+    def _get_parameters(self, message: dict[str, Any]) -> None:
+        self._ask(GET, _Asked(_id(message), told=True), _names(message))
+
+    def _set_parameters(self, message: dict[str, Any]) -> None:
+        # an answer is due if the client has given an id
+        self._ask(SET, _Asked(_id(message), told="id" in message), _records(message, "parameters"))
+
+    def _ask(self, what: str, call: _Asked, given: list[Any]) -> None:
+        if self.hub.requests is None:
+            self._say(op="parameterValues", parameters=[], **call.id)
+            return
+        self.hub.requests.call(self, call, what, msgspec.json.encode(given))
+
+    def _answer_parameters(self, call: _Asked, error: str | None, value: bytes) -> None:
+        if error is not None:
+            self._status(_ERROR, error)
+            return
+        answered = msgspec.json.decode(value)
+        for refusal in answered["refusals"]:
+            self._status(_ERROR, refusal)
+        if call.told:
+            self._say(op="parameterValues", parameters=answered["parameters"], **call.id)
+
+    def _watch_more(self, message: dict[str, Any]) -> None:
+        for name in set(_names(message)) - self.watched:
+            self.keep(_LONGEST_TOPIC, "a watched parameter")
+            self.watched |= {name}
+
+    def _watch_less(self, message: dict[str, Any]) -> None:
+        for name in self.watched & set(_names(message)):
+            self.release(_LONGEST_TOPIC)
+            self.watched -= {name}
+            self._watched_values.pop(name, None)
+
+    def watch(self, values: bytes) -> None:
+        """The present values of watched parameters, as JSON: tell the client those that have changed."""
+        changed = []
+        for one in msgspec.json.decode(values):
+            name, value = one["name"], msgspec.json.encode(one)
+            if name in self.watched and self._watched_values.get(name) != value:
+                self._watched_values[name] = value
+                changed.append(one)
+        if changed:
+            self._say(op="parameterValues", parameters=changed)
+
+    # -- the connection graph ----------------------------------------------------------------
+
+    def published(self) -> set[str]:
+        """The topics on which this client publishes."""
+        return set(self._channels.values())
+
+    def _show_graph(self, message: dict[str, Any]) -> None:
+        if self._graph is not None:
+            raise ValueError("the connection graph is subscribed already")
+        self._graph = graph.EMPTY
+        self.tell_graph(graph.graph_of(self.hub))
+
+    def _hide_graph(self, message: dict[str, Any]) -> None:
+        if self._graph is None:
+            raise ValueError("the connection graph is not subscribed")
+        self._graph = None
+
+    @property
+    def shows_graph(self) -> bool:
+        """Whether the client wants changes of the connection graph."""
+        return self._graph is not None
+
+    def tell_graph(self, now: Mapping[str, graph.Table]) -> None:
+        """Tell what has changed in the connection graph; nothing if the client has not asked for it."""
+        if self._graph is not None:
+            change = graph.update(self._graph, now)
+            if change is not None or self._graph is graph.EMPTY:
+                self._say(op="connectionGraphUpdate", **(change or graph.NOTHING))
+            self._graph = now
+
+    # -- assets ------------------------------------------------------------------------------
+
+    def _fetch(self, message: dict[str, Any]) -> None:
+        uri, number = message.get("uri"), _number(message, "requestId")
+        if not isinstance(uri, str):
+            raise ValueError(f"'uri' is {shown(uri)}, expected a text")
+        self._assets.fetch(uri, number, self.hub.descriptions())  # type: ignore[attr-defined] # it is a FoxgloveHub
+
+    def ended(self) -> None:
+        """See `WebClient.ended`."""
+        super().ended()
+        self._assets.close()
+        self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
     # -- received messages -------------------------------------------------------------------
 
@@ -217,11 +337,20 @@ class FoxgloveClient(HubClient):
             "unsubscribe": self._unsubscribe,
             "advertise": self._advertise,
             "unadvertise": self._unadvertise,
+            GET: self._get_parameters,
+            SET: self._set_parameters,
+            "subscribeParameterUpdates": self._watch_more,
+            "unsubscribeParameterUpdates": self._watch_less,
+            "subscribeConnectionGraph": self._show_graph,
+            "unsubscribeConnectionGraph": self._hide_graph,
+            "fetchAsset": self._fetch,
         }
         name = message.get("op") if isinstance(message, dict) else None
         if not isinstance(name, str) or name not in operations:
             raise ValueError(f"the operation {shown(name)} is not supported{nearest(str(name)[:64], operations)}")
         operations[name](message)
+        if name in _CHANGE_GRAPH:
+            self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
 
 def _schema(name: str, schema: dict[str, Any]) -> dict[str, str]:
@@ -234,6 +363,21 @@ def _records(message: dict[str, Any], name: str) -> list[dict[str, Any]]:
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
         raise ValueError(f"'{name}' is {shown(given)}, expected a list of objects")
     return given
+
+
+def _names(message: dict[str, Any]) -> list[str]:
+    given = message.get("parameterNames")
+    if not isinstance(given, list) or not all(isinstance(one, str) for one in given):
+        raise ValueError(f"'parameterNames' is {shown(given)}, expected a list of texts")
+    return given
+
+
+def _id(message: dict[str, Any]) -> dict[str, str]:
+    """The id of a request, as it is returned; empty if it has none."""
+    given = message.get("id")
+    if given is not None and not isinstance(given, str):
+        raise ValueError(f"'id' is {shown(given)}, expected a text")
+    return {} if given is None else {"id": given}
 
 
 def _numbers(message: dict[str, Any], name: str) -> list[int]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
-_DATA, _TIME, _ANSWER = 1, 2, 3
+_DATA, _TIME, _ANSWER, _ASSET = 1, 2, 3, 4
 _PUBLISH, _CALL = 1, 2
 _HEAD = struct.Struct("<BI")
+_ASSET_HEAD = struct.Struct("<BIBI")
 _CALL_HEAD = struct.Struct("<BIII")
 
 
@@ -63,3 +64,9 @@ def answer(service: int, call: int, encoding: str, data: bytes) -> bytes:
     """The answer to a call."""
     name = encoding.encode()
     return _CALL_HEAD.pack(_ANSWER, service, call, len(name)) + name + data
+
+
+def asset(request: int, error: str, data: bytes) -> bytes:
+    """A file that a client has asked for; an error unless it is empty."""
+    text = error.encode()
+    return _ASSET_HEAD.pack(_ASSET, request, bool(text), len(text)) + text + data

@@ -6,6 +6,7 @@ import itertools
 from typing import TYPE_CHECKING, Any
 
 from morse.core.services import signature_of
+from morse.middleware.foxglove import graph
 from morse.middleware.foxglove.client import FoxgloveClient
 from morse.middleware.foxglove.mapping import MANAGER_OPTIONS
 from morse.middleware.web.hub import Hub
@@ -13,6 +14,7 @@ from morse.middleware.web.hub import Hub
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.middleware.web.topics import WebTopic
+    from morse.scene.articulation import Articulation
 
 
 class FoxgloveHub(Hub):
@@ -28,6 +30,7 @@ class FoxgloveHub(Hub):
         super().__init__(context)
         self._numbers = itertools.count(1)
         self._of_path: dict[str, int] = {}
+        self._graph_is_told = True
 
     def frame(self, topic: WebTopic, stamp: int, data: bytes) -> bytes:
         """The part of a message after the id of the subscription: the time, ns, and the data."""
@@ -40,6 +43,23 @@ class FoxgloveHub(Hub):
             if path not in self._of_path:
                 self._of_path[path] = next(self._numbers)
         return {self._of_path[path]: path for path in paths}
+
+    def graph_changed(self) -> None:
+        """Tell the clients that want the connection graph, once for all changes until then. In the network thread."""
+        if self._graph_is_told and any(client.shows_graph for client in self.server.clients):  # type: ignore[attr-defined]
+            self._graph_is_told = False
+            self.context.network.loop.call_soon(self._tell_graph)
+
+    def _tell_graph(self) -> None:
+        self._graph_is_told = True
+        now = graph.graph_of(self)
+        for client in list(self.server.clients):
+            client.tell_graph(now)  # type: ignore[attr-defined] # it is a FoxgloveClient
+
+    def descriptions(self) -> list[Articulation]:
+        """The descriptions of the robots; in any thread."""
+        robots = [robot.bge_object for robot in list(self.context.robots.values())]
+        return [body.node.articulation for body in robots if body.node.articulation is not None]
 
     def arguments_of(self, path: str) -> dict[str, Any]:
         """The arguments of a service as JSON schema."""

@@ -208,7 +208,7 @@ class WebRequestManager(RequestManager):
         error, data = None, b""
         if state == status.SUCCESS:
             try:
-                data = _encoder.encode(value)
+                data = encoded(value)
             except (TypeError, ValueError, OverflowError, RecursionError) as failure:
                 error = f"the result cannot be written as JSON: {failure}"
         else:
@@ -219,6 +219,15 @@ class WebRequestManager(RequestManager):
         if self._outbox:
             answers, self._outbox = self._outbox, []
             self._context.network.post(self._deliver, answers)
+
+
+def encoded(value: Any) -> bytes:
+    """A value as JSON.
+
+    Raises:
+        TypeError, ValueError, OverflowError, RecursionError: it cannot be written as JSON.
+    """
+    return _encoder.encode(value)
 
 
 def _decoded(arguments: bytes) -> Any:

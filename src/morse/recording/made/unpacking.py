@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -161,7 +161,8 @@ class Unpacking:
             bones=tuple(_bone(bone, place, len(one.bones)) for place, bone in enumerate(one.bones)),
             bone=one.bone,
             inertial=one.inertial,
-            articulation=one.articulation,
+            # a recording says nothing about the files of this machine
+            articulation=one.articulation and replace(one.articulation, meshes=()),
         )
         if one.parent >= 0:
             self._nodes[one.parent].attach(node)

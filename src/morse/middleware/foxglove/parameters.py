@@ -1,0 +1,87 @@
+"""The properties of components as parameters of Foxglove: ``robot.motion.ControlType``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import properties
+from morse.core.exceptions import MorseError
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import short
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from morse.core.context import Context
+
+#: what a client has asked for
+GET, SET, WATCH = "getParameters", "setParameters", "subscribeParameterUpdates"
+
+
+class Parameters:
+    """Reads and changes properties; in the simulation thread.
+
+    Args:
+        context: of the simulation.
+        components: returns the names of the components whose properties may be set.
+        change: calls the service ``set_property`` of a component with name and value; the journal contains it.
+    """
+
+    def __init__(
+        self, context: Context, components: Callable[[], Iterable[str]], change: Callable[[str, list[Any]], object]
+    ) -> None:
+        self._context, self._components, self._change = context, components, change
+
+    def _names(self) -> list[str]:
+        names = []
+        for name in self._components():
+            component = self._context.component(name)
+            if component is not None:
+                names += [f"{name}.{one.name}" for one in properties(type(component)).values()]
+        return names
+
+    def read(self, names: Iterable[str]) -> list[dict[str, Any]]:
+        """Name, value and type of parameters, of all if there are no names; unknown ones are left out."""
+        return [one for name in names or self._names() if (one := self._read(name)) is not None]
+
+    def _read(self, name: str) -> dict[str, Any] | None:
+        owner, _, wanted = name.rpartition(".")
+        component = self._context.component(owner) if owner in self._components() else None
+        if component is None:
+            return None
+        table = properties(type(component)).items()
+        value = next((getattr(component, own) for own, one in table if one.name == wanted), None)
+        if value is None:
+            return None
+        parameter = {"name": name, "value": list(value) if isinstance(value, tuple) else value}
+        # without the type, Foxglove shows 1.0 as an integer and sends it back as one
+        if isinstance(value, float):
+            parameter["type"] = "float64"
+        elif isinstance(value, (list, tuple)) and value and all(type(item) in (int, float) for item in value):
+            parameter["type"] = "float64_array"
+        return parameter
+
+    def write(self, given: Iterable[Any]) -> tuple[list[str], list[str]]:
+        """Change parameters.
+
+        Args:
+            given: objects with name and value.
+
+        Returns:
+            The names of the parameters that exist, and why changes are refused.
+        """
+        names, refusals = [], []
+        for one in given:
+            name = one.get("name") if isinstance(one, dict) else None
+            if not isinstance(name, str) or self._read(name) is None:
+                refusals.append(f"there is no parameter {short(name)}{nearest(str(name)[:256], self._names())}")
+                continue
+            names.append(name)
+            owner, _, wanted = name.rpartition(".")
+            try:
+                if "value" not in one:
+                    raise ValueError("a property of a component cannot be removed")
+                self._change(owner, [wanted, one["value"]])
+            except (MorseError, ValueError) as error:
+                refusals.append(f"{name}: {error}")
+        return names, refusals
