@@ -17,12 +17,13 @@ if TYPE_CHECKING:
 SCENES = Path(__file__).parents[1] / "scenes"
 
 
-def prepare(scene: str, *, view: bool = False, **arguments: object) -> Simulation:
+def prepare(scene: str, *, view: bool = False, cameras_on: int = 0, **arguments: object) -> Simulation:
     """A simulation that is ready to tick.
 
     Args:
         scene: name of a file of `benchmarks.scenes`.
         view: with the live view.
+        cameras_on: number of processes that render the images.
         arguments: arguments of the scene.
     """
     logging.disable(logging.WARNING)
@@ -30,6 +31,7 @@ def prepare(scene: str, *, view: bool = False, **arguments: object) -> Simulatio
         SCENES / f"{scene}.py",
         arguments=[f"{name}={value}" for name, value in arguments.items()],
         sockets=True,
+        cameras_on=cameras_on,
         view="web" if view else None,
     )
     # as in `morse run`: objects that exist now are never collected

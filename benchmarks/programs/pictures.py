@@ -3,7 +3,8 @@
 ``draw`` renders them as fast as possible, each image anew; ``export FILE`` writes the triangles for another renderer;
 ``first`` captures the first image after loading; ``standing`` and ``turning`` compare a simulation with a camera at
 30 Hz with one without, on a robot that stands or turns on the spot; ``beside`` compares a camera with a delay of one
-frame, whose images are rendered while the simulation goes on, with one without, each image anew.
+frame, whose images are rendered while the simulation goes on, with one without, each image anew; ``workers`` compares
+four cameras with a delay of three frames, whose images no, one and two other processes render.
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ _WARM = 3
 _SETTLED = 1.0
 #: delays of the camera, s
 _DELAYS = {"at once": 0.0, "beside": 1 / 30}
+#: numbers of other processes that render, number of cameras, and their delay, s
+_WORKERS, _CAMERAS, _DELAY = (0, 1, 2), 4, 0.1
 
 
 class Tripod:
@@ -68,7 +71,7 @@ def export(path: Path) -> None:
     renderer = Renderer(_world())
     renderer.serve([_request(renderer, 8, 8, False)])
     contents = renderer.contents
-    poses, drawing = contents.poses(contents.frames()), contents.drawing
+    poses, drawing = contents.scenery.poses(contents.frames()), contents.scenery.drawing
     arrays: dict[str, Any] = {}
     shown = 0
     for instance, node in enumerate(renderer.contents.nodes):
@@ -140,6 +143,28 @@ def beside(others: int, chunks: int) -> None:
     )
 
 
+def workers(chunks: int) -> None:
+    """The time of ticks with four cameras at 30 Hz, by the number of other processes that render, in turns."""
+    simulations = {count: prepare("pictures", cameras_on=count, cameras=_CAMERAS, delay=_DELAY) for count in _WORKERS}
+    times: dict[int, list[float]] = {count: [] for count in simulations}
+    for chunk in range(chunks + 1):
+        for count, simulation in simulations.items():
+            if not chunk:
+                _draw_anew(simulation)
+            wall = time.perf_counter()
+            for _ in range(work.TICK // 2):
+                simulation.tick()
+            if chunk:  # the first images take longer
+                times[count].append(time.perf_counter() - wall)
+    for simulation in simulations.values():
+        simulation.close()
+    none, one, two = (times[count] for count in _WORKERS)
+    stopwatch.report(
+        two_of_one=statistics.median(a / b for a, b in zip(one, two, strict=True)),
+        two_of_none=statistics.median(a / b for a, b in zip(none, two, strict=True)),
+    )
+
+
 def _draw_anew(simulation: Simulation) -> None:
     """Let no camera take over parts of its last image."""
     for camera in sensors_with(simulation, "image"):
@@ -163,7 +188,7 @@ def _request(renderer: Renderer, width: int, height: int, color: bool) -> Camera
 def main() -> None:
     """Run the measurement that the first argument names."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("what", choices=["draw", "export", "first", "standing", "turning", "beside"])
+    parser.add_argument("what", choices=["draw", "export", "first", "standing", "turning", "beside", "workers"])
     parser.add_argument("file", nargs="?")
     parser.add_argument("--width", type=int, default=640)
     parser.add_argument("--cameras", type=int, default=1)
@@ -178,6 +203,8 @@ def main() -> None:
         export(given.file)
     elif given.what == "beside":
         beside(given.others, max(3, round(2 * given.secs)))
+    elif given.what == "workers":
+        workers(max(3, round(2 * given.secs)))
     elif given.what == "first":
         first()
     else:

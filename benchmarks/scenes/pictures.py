@@ -1,9 +1,10 @@
-"""The world of the tutorial, and a robot with a camera.
+"""The world of the tutorial, and a robot with cameras.
 
-Arguments: ``rate``, Hz, 0 for no camera; ``delay`` of the camera, s; ``others``, number of robots with laser scanners;
-``turning``, 1 for a robot that a velocity actuator moves.
+Arguments: ``rate``, Hz, 0 for no camera; ``cameras``, number of them, each a quarter of a turn further; ``delay`` of the
+cameras, s; ``others``, number of robots with laser scanners; ``turning``, 1 for a robot that a velocity actuator moves.
 """
 
+import math
 import sys
 
 from morse.builder import *
@@ -14,9 +15,10 @@ rate = float(arguments.get("rate", 30.0))
 robot = ATRV("robot")
 if int(arguments.get("turning", 0)):
     robot.append(MotionVW("motion"))
-if rate:
-    camera = VideoCamera("camera")
+for number in range(int(arguments.get("cameras", 1)) if rate else 0):
+    camera = VideoCamera(f"camera{number or ''}")
     camera.translate(x=0.6, z=1.2)
+    camera.rotate(x=math.pi / 2 * number)
     camera.properties(cam_width=320, cam_height=240, cam_focal=25.0)
     camera.frequency(rate)
     camera.delay(float(arguments.get("delay", 0.0)))

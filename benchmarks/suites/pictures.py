@@ -50,6 +50,9 @@ def pictures(plan: Plan) -> Iterator[Result]:
             yield Result("W2", case, 100 * share, "% of a core", at_most(15.0))
         for others in (0,) if plan.quick else (0, 12):
             yield _beside_time(plan, others)
+        trial = _own(plan, "workers", "--secs", str(plan.seconds(5.0)))
+        details = {"two workers, of the thread": trial.median("two_of_none")}
+        yield Result("W2", "two workers, of one", trial.median("two_of_one"), "x", at_least(1.7), details=details)
         first = _own(plan, "first").median(plan.clock("s"))
         yield Result("W2", "first picture after loading the sandbox", first, "s", at_most(0.5))
     except TrialFailed as error:

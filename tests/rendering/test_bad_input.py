@@ -143,7 +143,7 @@ def test_what_is_drawn_needs_little_memory_for_each_triangle():
     studio = Studio(body("Fine", triangles(points, faces), kind=PhysicsType.NO_COLLISION))
     picture = studio.look(ABOVE, LENS, color=False)
     assert picture.nodes[picture.ids[32, 32]].name == "Fine"
-    drawing = studio.renderer.contents.drawing
+    drawing = studio.renderer.contents.scenery.drawing
     count = len(drawing.triangles)
     assert count == 2 * side * side
     # neighbours share corners: less than one corner of 32 bytes per triangle, and 16 bytes for the triangle

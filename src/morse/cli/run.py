@@ -20,6 +20,7 @@ from morse.cli.script_arguments import check_arguments
 from morse.core.clock import SLOWEST
 from morse.core.node_name import node_name
 from morse.core.reports import log
+from morse.scene.image_workers import image_workers
 from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
@@ -121,6 +122,14 @@ def command(
             help="The sensors to record (default: all); none: only inputs and log.",
         ),
     ] = None,
+    cameras_on: Annotated[
+        str | None,
+        typer.Option(
+            "--cameras-on",
+            metavar="N",
+            help="Render camera images in N other processes; 'processes' for one on each processor.",
+        ),
+    ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the live view in a browser.")] = True,
 ) -> int:
     """Run a simulation scene.
@@ -152,6 +161,7 @@ def command(
         record=_record(record),
         keep_last=_kept(keep_last),
         record_only=_names(record_only, record),
+        cameras_on=_workers(cameras_on),
     )
     options.watch = options.view == "web" if watch is None else watch
     if view_port is not None:
@@ -163,6 +173,13 @@ def command(
     check_arguments(positionals, resolved.arguments, resolved.script, resolved.source_paths, _options(context))
     log.setup(colors=color_scheme(context.obj))
     return _simulate(options)
+
+
+def _workers(place: str | None) -> int | None:
+    try:
+        return None if place is None else image_workers(place)
+    except ValueError as error:
+        raise CommandError(str(error).replace("cameras_on", "--cameras-on", 1), 2) from None
 
 
 def _leave(status: int) -> None:

@@ -74,6 +74,7 @@ class Context:
         controls: input at the live view; it changes between ticks only.
         journal: record of all input from outside the simulation.
         guard: calls the code of users, and switches off the part that raises.
+        image_workers: number of processes that render the images of cameras; 0 if this process does.
         strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
         stopping: whether the simulation was asked to end; code that waits within a tick has to check it.
         settling: whether robots still fall to the floor after the start of a run, so that clients get no messages yet.
@@ -95,6 +96,7 @@ class Context:
     robot_seeds: dict[str, int] = field(default_factory=dict)
     host: str = "127.0.0.1"
     strict: bool = False
+    image_workers: int = 0
     robots: dict[str, Any] = field(default_factory=dict)
     external_robots: dict[str, Any] = field(default_factory=dict)
     components: dict[str, Object] = field(default_factory=dict)
@@ -154,6 +156,12 @@ class Context:
             self._servers[kind] = kind(self.world)
         server: _S = self._servers[kind]
         return server
+
+    def close_servers(self) -> None:
+        """Release what servers hold besides memory: those with a method ``close``."""
+        for server in self._servers.values():
+            if (close := getattr(server, "close", None)) is not None:
+                close()
 
     def random(self, name: str) -> np.random.Generator:
         """Return a generator of random numbers that depends only on the seed and ``name``, which begins with its user.

@@ -13,6 +13,7 @@ from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted
 from morse.kernel import loading, threads
 from morse.scene import Scene
+from morse.scene.image_workers import image_workers
 from morse.simulation.options import RunOptions
 from morse.system import variables
 
@@ -45,6 +46,7 @@ def load(
     on_failure: str = "deactivate",
     record: str | os.PathLike[str] | None = None,
     keep_last: float = 0.0,
+    cameras_on: int | str | None = None,
 ) -> Simulation:
     """Load a scene. Simulated time advances when `Simulation.step` or `Simulation.run` is called.
 
@@ -74,6 +76,8 @@ def load(
         record: path of a recording of the run; see `Simulation.record`.
         keep_last: simulated seconds before a failure that are kept and written when it happens, as with
             ``morse run --keep-last``.
+        cameras_on: number of processes that render the images of cameras, or ``processes`` for one on each processor;
+            None for the value of the scene, which is 0 by default. The images are the same.
 
     Raises:
         FileNotFoundError: the file does not exist.
@@ -103,6 +107,7 @@ def load(
         on_failure=on_failure,
         record=None if record is None else os.fspath(record),
         keep_last=float(keep_last),
+        cameras_on=None if cameras_on is None else image_workers(cameras_on),
     )
     simulation = start(described(scene, options), options)
     if simulation.view is not None:

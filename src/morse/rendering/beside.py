@@ -11,9 +11,10 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from morse.rendering.orders import Order
+    from morse.rendering.painter import Instant
     from morse.rendering.picture import Picture
     from morse.rendering.shot import Shot
-    from morse.rendering.stage import Instant, Stage
+    from morse.rendering.stage import Stage
 
 #: maximum number of ticks whose images are not complete, which limits the memory for their poses
 _MOST = 4

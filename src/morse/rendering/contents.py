@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,11 +20,10 @@ from morse.kernel.drawing.arrays import (
     SOLID,
     VERTEX,
     Drawing,
-    Poses,
 )
 from morse.mathutils.portable import det, matmul
 from morse.rendering.meshes import clusters_of
-from morse.rendering.motion import moved
+from morse.rendering.scenery import Frames, Scenery
 from morse.scene import is_shown, slot_materials
 from morse.scene.frames import rigid_frame
 
@@ -38,8 +37,6 @@ if TYPE_CHECKING:
     from morse.rendering.textures import TextureStore
     from morse.scene import Material, Mesh, Node
 
-#: the cyclic order of axes
-_NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
 #: opacity below which a surface is translucent
 _OPAQUE = 0.99
 
@@ -87,33 +84,13 @@ def _digest(mesh: Mesh) -> bytes:
     return digest.digest()
 
 
-class Frames(NamedTuple):
-    """The poses of the groups of a world at a tick.
-
-    Attributes:
-        positions, rotations: (K, 3) m and (K, 3, 3), frames of the groups in the world.
-        offsets: (I, 3, 4) mesh to group.
-        visible: (I,) whether each instance is visible.
-        velocities: (K, 3) m/s and (K, 3) rad/s, world axes; None if they are not needed.
-    """
-
-    positions: NDArray[np.float64]
-    rotations: NDArray[np.float64]
-    offsets: NDArray[np.float64]
-    visible: NDArray[np.bool_]
-    velocities: tuple[NDArray[np.float64], NDArray[np.float64]] | None
-
-
 class Contents:
     """The instances of meshes in a world.
 
     Attributes:
-        drawing: their triangles and surfaces.
+        scenery: their triangles and surfaces.
         nodes: the node of each instance; the id image contains their indices.
         names: the names of the nodes.
-        finest: (P,) whether each part of the drawing belongs to the finest level of detail, which casts the shadows.
-        moving: (P,) whether it also may move.
-        placed: (I, 3, 4) mesh to world, at the poses of the scene.
     """
 
     def __init__(self, world: World, meshes: MeshStore, textures: TextureStore) -> None:
@@ -129,7 +106,7 @@ class Contents:
         self._objects = [world.object_of(node) for node in self.nodes]
         self._groups = np.array([obj.slot for obj in self._objects], dtype=np.intp)
         self._shown = np.array([is_shown(node, True) for node in self.nodes], dtype=bool)
-        self._stretches, self.placed = np.zeros((len(self.nodes), 3, 3)), np.zeros((len(self.nodes), 3, 4))
+        self._stretches, placed = np.zeros((len(self.nodes), 3, 3)), np.zeros((len(self.nodes), 3, 4))
         self._offsets = np.zeros((len(self.nodes), 3, 4))
         surfaces_of = [slot_materials(node, node.mesh) for node in self.nodes if node.mesh is not None]
         textures.read_ahead(m.image for surfaces in surfaces_of for m in surfaces if m.image is not None)
@@ -146,7 +123,7 @@ class Contents:
             frame = rigid_frame(node)
             self._stretches[number] = [list(row) for row in frame.stretch]
             rotation = np.array([list(row) for row in frame.rotation])
-            self.placed[number, :, :3], self.placed[number, :, 3] = (
+            placed[number, :, :3], placed[number, :, 3] = (
                 matmul(rotation, self._stretches[number]),
                 frame.position,
             )
@@ -157,17 +134,11 @@ class Contents:
             parts += [(c, number, len(slots), flags) for c in self._clusters(clusters)]
             slots += own
         self._settle(range(len(self.nodes)))
-        count = len(self.nodes)
-        #: the frames and poses of the last call of `poses`: most instances stand still
-        self._posed: tuple[Frames | None, Poses] = (
-            None,
-            Poses(np.zeros((count, 12), np.float32), np.zeros((count, 9), np.float32)),
-        )
         self._layout = -1
         self._displaced: list[int] = []
         texels, textured = textures.arrays()
         table = np.array(list(self._materials) or [(0.0,) * 12], dtype=object)
-        self.drawing = Drawing(
+        drawing = Drawing(
             *self._joined(),
             np.array(parts, np.int32).reshape(-1, 4),
             np.array(slots, np.int32),
@@ -178,8 +149,7 @@ class Contents:
             np.concatenate([np.zeros(0, np.float32), *(c.guards for c in self._chunks)]),
             np.concatenate([np.zeros((0, 6), np.float32), *(c.levels for c in self._chunks)]),
         )
-        self.finest = self.drawing.levels[self.drawing.parts[:, 0], 4] == 0.0
-        self.moving = (self.drawing.parts[:, 3] & MOVES != 0) & self.finest
+        self.scenery = Scenery(drawing, self._groups, placed)
 
     # -- contents --------------------------------------------------------------------------
 
@@ -227,37 +197,6 @@ class Contents:
         velocities = self._velocities(len(positions)) if moving else None
         return Frames(positions.copy(), rotations.copy(), self._offsets, self._shown & visible, velocities)
 
-    def poses(self, frames: Frames, time: float = 0.0) -> Poses:
-        """Return the poses of all instances; invisible instances get zeros.
-
-        Args:
-            frames: the poses of the groups; with velocities if ``time`` is not 0.
-            time: s, relative to the time of ``frames``; the velocities are assumed to be constant.
-        """
-        positions, rotations = frames.positions, frames.rotations
-        if time:
-            assert frames.velocities is not None
-            positions, rotations = moved(positions, rotations, *frames.velocities, time)
-        frames = frames._replace(positions=positions, rotations=rotations)
-        before, poses = self._posed
-        rows = self._changed(before, frames)
-        if len(rows):
-            poses = Poses(poses.models.copy(), poses.turns.copy())
-            poses.models[rows], poses.turns[rows] = _placed(frames, rows, self._groups[rows])
-        self._posed = frames, poses
-        return poses
-
-    def _changed(self, before: Frames | None, now: Frames) -> NDArray[np.intp]:
-        """The instances whose poses are not those of other frames."""
-        if before is None or len(before.positions) != len(now.positions):
-            return np.arange(len(self._groups))
-        rotation_changed = (before.rotations != now.rotations).any(axis=(1, 2))
-        other = (rotation_changed | (before.positions != now.positions).any(axis=1))[self._groups]
-        other |= before.visible != now.visible
-        if before.offsets is not now.offsets:
-            other |= (before.offsets != now.offsets).any(axis=(1, 2))
-        return np.flatnonzero(other)
-
     def _velocities(self, slots: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(K, 3) linear and (K, 3) angular velocities of the slots, world axes; 0 for static slots."""
         velocities = np.zeros((2, slots, 3))
@@ -290,22 +229,6 @@ class Contents:
     def node(self, number: int) -> Node:
         """The node of an instance."""
         return self.nodes[number]
-
-
-def _placed(
-    frames: Frames, rows: NDArray[np.intp], groups: NDArray[np.intp]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """The poses (N, 12) and (N, 9) of some instances, see `Poses`."""
-    model = matmul(frames.rotations[groups], frames.offsets[rows])
-    model[:, :, 3] += frames.positions[groups]
-    is_visible = frames.visible[rows] & (np.abs(model) < 1e7).all(axis=(1, 2))
-    model[~is_visible] = 0.0
-    linear = model[:, :, :3]
-    # cofactors are the inverse transposed times the determinant, whose sign is correct for mirrored meshes
-    one, other = linear[:, _NEXT], linear[:, _AFTER]
-    turns = one[:, :, _NEXT] * other[:, :, _AFTER] - one[:, :, _AFTER] * other[:, :, _NEXT]
-    turns *= np.sign(np.einsum("ni,ni->n", turns[:, 0], linear[:, 0]))[:, None, None]
-    return model.reshape(-1, 12).astype(np.float32), turns.reshape(-1, 9).astype(np.float32)
 
 
 def _material_rows(table: NDArray[np.object_]) -> NDArray[np.void]:

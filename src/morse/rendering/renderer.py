@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from typing import TYPE_CHECKING
 
 import numpy.random  # noqa: F401 (numpy imports it at its first use)
@@ -22,9 +23,14 @@ if TYPE_CHECKING:
     from morse.rendering.contents import Contents
     from morse.rendering.lens import Lens
     from morse.rendering.request import Placed
+    from morse.rendering.workers.crew import Crew
 
 #: number of samples of each pixel
 _SAMPLES = 5
+
+
+def _nothing() -> None:
+    """No workers are to be ended."""
 
 
 class Renderer:
@@ -37,8 +43,30 @@ class Renderer:
         self._stage: Stage | None = None
         self._simplified = False
         self._beside = Beside()
+        self._workers = 0
+        self._crew: Crew | None = None
+        self._end_workers: Callable[[], object] = _nothing
         # within a tick, there may be no file descriptor left for imports
         Pillow.preinit()
+
+    def employ(self, workers: int) -> None:
+        """Let that many other processes draw the images, from now on; 0 for none."""
+        if workers == self._workers:
+            return
+        self.close()
+        self._workers = workers
+        if workers:
+            # imported on demand, because few simulations need it
+            from morse.rendering.workers.crew import crews
+
+            self._crew, give_back = crews.borrow(workers)
+            self._end_workers = weakref.finalize(self, give_back)
+
+    def close(self) -> None:
+        """End the workers, if no other simulation needs them."""
+        self._workers, self._crew, end = 0, None, self._end_workers
+        self._end_workers = _nothing
+        end()
 
     @property
     def contents(self) -> Contents:
@@ -48,7 +76,7 @@ class Renderer:
     @property
     def drawn_tiles(self) -> int:
         """Number of tiles of 32 x 32 pixels that were rendered for the last images, not taken over."""
-        return 0 if self._stage is None else self._stage.drawn_tiles
+        return 0 if self._stage is None else self._stage.painter.drawn_tiles
 
     def request(
         self,
@@ -68,15 +96,22 @@ class Renderer:
         if not active_requests:
             return
         stage = self._stage_for(active_requests)
+        if self._crew is not None:
+            self._begin(self._crew, stage, active_requests)
+            return
         now = [request for request in active_requests if not request.beside]
         if now:
             orders = [order_of(request) for request in now]
             for request, picture in zip(now, stage.draw(stage.note(orders), orders), strict=True):
                 request.shot = Finished(picture)
         if later := [request for request in active_requests if request.beside]:
-            orders = [order_of(request) for request in later]
-            for request, shot in zip(later, self._beside.begin(stage, stage.note(orders), orders), strict=True):
-                request.shot = shot
+            self._begin(self._beside, stage, later)
+
+    @staticmethod
+    def _begin(drawing: Beside | Crew, stage: Stage, requests: Sequence[CameraRequest]) -> None:
+        orders = [order_of(request) for request in requests]
+        for request, shot in zip(requests, drawing.begin(stage, stage.note(orders), orders), strict=True):
+            request.shot = shot
 
     def prepare(self, requests: Sequence[CameraRequest]) -> None:
         """Render images and discard them: the first ones read meshes and textures, and take much longer than others."""
@@ -85,7 +120,12 @@ class Renderer:
             return
         stage = self._stage_for(active_requests)
         orders = [order_of(request) for request in active_requests]
-        stage.draw(stage.note(orders), orders)
+        instant = stage.note(orders)
+        if self._crew is None:
+            stage.draw(instant, orders)
+            return
+        for shot in self._crew.begin(stage, instant, orders):
+            shot.picture()
 
     def _stage_for(self, requests: Sequence[CameraRequest]) -> Stage:
         """The present objects, with levels of detail if an image allows an error."""

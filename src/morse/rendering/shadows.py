@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.rendering.contents import Contents
+    from morse.rendering.scenery import Scenery
 
     class Caster(Protocol):
         """Draws into the map; see `morse.kernel.drawing`."""
@@ -61,20 +61,20 @@ class Shadows:
         light: the lamps with these maps; its lamps may be replaced.
     """
 
-    def __init__(self, contents: Contents, drawer: Caster, sunny: NDArray[np.float64], light: Light) -> None:
+    def __init__(self, scenery: Scenery, drawer: Caster, sunny: NDArray[np.float64], light: Light) -> None:
         self.sunny = sunny
         axes = _axes(sunny)
-        low, high = _extent(contents, axes, contents.finest, _AROUND)
+        low, high = _extent(scenery, axes, scenery.finest, _AROUND)
         frame, shape = _frame(axes, low, high, _MOST)
         self._maps = []
-        if contents.moving.any() and frame[12] > _FINEST:
-            around = _extent(contents, axes, contents.moving, _NEAR)
+        if scenery.moving.any() and frame[12] > _FINEST:
+            around = _extent(scenery, axes, scenery.moving, _NEAR)
             near = _frame(axes, np.maximum(around[0], low), np.minimum(around[1], high), _MOST)
             if near[0][12] < 0.5 * frame[12]:
-                self._maps.append(ShadowMap(contents, drawer, light, *near))
+                self._maps.append(ShadowMap(scenery, drawer, light, *near))
                 frame, shape = _frame(axes, low, high, _MOST_COARSE)
-        self._maps.append(ShadowMap(contents, drawer, light, frame, shape))
-        self._still = np.unique(contents.drawing.parts[contents.finest & ~contents.moving, 1])
+        self._maps.append(ShadowMap(scenery, drawer, light, frame, shape))
+        self._still = np.unique(scenery.drawing.parts[scenery.finest & ~scenery.moving, 1])
         self._stood = np.zeros((0, 12), np.float32)
         self.light = self._maps[-1].light
         if len(self._maps) > 1:
@@ -113,7 +113,7 @@ class ShadowMap:
     """
 
     def __init__(
-        self, contents: Contents, drawer: Caster, light: Light, frame: NDArray[np.float64], shape: tuple[int, int]
+        self, scenery: Scenery, drawer: Caster, light: Light, frame: NDArray[np.float64], shape: tuple[int, int]
     ) -> None:
         self._drawer = drawer
         shadow = np.full(shape, NO_SURFACE, np.float32)
@@ -123,7 +123,7 @@ class ShadowMap:
             shadow_bounds=bounds_for(shadow),
             shadow_changes=changes_for(shadow),
         )
-        moving, still = contents.moving, contents.finest & ~contents.moving
+        moving, still = scenery.moving, scenery.finest & ~scenery.moving
         self._still, self._movers = np.flatnonzero(still), np.flatnonzero(moving)
         self._moving: Movers | None = None
 
@@ -172,12 +172,12 @@ def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _extent(
-    contents: Contents, axes: NDArray[np.float64], selection: NDArray[np.bool_], around: float
+    scenery: Scenery, axes: NDArray[np.float64], selection: NDArray[np.bool_], around: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Lower and upper corner, along the axes, of a box around some parts at the poses of the scene."""
-    parts, spheres = contents.drawing.parts[selection], contents.drawing.spheres
+    parts, spheres = scenery.drawing.parts[selection], scenery.drawing.spheres
     low, high = np.zeros(3), np.zeros(3)
-    shape = contents.placed[parts[:, 1]]
+    shape = scenery.placed[parts[:, 1]]
     fine = (np.abs(shape) < 1e6).all(axis=(1, 2))
     if fine.any():
         balls = spheres[parts[fine, 0]].astype(np.float64)

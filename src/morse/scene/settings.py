@@ -103,6 +103,7 @@ class Settings:
         time_scale: simulated seconds per wall-clock second.
         relative_time: whether time starts at 0; otherwise at the epoch time of the start.
         seed: seed of all random numbers.
+        cameras_on: where images are rendered, see `morse.scene.image_workers`.
         fastmode: whether the view shows wireframes and cameras give no images.
     """
 
@@ -114,6 +115,7 @@ class Settings:
     time_scale: float = 1.0
     relative_time: bool = True
     seed: int = 0
+    cameras_on: int | str = 0
     fastmode: bool = False
     auto_start: bool = True
     internal_syncer: bool = False

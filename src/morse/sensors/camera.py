@@ -180,6 +180,7 @@ class Camera(Sensor):
         except ValueError as error:
             raise MorseBuilderError(str(error)) from None
         renderer = self.context.server(Renderer)
+        renderer.employ(self.context.image_workers)
         self.request: CameraRequest = renderer.request(
             obj, self.lens, color=self.color, normals=self.normals, wanted=self._wants
         )

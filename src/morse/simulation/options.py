@@ -33,6 +33,7 @@ class RunOptions:
         record: path of the file in which the run is recorded; None for no recording.
         keep_last: simulated seconds before a failure that are kept, to be simulated again; 0 for none.
         record_only: full names of the sensors that are recorded; None for all, empty for only inputs and the log.
+        cameras_on: where images are rendered, see `morse.scene.image_workers`; None for the value of the scene.
         on_failure: ``deactivate`` switches off a part that raises an error; ``raise`` also raises the error.
     """
 
@@ -58,4 +59,5 @@ class RunOptions:
     record: str | None = None
     keep_last: float = 0.0
     record_only: list[str] | None = None
+    cameras_on: int | str | None = None
     on_failure: str = "deactivate"

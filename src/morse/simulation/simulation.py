@@ -18,6 +18,7 @@ from morse.core.parts.overwritten import uncover
 from morse.core.request_manager import MorseServices
 from morse.middleware.registry import needs_network
 from morse.physics import World
+from morse.scene.image_workers import image_workers
 from morse.simulation.ending import Ending
 from morse.simulation.finalizing import Finalizing
 from morse.simulation.handles.component_handles import normalized
@@ -82,6 +83,7 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
             seed=settings.seed if options.seed is None else options.seed,
             host=options.host,
             strict=options.strict,
+            image_workers=image_workers(settings.cameras_on if options.cameras_on is None else options.cameras_on),
         )
         self.clock = self.context.clock
         self._stepping = Stepping(self.context.guard)
@@ -475,6 +477,7 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
         self.finished = True
         if self.context.network is not None:
             self.context.network.stop()
+        self.context.close_servers()
         forget(self.context)
 
     def close(self) -> None:

@@ -17,6 +17,7 @@ from morse.core.exceptions import MorseMultinodeError
 from morse.core.reports import log
 from morse.middleware import registry
 from morse.scene import TimeStrategies
+from morse.scene.image_workers import image_workers
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -120,6 +121,14 @@ class TimeMethods(EnvironmentDescription):
     def set_seed(self, seed: int) -> None:
         """Set the seed of all random numbers; the same seed gives the same run."""
         self.settings.seed = checks.integer(seed, "env.set_seed(seed)", minimum=0)
+
+    def cameras_on(self, place: int | str = "processes") -> None:
+        """Render camera images in a number of other processes, ``"processes"`` for one on each processor.
+
+        ``morse.load(cameras_on=…)`` and ``morse run --cameras-on`` override it.
+        """
+        image_workers(place)  # checks it
+        self.settings.cameras_on = place
 
     def set_auto_start(self, value: bool = True) -> None:
         """Set whether the simulation starts immediately, or waits for a client or the live view."""

@@ -213,6 +213,8 @@ def unpacked_scene(data: bytes, objects: Unpacking) -> Scene:
         check_keys(data)
         found = _scenes.decode(data)
         settings = found.settings
+        # what a file says starts no processes
+        settings.cameras_on = 0
         _check_finite("the settings", *_numbers(asdict(settings)))
         _check(0.0 < settings.frequency <= _FASTEST, f"a frequency of {settings.frequency} Hz")
         _check(0 < settings.physics_steps <= _FASTEST, f"{settings.physics_steps} physics steps")

@@ -1,0 +1,136 @@
+"""Draws the images of ticks: it needs the meshes of a scene, but not its world."""
+
+from __future__ import annotations
+
+from threading import Lock
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.kernel.drawing import Light, drawer
+from morse.rendering.distortion import DistortedLens
+from morse.rendering.exposures import averaged, cropped, joined
+from morse.rendering.orders import cameras_of, cut, kept_of, pixels_of, views_of
+from morse.rendering.picture import Picture
+from morse.rendering.shadows import Shadows
+from morse.rendering.spot_shadows import SpotShadows
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.kernel.drawing import Poses
+    from morse.rendering.lights import Lamps
+    from morse.rendering.motion import Motion
+    from morse.rendering.orders import Order
+    from morse.rendering.scenery import Frames, Scenery
+
+#: maximum number of pixels per call, so that many large cameras do not exhaust the memory
+_MOST_PIXELS = 1 << 25
+
+
+class Instant(NamedTuple):
+    """A tick, as far as images show it; later changes of the world do not affect it.
+
+    Attributes:
+        frames: the poses of the objects.
+        lamps: the lamps; None if no image has colours.
+        sky: (20,) float32, see `morse.kernel.drawing.Light`; None if no image has colours.
+    """
+
+    frames: Frames
+    lamps: Lamps | None
+    sky: NDArray[np.float32] | None
+
+
+class Painter:
+    """Draws images of a scene, in any thread, or, because it can be pickled, in any process: the bits are the same.
+
+    Args:
+        samples: number of samples of each pixel.
+        lamps, sky: of any tick, see `Instant`.
+    """
+
+    def __init__(self, scenery: Scenery, samples: int, lamps: NDArray[np.void], sky: NDArray[np.float32]) -> None:
+        self._scenery, self._samples = scenery, samples
+        self._drawer = drawer(scenery.drawing)
+        self._light = Light(lamps, sky, np.zeros(16, np.float32), None)
+        self._shadows: Shadows | None = None
+        self._spot_shadows = SpotShadows()
+        #: the kernel and the shadow maps serve one call at a time
+        self._lock = Lock()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Painter, (self._scenery, self._samples, self._light.lamps, self._light.sky)
+
+    @property
+    def drawn_tiles(self) -> int:
+        """See `morse.rendering.renderer.Renderer.drawn_tiles`."""
+        return self._drawer.drawn_tiles
+
+    def draw(self, instant: Instant, orders: Sequence[Order]) -> list[Picture]:
+        """Render the images of a tick, without nodes and names; they do not depend on those rendered before."""
+        with self._lock:
+            pictures: dict[int, Picture] = {}
+            batch: list[int] = []
+            pixels = 0
+            for number, order in enumerate(orders):
+                if order.motion is not None:
+                    pictures[number] = self._over_time(instant, order, order.motion)
+                    continue
+                own = pixels_of(order)
+                if batch and pixels + own > _MOST_PIXELS:
+                    pictures.update(zip(batch, self._at(instant, [orders[n] for n in batch]), strict=True))
+                    batch, pixels = [], 0
+                batch.append(number)
+                pixels += own
+            if batch:
+                pictures.update(zip(batch, self._at(instant, [orders[n] for n in batch]), strict=True))
+            return [pictures[number] for number in range(len(orders))]
+
+    def _over_time(self, instant: Instant, order: Order, motion: Motion) -> Picture:
+        """Render an image with motion blur or rolling shutter."""
+        bands = []
+        for number, band in enumerate(motion.bands(order.lens.height)):
+            part = order._replace(lens=cropped(order.lens, band.first, band.last), band=number)
+            bands.append(averaged([self._at(instant, [part], time)[0] for time in band.times]))
+        return joined(bands)
+
+    def _at(self, instant: Instant, orders: Sequence[Order], time: float = 0.0) -> list[Picture]:
+        """Render images that show one instant, at a time relative to the tick."""
+        poses = self._scenery.poses(instant.frames, time)
+        cameras = cameras_of(orders, time)
+        light = self._light
+        if cameras["color"].any():
+            light = self._lit(instant, poses)
+        images = self._drawer.draw(cameras, poses, light, self._samples, kept_of(orders))
+        rows = iter(cameras)
+        pictures = []
+        for order in orders:
+            flats = [cut(images, next(rows)) for _ in views_of(order)]
+            whole = order.lens.warp.gather(flats) if isinstance(order.lens, DistortedLens) else flats[0]
+            position, rotation = order.pose(time)
+            pictures.append(
+                Picture(
+                    *whole,
+                    [],
+                    [],
+                    poses.models,
+                    position.astype(np.float32),
+                    rotation.astype(np.float32).T.copy(),
+                )
+            )
+        return pictures
+
+    def _lit(self, instant: Instant, poses: Poses) -> Light:
+        """The lamps of a tick, with the shadows of the sun and of a spot lamp."""
+        lamps, sky = instant.lamps, instant.sky
+        assert lamps is not None
+        assert sky is not None
+        if self._shadows is None or not np.array_equal(self._shadows.sunny, lamps.sunny):
+            self._shadows = Shadows(self._scenery, self._drawer, lamps.sunny, self._light)
+        self._shadows.light = self._shadows.light._replace(lamps=lamps.lamps, sky=sky)
+        light = self._spot_shadows.update(self._shadows.light, lamps.spot, poses, self._drawer)
+        self._shadows.update(poses)
+        return light

@@ -1,0 +1,1 @@
+"""Processes that render the images of cameras while the simulation continues."""
