@@ -1,7 +1,8 @@
 """The world of the tutorial, and a robot with cameras.
 
 Arguments: ``rate``, Hz, 0 for no camera; ``cameras``, number of them, each a quarter of a turn further; ``delay`` of
-the cameras, s; ``others``, number of robots with laser scanners; ``turning``, 1 for a robot that a velocity actuator moves.
+the cameras, s; ``others``, number of robots with laser scanners; ``turning``, 1 for a robot that a velocity actuator
+moves.
 """
 
 import math

@@ -48,7 +48,12 @@ class Node(Observer):
         self._sender = context.arrivals.sender()
         self._was_up = False
         self._applied: dict[str, bytes] = {}
-        logger.info("node '%s': the multi-node server is expected at %s", name, self._place)
+        logger.info(
+            "node '%s': the multi-node server is expected at %s; nodes do not wait for each other, so that a run cannot "
+            "be repeated with the same data except from its recording",
+            name,
+            self._place,
+        )
 
     def before_tick(self) -> None:
         """Exchange poses with the server."""
