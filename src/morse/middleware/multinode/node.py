@@ -49,8 +49,8 @@ class Node(Observer):
         self._was_up = False
         self._applied: dict[str, bytes] = {}
         logger.info(
-            "node '%s': the multi-node server is expected at %s; nodes do not wait for each other, so that a run cannot "
-            "be repeated with the same data except from its recording",
+            "node '%s': the multi-node server is expected at %s; nodes do not wait for each other, so that a run gives "
+            "the same data again only from its recording",
             name,
             self._place,
         )
