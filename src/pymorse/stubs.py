@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from keyword import iskeyword
 from typing import TYPE_CHECKING, Any
 
 from pymorse.errors import MorseServiceError
@@ -44,22 +45,28 @@ _NAMES = {bool: "bool", int: "int", float: "float", str: "str", type(None): "Any
 
 def stubs(morse: Morse) -> str:
     """Return the text of a module with a class ``Simulation``."""
-    classes = [line for name in morse.robots for line in _classes(morse[name])]
+    classes = [line for name in filter(_is_attribute, morse.robots) for line in _classes(morse[name])]
     lines = [_HEAD, *("    " + line if line else "" for line in "\n".join(classes).splitlines())]
-    names = [f"        {name}: {_class_name(morse[name])}" for name in morse.robots]
+    names = [f"        {name}: {_class_name(morse[name])}" for name in morse.robots if _is_attribute(name)]
     return "\n".join([*lines, _SIMULATION, *names, _END])
+
+
+def _is_attribute(name: str) -> bool:
+    """Whether a name that a server sent can be an attribute; any other text could be a statement of the module."""
+    return name.isidentifier() and not iskeyword(name)
 
 
 def _class_name(component: Component) -> str:
     # a robot may be called robot, or simulation
     words = (component.fqn if "." in component.fqn else f"{component.fqn}.robot").replace(".", "_").split("_")
     name = "".join(word[:1].upper() + word[1:] for word in words)
-    return "".join(letter if letter.isalnum() else "_" for letter in name)
+    return "".join(letter if f"_{letter}".isidentifier() else "_" for letter in f"_{name}"[not name[:1].isdigit() :])
 
 
 def _classes(component: Component) -> Iterator[str]:
     """The classes of a component and of its parts, the innermost first."""
-    for part in component._parts.values():
+    parts = {attribute: part for attribute, part in component._parts.items() if _is_attribute(attribute)}
+    for part in parts.values():
         yield from _classes(part)
     name, data, fields = _class_name(component), f"{_class_name(component)}Data", _fields(component)
     if component._directions:
@@ -68,12 +75,13 @@ def _classes(component: Component) -> Iterator[str]:
         of_type = f"TypedDict({data!r}, {{{entries}}}, total=False)" if fields else "dict[str, Any]"
         yield f"\n\n{data} = {of_type}"
     base = "AnyRobot" if not component.fqn.count(".") else "Component"
-    body = [f"    {attribute}: {_class_name(part)}" for attribute, part in component._parts.items()]
+    body = [f"    {attribute}: {_class_name(part)}" for attribute, part in parts.items()]
     if "OUT" in component._directions:
         body.append(_READING.format(data=data).rstrip())
     if "IN" in component._directions:
         body.append(f"    def publish(self, msg: {data}) -> None: ...")
-    body += [f"    def {service}(self, *args: Any) -> MorseFuture: ..." for service in component._services]
+    services = filter(_is_attribute, component._services)
+    body += [f"    def {service}(self, *args: Any) -> MorseFuture: ..." for service in services]
     yield "\n".join([f"\n\nclass {name}({base}):", *(body or ["    pass"])])
 
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from morse.cli.messages import CommandError
+from morse.system.python_text import inside_quotes
 
 _PLACEHOLDER = re.compile(r"@(env|name|classname|shortdesc)@")
 _APPEND = "#APPEND\n"
@@ -64,7 +65,7 @@ class Values:
             "env": self.env,
             "name": self.name,
             "classname": self.classname,
-            "shortdesc": _inside_quotes(self.shortdesc),
+            "shortdesc": inside_quotes(self.shortdesc.strip()),
         }
         # in one pass, because a description may itself contain a placeholder
         return _PLACEHOLDER.sub(lambda match: values[match[1]], text)
@@ -136,9 +137,3 @@ def _append(target: Path, addition: str) -> None:
     if present and not present.endswith("\n"):
         present += "\n"
     target.write_text(present + addition, encoding="utf-8", newline="\n")
-
-
-def _inside_quotes(text: str) -> str:
-    """A string, escaped for use between any quotes of a Python source file."""
-    printable = "".join(character if character.isprintable() else " " for character in text).strip()
-    return printable.replace("\\", "\\\\").replace('"', '\\"').replace("'", "\\'")

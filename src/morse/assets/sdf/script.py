@@ -15,6 +15,7 @@ from morse.assets.sdf.flat import links_of
 from morse.assets.sdf.includes import Includes
 from morse.assets.sdf.names import free_name
 from morse.assets.sdf.reader import read_sdf
+from morse.system.python_text import one_line, quoted
 
 if TYPE_CHECKING:
     from morse.assets.sdf.scope import Scope
@@ -61,13 +62,14 @@ class _Script:
             target = robots if _is_robot(model) else objects
             target += self._lines(model, node, is_robot=target is robots)
         settings = self._settings()
-        lines = [f'"""The world {world.name!r} of {self._path.name}."""', "", "from morse.builder import *", ""]
-        for title, part in (("robots", robots), ("objects", objects)):
+        title = one_line(f"The world '{world.name}' of {self._path.name}.")
+        lines = [f'"""{title}"""', "", "from morse.builder import *", ""]
+        for heading, part in (("robots", robots), ("objects", objects)):
             if part:
-                lines += [f"# {title}", *part, ""]
+                lines += [f"# {heading}", *part, ""]
         lines += ['env = Environment("empty")', *settings]
         left_out = [f"the actor '{one.name}' moves only in Environment(...)" for one in self._library.walkers]
-        remarks = [f"# {warning}" for warning in dict.fromkeys([*self._library.warnings, *left_out])]
+        remarks = [f"# {one_line(warning)}" for warning in dict.fromkeys([*self._library.warnings, *left_out])]
         return "\n".join([*lines, *([""] if remarks else []), *remarks]) + "\n"
 
     def _lines(self, model: Scope, node: Node, *, is_robot: bool) -> list[str]:
@@ -77,7 +79,7 @@ class _Script:
             lines = [f"{name} = {kind}({self._shown(model.path)})"]
         else:
             option = "blender_object_name" if is_robot else "object_name"
-            lines = [f"{name} = {kind}({self._shown(self._path)}, {option}={_quoted(node.name)})"]
+            lines = [f"{name} = {kind}({self._shown(self._path)}, {option}={quoted(node.name)})"]
         if model.static and not all(link.is_static for link in links_of(model)):
             lines.append(f"# {name} is static in the world, but not in its file")
         lines.append(f"{name}.location = ({', '.join(map(_number, node.location))})")
@@ -108,7 +110,7 @@ class _Script:
         """The name of a file, relative to the folder of the script if it is below."""
         path = path.resolve()
         relative = Path(os.path.relpath(path, self._folder.resolve()))
-        return _quoted(str(path) if ".." in relative.parts else str(relative))
+        return quoted(str(path) if ".." in relative.parts else str(relative))
 
 
 def _is_floor(model: Scope) -> bool:
@@ -126,7 +128,3 @@ def _is_robot(model: Scope) -> bool:
 
 def _number(value: float) -> str:
     return repr(0.0 if math.isclose(value, 0.0, abs_tol=1e-15) else value)
-
-
-def _quoted(text: str) -> str:
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ") + '"'
