@@ -153,3 +153,43 @@ def test_mistakes_fail(simulate, trajectory, words):
     with pytest.raises(MorseServiceFailed, match=words):
         sim.robot.arm.trajectory(trajectory).result(1.0)
     assert values(sim) == REST
+
+
+def test_a_trajectory_of_some_joints_leaves_the_others_to_their_setpoints(simulate):
+    sim = load(simulate)
+    path = {"joints": ["kuka_4", "kuka_2"], "points": [{"positions": [0.3, 0.6], "time_from_start": 1.0}]}
+    handle = sim.robot.arm.trajectory(path)
+    sim.step(6)
+    sim.robot.arm.set_rotation("kuka_6", 0.4)
+    handle.result(2.0)
+    assert values(sim) == pytest.approx([0.0, 0.6, 0.0, 0.3, 0.0, 0.4, 0.0])
+
+
+def test_a_command_of_a_joint_ends_the_trajectory_of_this_joint(simulate):
+    sim = load(simulate)
+    handle = sim.robot.arm.trajectory({"joints": ["kuka_2"], "points": [{"positions": [1.0], "time_from_start": 2.0}]})
+    sim.step(30)
+    sim.robot.arm.set_rotation("kuka_2", 0.2)
+    with pytest.raises(MorseServicePreempted):
+        handle.result(1.0)
+    assert values(sim)[1] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize(
+    ("entries", "message"),
+    [
+        ({"joints": ["kuka_9"]}, "there is no joint 'kuka_9'"),
+        ({"joints": ["kuka_1", "kuka_1"]}, "the joint 'kuka_1' is named twice"),
+        ({"joints": []}, "expected a list of names of joints"),
+        ({"goal_tolerance": {"kuka_7": {"speed": 1.0}}}, "expected position and velocity"),
+        ({"goal_tolerance": {"kuka_8": 0.1}}, "'goal_tolerance' has no joint 'kuka_8'"),
+        ({"path_tolerance": -1.0}, "'path_tolerance' is -1.0"),
+        ({"path_tolerance": "tight"}, "'path_tolerance' is 'tight'"),
+        ({"goal_time_tolerance": -1.0}, "'goal_time_tolerance' is -1.0"),
+        ({"tolerance": 0.1}, "not 'tolerance'"),
+    ],
+)
+def test_what_a_trajectory_says_about_joints_and_tolerances_is_checked(simulate, entries, message):
+    sim = load(simulate)
+    with pytest.raises(MorseServiceFailed, match=message):
+        sim.robot.arm.trajectory({"points": [{"positions": REST, "time_from_start": 1.0}], **entries})

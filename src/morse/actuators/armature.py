@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from morse.actuators.dynamic_joints import DynamicJoints
 from morse.actuators.ik_targets import Follower, nearer, seen_from, targets_of
+from morse.actuators.joint_paths import JointPaths
 from morse.core import status
 from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.exceptions import MorseRPCInvokationError
@@ -16,7 +16,6 @@ from morse.core.services import async_service, interruptible, service
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_kind, add_property, add_state, each
 from morse.helpers.inverse_kinematics import LEVER
-from morse.helpers.joint_trajectory import Trajectory, points_of
 from morse.mathutils import Euler
 from morse.mathutils.rotations import nine, product
 
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 _TurnRate = Annotated[float, Range(0.0, 1e4, "rad/s")]
 
 
-class Armature(DynamicJoints):
+class Armature(JointPaths):
     """Moves the revolute and prismatic joints of an armature.
 
     The joints are the bones of the armature with an unlocked axis (Bone > Inverse Kinematics in Blender) or, for
@@ -73,7 +72,6 @@ class Armature(DynamicJoints):
     add_state("_led", list | None, "Setpoints computed from the targets; None while commands set them")
     add_state("_move", tuple | None, "Motion of a target: name, goal, speeds")
     add_state("_target_poses", list, "Poses of the targets at the last action")
-    add_state("_trajectory", Trajectory | None, "Trajectory that is followed")
 
     _ik_rotation_speed: float
     _ik_linear_speed: float
@@ -88,7 +86,6 @@ class Armature(DynamicJoints):
         self._target_poses = self._poses()
         #: setpoints computed from the targets; None while commands set the setpoints
         self._led: list[float] | None = None
-        self._trajectory: Trajectory | None = None
         #: motion of a target: its name, goal position and rotation in the world, speed in m/s and rad/s
         self._move: tuple[str, tuple[float, ...], tuple[float, ...], float, float] | None = None
 
@@ -96,11 +93,8 @@ class Armature(DynamicJoints):
         """Move the joints by one tick."""
         if self._tendons:
             self._pull()
-        if self._trajectory is not None:
-            self._go_along(self._trajectory)
-            return
         has_arrived = self._move is not None and self._move_target(*self._move)
-        if self._targets and not self._controls and self._are_led():
+        if self._targets and not self._controls and self._trajectory is None and self._are_led():
             self._led = self._follower.follow(self.chain, self._seen(), self._values)
             self._move_to(self._led)
             self.local_data.update(zip(self.joints, self._led, strict=True))
@@ -112,59 +106,14 @@ class Armature(DynamicJoints):
                 self.completed(status.SUCCESS)
 
     def _stop(self) -> None:
-        if self._trajectory is not None:
-            self.local_data.update(zip(self.joints, self._values, strict=True))
-        self._trajectory = self._move = None
+        self._move = None
         super()._stop()
 
     def _take_over(self, names: list[str]) -> None:
-        if self._trajectory is not None or self._move is not None:
+        if self._move is not None:
             self.interrupt()
         super()._take_over(names)
         self._led, self._target_poses = None, self._poses()
-
-    # -- trajectories ----------------------------------------------------------------------
-
-    @interruptible
-    @async_service
-    def trajectory(self, trajectory: dict[str, Any]) -> None:
-        """Move the joints along a trajectory; the service ends at the time of the last point.
-
-        Between two points with velocities the trajectory is a polynomial of degree 3; with accelerations as well, it is
-        of degree 5; otherwise it is a straight line. It starts at the present joint values, at rest. Points in the past
-        are ignored.
-
-        Args:
-            trajectory: ``{"starttime": s, "points": [{"positions": [...], "velocities": [...],
-                "accelerations": [...], "time_from_start": s}, ...]}``, the numbers in the order of ``get_joints``.
-                Start time (simulated time; default: now), velocities and accelerations are optional.
-        """
-        try:
-            names, points = points_of(trajectory, self.joints)
-        except ValueError as error:
-            raise MorseRPCInvokationError(f"{self.name()}: {error}") from None
-        self._demand_positions()
-        now = self.clock.time
-        start = now if names is None else names
-        late = max(now - start, 0.0)
-        ahead = [point._replace(time=point.time - late) for point in points if point.time > late]
-        self._take_over(list(self.joints))
-        self._trajectory = Trajectory(max(now, start), ahead or [points[-1]._replace(time=0.0)], self._values)
-
-    def _go_along(self, trajectory: Trajectory) -> None:
-        now = self.clock.time
-        if now < trajectory.start:
-            return
-        # tolerance, because the time of a tick is a sum of fractions
-        is_over = now >= trajectory.end - 1e-9
-        self.local_data.update(
-            zip(self.joints, trajectory.points[-1].positions if is_over else trajectory.positions(now), strict=True)
-        )
-        self._move_to(self._wanted())
-        if is_over:
-            self._trajectory = None
-            if self.on_completion is not None:
-                self.completed(status.SUCCESS)
 
     # -- targets ---------------------------------------------------------------------------
 

@@ -220,10 +220,11 @@ class DynamicJoints(JointServices):
         self._values = values
         self._control = str(self.control or "")
 
-    def _demand_positions(self) -> None:
-        """Raise an error for a motion of all joints while motors control other quantities."""
-        if self._controls:
-            name, control = next(iter(self._controls.items()))
+    def _demand_positions(self, names: Sequence[str] | None = None) -> None:
+        """Raise an error for a motion of joints, by default of all, while motors of them control other quantities."""
+        others = {name: control for name, control in self._controls.items() if names is None or name in names}
+        if others:
+            name, control = next(iter(others.items()))
             raise MorseRPCInvokationError(
                 f"{self.name()}: the motor of '{name}' is controlled by {control}, not by position: "
                 "call set_control('position')"

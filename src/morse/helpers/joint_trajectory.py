@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 from morse.core.validation.spec import Spec
+from morse.helpers.trajectory_tolerances import Tolerances, bounds_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -13,6 +16,7 @@ if TYPE_CHECKING:
 _MOST_POINTS = 100_000
 _FARTHEST, _LONGEST = 1e6, 1e9
 _QUANTITIES = ("velocities", "accelerations")
+_KEYS = ("starttime", "joints", "points", "path_tolerance", "goal_tolerance", "goal_time_tolerance")
 
 
 class Point(NamedTuple):
@@ -31,35 +35,69 @@ class Point(NamedTuple):
     accelerations: tuple[float, ...] | None = None
 
 
-def points_of(trajectory: dict[str, Any], names: Sequence[str]) -> tuple[float | None, list[Point]]:
-    """Parse the start time (simulated seconds, None for now) and the points of a trajectory of a client.
+class Plan(NamedTuple):
+    """A trajectory that a client wants.
+
+    Attributes:
+        joints: names of the joints, in the order of the numbers of the points.
+        points: in the order of their times; at least one.
+        start: simulated time, s; None for now.
+        tolerances: largest distances from the path and from its end.
+    """
+
+    joints: tuple[str, ...]
+    points: list[Point]
+    start: float | None
+    tolerances: Tolerances
+
+
+def plan_of(trajectory: dict[str, Any], names: Sequence[str]) -> Plan:
+    """Parse a trajectory of a client.
 
     Args:
-        trajectory: ``{"starttime": s, "points": [{"positions": [...], "velocities": [...], "accelerations": [...],
-            "time_from_start": s}, ...]}``; start time, velocities and accelerations are optional.
-            names: names of the joints, in the order of the numbers.
+        trajectory: ``{"starttime": s, "joints": [...], "points": [{"positions": [...], "velocities": [...],
+            "accelerations": [...], "time_from_start": s}, ...], "path_tolerance": {...}, "goal_tolerance": {...},
+            "goal_time_tolerance": s}``; only ``points`` with their positions and times are required.
+        names: names of the joints, in the order of the numbers unless the trajectory has ``joints``.
 
     Raises:
         ValueError: the trajectory is invalid; the message contains the expected format.
     """
-    unknown = set(trajectory) - {"starttime", "points"}
-    if unknown:
-        raise ValueError(f"a trajectory has 'starttime' and 'points', not {shown(sorted(map(str, unknown))[0])}")
+    for key in trajectory:
+        if key not in _KEYS:
+            raise ValueError(f"a trajectory has {', '.join(_KEYS)}, not {shown(str(key))}{nearest(str(key), _KEYS)}")
     start = trajectory.get("starttime")
     if start is not None:
         start = _number(start, "'starttime'", -_LONGEST)
+    joints = _joints(trajectory.get("joints"), names)
     entries = trajectory.get("points")
     if not isinstance(entries, (list, tuple)) or not 0 < len(entries) <= _MOST_POINTS:
         raise ValueError(f"'points' is {shown(entries)}, expected a list of 1 to {_MOST_POINTS} points")
     points: list[Point] = []
     for index, point in enumerate(entries):
-        points.append(_point(point, names, f"points[{index}]"))
+        points.append(_point(point, joints, f"points[{index}]"))
         if index and points[-1].time <= points[-2].time:
             raise ValueError(
                 f"'time_from_start' of points[{index}] is {points[-1].time:g}, expected a larger value than that of "
                 f"the previous point, {points[-2].time:g}"
             )
-    return start, points
+    path, goal = (bounds_of(trajectory.get(key), joints, key) for key in ("path_tolerance", "goal_tolerance"))
+    patience = trajectory.get("goal_time_tolerance")
+    late = math.inf if patience is None else _number(patience, "'goal_time_tolerance'", 0.0)
+    return Plan(joints, points, start, Tolerances(path, goal, late))
+
+
+def _joints(joints: object, names: Sequence[str]) -> tuple[str, ...]:
+    if joints is None:
+        return tuple(names)
+    if not isinstance(joints, (list, tuple)) or not joints:
+        raise ValueError(f"'joints' is {shown(joints)}, expected a list of names of joints: {', '.join(names)}")
+    for index, name in enumerate(joints):
+        if name not in names:
+            raise ValueError(f"there is no joint {shown(name)}{nearest(str(name), names)}")
+        if name in joints[:index]:
+            raise ValueError(f"the joint {shown(name)} is named twice")
+    return tuple(joints)
 
 
 def _number(value: object, what: str, low: float) -> float:
@@ -95,14 +133,24 @@ class Trajectory:
     velocities a polynomial of degree 3, otherwise a straight line. At the beginning the joints are at rest.
 
     Args:
-        start: start time, simulated seconds.
-        points: points after the start, in the order of their times; at least one.
-        positions: initial positions of the joints.
+        plan: the joints and the points; points in the past are left out.
+        now: the present simulated time, s.
+        positions: the present positions of the joints.
+
+    Attributes:
+        joints: the names of the joints.
+        start: simulated time of the first point, s.
+        tolerances: largest distances from the path and from its end.
     """
 
-    def __init__(self, start: float, points: Sequence[Point], positions: Sequence[float]) -> None:
+    def __init__(self, plan: Plan, now: float, positions: Sequence[float]) -> None:
         rest = (0.0,) * len(positions)
-        self.start = start
+        start = now if plan.start is None else plan.start
+        late = max(now - start, 0.0)
+        points = [point._replace(time=point.time - late) for point in plan.points if point.time > late]
+        points = points or [plan.points[-1]._replace(time=0.0)]
+        self.joints, self.tolerances = plan.joints, plan.tolerances
+        self.start = max(now, start)
         self.points = [Point(0.0, tuple(positions), rest, rest), *points]
         self._reached = 0
 
@@ -116,29 +164,41 @@ class Trajectory:
         elapsed = time - self.start
         if elapsed >= self.points[-1].time:
             return self.points[-1].positions
+        return between(*self._ends(elapsed), max(elapsed, 0.0))[0]
+
+    def velocities(self, time: float) -> tuple[float, ...]:
+        """The velocities of the targets at a simulated time; 0 before the start and after the end."""
+        elapsed = time - self.start
+        if not 0.0 <= elapsed < self.points[-1].time:
+            return (0.0,) * len(self.points[-1].positions)
+        return between(*self._ends(elapsed), elapsed)[1]
+
+    def _ends(self, elapsed: float) -> tuple[Point, Point]:
+        """The points before and after a time."""
         # time only decreases when a state is restored, and a state contains the position in the list
         while self.points[self._reached + 1].time <= elapsed:
             self._reached += 1
-        before, after = self.points[self._reached : self._reached + 2]
-        return between(before, after, max(elapsed, 0.0))
+        return self.points[self._reached], self.points[self._reached + 1]
 
 
-def between(before: Point, after: Point, time: float) -> tuple[float, ...]:
-    """Positions between two points; see `Trajectory`."""
+def between(before: Point, after: Point, time: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Positions and velocities between two points; see `Trajectory`."""
     whole = after.time - before.time
     s = (time - before.time) / whole
-    result = []
+    positions, velocities = [], []
     for i, (p, q) in enumerate(zip(before.positions, after.positions, strict=True)):
+        a = b = c3 = c4 = c5 = 0.0
         if before.velocities is None or after.velocities is None:
-            result.append(p + s * (q - p))
-            continue
-        v, w = before.velocities[i] * whole, after.velocities[i] * whole
-        if before.accelerations is None or after.accelerations is None:
-            result.append(p + s * (v + s * (3.0 * (q - p) - 2.0 * v - w + s * (2.0 * (p - q) + v + w))))
-            continue
-        a, b = before.accelerations[i] * whole * whole, after.accelerations[i] * whole * whole
-        c3 = 10.0 * (q - p) - 6.0 * v - 4.0 * w - 1.5 * a + 0.5 * b
-        c4 = 15.0 * (p - q) + 8.0 * v + 7.0 * w + 1.5 * a - b
-        c5 = 6.0 * (q - p) - 3.0 * v - 3.0 * w - 0.5 * a + 0.5 * b
-        result.append(p + s * (v + s * (0.5 * a + s * (c3 + s * (c4 + s * c5)))))
-    return tuple(result)
+            v = q - p
+        elif before.accelerations is None or after.accelerations is None:
+            v, w = before.velocities[i] * whole, after.velocities[i] * whole
+            a, c3 = 2.0 * (3.0 * (q - p) - 2.0 * v - w), 2.0 * (p - q) + v + w
+        else:
+            v, w = before.velocities[i] * whole, after.velocities[i] * whole
+            a, b = before.accelerations[i] * whole * whole, after.accelerations[i] * whole * whole
+            c3 = 10.0 * (q - p) - 6.0 * v - 4.0 * w - 1.5 * a + 0.5 * b
+            c4 = 15.0 * (p - q) + 8.0 * v + 7.0 * w + 1.5 * a - b
+            c5 = 6.0 * (q - p) - 3.0 * v - 3.0 * w - 0.5 * a + 0.5 * b
+        positions.append(p + s * (v + s * (0.5 * a + s * (c3 + s * (c4 + s * c5)))))
+        velocities.append((v + s * (a + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / whole)
+    return tuple(positions), tuple(velocities)

@@ -4,60 +4,57 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from morse.core.reports.hints import nearest
-
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from morse.core.kinds import BoundKind
 
 _SECOND = 1e9
+_QUANTITIES = ("positions", "velocities", "accelerations")
 
 
-def _seconds(time: Mapping[str, int]) -> float:
+def seconds(time: Mapping[str, int]) -> float:
+    """A time or a duration, s."""
     return float(time["sec"] + time["nanosec"] / _SECOND)
 
 
 def service_call(message: Mapping[str, Any], bound: BoundKind) -> tuple[str, list[Any]] | None:
     """The service that a trajectory calls, and its arguments; None for a single point at once, which is a command.
 
-    A trajectory may be for some of the joints: the other ones keep their setpoints. It starts at the stamp of its
-    header, or now if that is 0.
-
     Raises:
-        ValueError: it does not fit the joints, or they do not follow trajectories.
+        ValueError: it has no points, or its joints do not follow trajectories.
     """
     points = message["points"]
     if not len(points):
         raise ValueError("0 points, expected at least one")
-    if len(points) == 1 and not _seconds(points[0]["time_from_start"]):
+    if len(points) == 1 and not seconds(points[0]["time_from_start"]):
         return None
     if not hasattr(bound.component, "trajectory"):
         raise ValueError(f"{len(points)} points for {bound.component.name()}, expected one with time_from_start 0")
-    present = bound.gather()
-    joints, chosen = [str(name) for name in present.names], list(message["joint_names"])
-    for joint in chosen:
-        if joint not in joints:
-            raise ValueError(f"there is no joint {joint!r:.80}{nearest(joint, joints)}")
-    places = [joints.index(joint) for joint in chosen]
-    setpoints = np.nan_to_num(np.asarray(present.position, dtype=np.float64))
-    trajectory: dict[str, Any] = {"points": [_point(point, places, setpoints) for point in points]}
-    start = _seconds(message["header"]["stamp"])
-    return "trajectory", [{"starttime": start, **trajectory} if start else trajectory]
+    return "trajectory", [trajectory_of(message)]
 
 
-def _point(point: Mapping[str, Any], places: Sequence[int], setpoints: Any) -> dict[str, Any]:
-    result: dict[str, Any] = {"time_from_start": _seconds(point["time_from_start"])}
-    resting = np.zeros(len(setpoints))
-    for quantity, others in (("positions", setpoints), ("velocities", resting), ("accelerations", resting)):
+def trajectory_of(message: Mapping[str, Any]) -> dict[str, Any]:
+    """The trajectory of some joints; the other joints keep their setpoints.
+
+    It starts at the stamp of its header, or now if that is 0.
+
+    Raises:
+        ValueError: a point has another number of values than of joints.
+    """
+    joints = [str(name) for name in message["joint_names"]]
+    trajectory = {"joints": joints, "points": [_point(point, len(joints)) for point in message["points"]]}
+    start = seconds(message["header"]["stamp"])
+    return {"starttime": start, **trajectory} if start else trajectory
+
+
+def _point(point: Mapping[str, Any], count: int) -> dict[str, Any]:
+    result: dict[str, Any] = {"time_from_start": seconds(point["time_from_start"])}
+    for quantity in _QUANTITIES:
         values = point[quantity]
         if not len(values) and quantity != "positions":
             continue
-        if len(values) != len(places):
-            raise ValueError(f"a point has {len(values)} {quantity} for {len(places)} joint_names")
-        row = np.array(others)
-        row[list(places)] = values
-        result[quantity] = row.tolist()
+        if len(values) != count:
+            raise ValueError(f"a point has {len(values)} {quantity} for {count} joint_names")
+        result[quantity] = [float(value) for value in values]
     return result

@@ -71,7 +71,8 @@ def lent() -> dict[str, str]:
     """The variables that add the packages of this Python to the other Python."""
     import morse
 
-    paths = [str(Path(morse.__file__).parents[1]), sysconfig.get_path("purelib")]
+    # pytest may be in a place that the environment of this Python adds
+    paths = [str(Path(morse.__file__).parents[1]), sysconfig.get_path("purelib"), str(Path(pytest.__file__).parents[1])]
     return {**environment(PYTHON), "PYTHONPATH": os.pathsep.join(paths), "MORSE_TEST_ROS_DOMAIN": str(DOMAIN)}
 
 

@@ -32,6 +32,7 @@ class _Goal:
     def __init__(self, number: bytes, stamp: int) -> None:
         self.number, self.stamp, self.status = number, stamp, _EXECUTING
         self.call: Any = None
+        self.is_canceled = False
         self.result: Any = None
         self.waiting: list[Any] = []
 
@@ -60,7 +61,7 @@ class ActionServer:
         from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
         from action_msgs.srv import CancelGoal
 
-        self._kind, self._begin, self._abort = kind, begin, abort
+        self.kind, self._begin, self._abort, self._plain = kind, begin, abort, backend.plain
         self._info, self._one, self._array = GoalInfo, GoalStatus, GoalStatusArray
         self._goals: dict[bytes, _Goal] = {}
         self._memory = Budget()
@@ -71,6 +72,22 @@ class ActionServer:
         self._result = backend.typed_service(f"{path}/_action/get_result", impl.GetResultService)
         self._feedback = backend.typed_publisher(f"{path}/_action/feedback", impl.FeedbackMessage, Qos())
         self._status = backend.typed_publisher(f"{path}/_action/status", GoalStatusArray, Qos(1, latched=True))
+
+    def accepts(self, goal: Any) -> bool:
+        """Whether a goal may begin."""
+        return True
+
+    def arguments(self, goal: Any) -> list[Any]:
+        """The arguments of the service for a goal."""
+        return [goal]
+
+    def result(self, outcome: tuple[str, Any], *, is_canceled: bool) -> Any:
+        """The result of a goal whose service has ended; None for an empty one.
+
+        Args:
+            is_canceled: whether a client has asked for the end.
+        """
+        return outcome[1] if isinstance(outcome[1], self.kind.Result) else None
 
     def close(self) -> None:
         """End it."""
@@ -109,15 +126,15 @@ class ActionServer:
             self._feedback.publish(made)
 
     def _take(self, caller: Any, request: Any, stamp: int) -> None:
-        answer = self._kind.Impl.SendGoalService.Response()
+        answer = self.kind.Impl.SendGoalService.Response()
         number = bytes(request.goal_id.uuid)
-        answer.accepted = number not in self._goals
+        answer.accepted = number not in self._goals and self.accepts(request.goal)
         answer.stamp.sec, answer.stamp.nanosec = stamp // _SECOND, stamp % _SECOND
         self._send.answer_message(caller, answer)
         if not answer.accepted:
             return
         goal = self._goals[number] = _Goal(number, stamp)
-        goal.call = self._begin([request.goal], lambda outcome: self._ended(goal, outcome))
+        goal.call = self._begin(self.arguments(request.goal), lambda outcome: self._ended(goal, outcome))
         ended = [known for known in self._goals.values() if known.status != _EXECUTING]
         for old in ended[: max(0, len(ended) - _KEPT)]:
             del self._goals[old.number]
@@ -135,6 +152,7 @@ class ActionServer:
         answer.return_code = _NONE if chosen or not any(number) else _REJECTED if known else _UNKNOWN_GOAL
         self._cancel.answer_message(caller, answer)
         for goal in chosen:
+            goal.is_canceled = True
             self._abort(goal.call)
 
     def _info_of(self, goal: _Goal) -> Any:
@@ -144,9 +162,9 @@ class ActionServer:
         return made
 
     def _ended(self, goal: _Goal, outcome: tuple[str, Any]) -> None:
-        state, value = outcome
+        state, _ = outcome
         goal.status = _SUCCEEDED if state == SUCCESS else _CANCELED if state == PREEMPTED else _ABORTED
-        goal.result = value if isinstance(value, self._kind.Result) else None
+        goal.result = self.result(outcome, is_canceled=goal.is_canceled)
         for caller in goal.waiting:
             self._answer(caller, goal.status, goal.result)
         self._memory.give(ENTRY * len(goal.waiting))
@@ -154,7 +172,7 @@ class ActionServer:
         self._tell()
 
     def _answer(self, caller: Any, status: int, result: Any) -> None:
-        made = self._kind.Impl.GetResultService.Response()
+        made = self.kind.Impl.GetResultService.Response()
         made.status = status
         if result is not None:
             made.result = result

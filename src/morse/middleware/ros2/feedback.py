@@ -101,4 +101,6 @@ class Feedback:
                 known[name] = stamped if kind.endswith("PoseStamped") else place
             elif kind in _DURATIONS and isinstance(known.get(name), float):
                 known[name] = time(round(known[name] * _SECOND))
+            elif kind == "std_msgs/Header":
+                known.setdefault(name, header_at(stamp, ""))
         return known

@@ -16,6 +16,7 @@ from morse.middleware.ros2.feedback import Feedback
 from morse.middleware.ros2.mapping import INSTALL_ROS
 from morse.middleware.ros2.parameters import Parameters
 from morse.middleware.ros2.simulation_interfaces import SimulationInterfaces
+from morse.middleware.ros2.trajectory_action import INSTALL, NAME, SERVICE, TrajectoryActionServer, action_type
 from morse.rosmsgs.cdr import CdrError
 from morse.rosmsgs.names import Names, cleaned
 from morse.rosmsgs.topics.backend import announce
@@ -107,6 +108,8 @@ class Ros2RequestManager(AnsweredRequests):
         super()._register(component, callback, name, is_async=is_async)
         if (component, name) not in self._services or self._backend is None:
             return
+        if name == SERVICE and hasattr(getattr(callback, "__self__", None), "plan"):
+            self._offer_trajectories(component, callback, self._backend)
         if self._offer_typed(component, callback, name, self._backend):
             return
         known = self._offers.pop((component, name), None)
@@ -122,6 +125,25 @@ class Ros2RequestManager(AnsweredRequests):
         if component == "simulation" and name == "pause" and len(self._served) == 1:
             self._served.append(SimulationInterfaces(self._context, self._backend, self.call))
 
+    def _offer_trajectories(self, component: str, callback: Callable[..., Any], backend: Backend) -> None:
+        """Offer the action of an armature that follows trajectories."""
+        key, kind = (component, NAME), action_type()
+        self._withdraw(key)
+        if kind is None:
+            text = f"ros2: there is no action {NAME}, because control_msgs is not installed: {INSTALL}"
+            self._complaints.log(logging.INFO, NAME, text)
+            return
+
+        def begin(arguments: list[Any], ended: Callable[[Outcome], object]) -> uuid.UUID | None:
+            return self.call(component, SERVICE, arguments, ended)
+
+        server = TrajectoryActionServer(
+            backend, f"{self._base(component)}/{NAME}", kind, begin, self.abort_request,
+            _feedback_of(callback, kind, backend),
+        )  # fmt: skip
+        server.armature = callback.__self__  # type: ignore[attr-defined]
+        self._actions[key] = server
+
     def _offer_typed(self, component: str, callback: Callable[..., Any], name: str, backend: Backend) -> bool:
         """Offer a service or an action with its own type; False if it has none."""
         key, path = (component, name), f"{self._base(component)}/{cleaned(name)}"
@@ -134,10 +156,7 @@ class Ros2RequestManager(AnsweredRequests):
             return self.call(component, name, arguments, ended)
 
         if action is not None:
-            kinds = action.Feedback.get_fields_and_field_types()
-            feedback = Feedback(
-                callback, action.Feedback, kinds, lambda fields: backend.filled(action.Feedback(), fields)
-            )
+            feedback = _feedback_of(callback, action, backend)
             self._actions[key] = ActionServer(backend, path, action, begin, self.abort_request, feedback)
         else:
             server = backend.typed_service(path, kind)
@@ -231,6 +250,11 @@ class Ros2RequestManager(AnsweredRequests):
             answer((FAILED, str(error)))
             return
         self.call(component, service, arguments, answer)
+
+
+def _feedback_of(callback: Callable[..., Any], action: Any, backend: Backend) -> Feedback:
+    kinds = action.Feedback.get_fields_and_field_types()
+    return Feedback(callback, action.Feedback, kinds, lambda fields: backend.filled(action.Feedback(), fields))
 
 
 def _typed_answer(server: Any, caller: Any) -> Callable[[Outcome], object]:

@@ -159,6 +159,10 @@ class Backend(ABC):
         """
         raise NotImplementedError
 
+    def plain(self, message: Any) -> Any:
+        """A message object of `typed_service` as a dictionary of its fields, for backends with services."""
+        raise NotImplementedError
+
     def release(self) -> None:
         """Leave the domain if the backend is not shared."""
         self.users -= 1

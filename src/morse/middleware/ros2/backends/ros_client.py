@@ -246,6 +246,10 @@ class RclpyBackend(Backend):
         """See `Backend.filled`."""
         return fill(message, fields)
 
+    def plain(self, message: Any) -> Any:
+        """See `Backend.plain`."""
+        return plain(message)
+
     def close(self) -> None:
         """See `Backend.close`."""
         self._node.destroy_node()

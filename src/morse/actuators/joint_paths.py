@@ -1,0 +1,183 @@
+"""Trajectories of dynamic joints, with tolerances as in ``control_msgs/FollowJointTrajectory``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.actuators.dynamic_joints import DynamicJoints
+from morse.core import status
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.services import async_service, interruptible
+from morse.helpers.components import add_state
+from morse.helpers.joint_trajectory import Plan, Trajectory, plan_of
+from morse.helpers.trajectory_tolerances import beyond
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
+    from morse.helpers.trajectory_tolerances import Bound
+
+#: what the outcome of a trajectory that has failed begins with: names of error codes of FollowJointTrajectory
+PATH_VIOLATED, GOAL_VIOLATED = "PATH_TOLERANCE_VIOLATED", "GOAL_TOLERANCE_VIOLATED"
+#: the time of a tick is a sum of fractions, s
+_ROUNDING = 1e-9
+
+
+class JointPaths(DynamicJoints):
+    """Moves some or all joints along trajectories; the other joints follow their setpoints."""
+
+    add_state("_trajectory", Trajectory | None, "Trajectory that is followed")
+
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
+        super().__init__(obj, parent)
+        self._trajectory: Trajectory | None = None
+
+    def default_action(self) -> None:
+        """Move the joints by one tick."""
+        if self._trajectory is not None:
+            self._advance(self._trajectory)
+        super().default_action()
+
+    def _stop(self) -> None:
+        if self._trajectory is not None:
+            self._hold(self._trajectory)
+        super()._stop()
+
+    def _hold(self, trajectory: Trajectory) -> None:
+        """End a trajectory at the present setpoints."""
+        self._trajectory = None
+        for name in trajectory.joints:
+            self.local_data[name] = self._values[self.joints.index(name)]
+
+    def _take_over(self, names: list[str]) -> None:
+        if self._trajectory is not None and set(self._trajectory.joints) & set(names):
+            self.interrupt()
+        super()._take_over(names)
+
+    # -- the service -----------------------------------------------------------------------
+
+    def plan(self, trajectory: dict[str, Any]) -> Plan:
+        """Check a trajectory without following it.
+
+        Raises:
+            MorseRPCInvokationError: it is invalid, or a motor does not control a position.
+        """
+        try:
+            plan = plan_of(trajectory, self.joints)
+        except ValueError as error:
+            raise MorseRPCInvokationError(f"{self.name()}: {error}") from None
+        self._demand_positions(plan.joints)
+        return plan
+
+    @interruptible
+    @async_service
+    def trajectory(self, trajectory: dict[str, Any]) -> None:
+        """Move joints along a trajectory; the service ends at the time of the last point, or when the joints have
+        arrived there.
+
+        Between two points with velocities the trajectory is a polynomial of degree 3; with accelerations as well, it is
+        of degree 5; otherwise it is a straight line. It starts at the present joint values, at rest. Points in the past
+        are ignored. Another trajectory preempts it.
+
+        The service fails, and the joints stop, if a joint is farther from the path than ``path_tolerance``
+        (``PATH_TOLERANCE_VIOLATED``), or farther from the last point than ``goal_tolerance`` at
+        ``goal_time_tolerance`` after its time (``GOAL_TOLERANCE_VIOLATED``).
+
+        Args:
+            trajectory: ``{"starttime": s, "joints": [...], "points": [{"positions": [...], "velocities": [...],
+                "accelerations": [...], "time_from_start": s}, ...], "path_tolerance": {joint: rad or m},
+                "goal_tolerance": {joint: rad or m}, "goal_time_tolerance": s}``, the numbers in the order of
+                ``joints``, by default that of ``get_joints``. All but positions and times are optional. A tolerance is
+                a number for all joints, or one for each: a number, or ``{"position": rad or m, "velocity": rad/s or
+                m/s}``. Without a time, the joints may take as long as they need to arrive within the tolerance.
+        """
+        plan = self.plan(trajectory)
+        self._take_over(list(plan.joints))
+        values = dict(zip(self.joints, self._values, strict=True))
+        self._trajectory = Trajectory(plan, self.clock.time, [values[name] for name in plan.joints])
+
+    def _advance(self, trajectory: Trajectory) -> None:
+        """Set the setpoints for this tick."""
+        now = self.clock.time
+        if now < trajectory.start:
+            return
+        if now < trajectory.end - _ROUNDING:
+            if not self._leaves(trajectory, trajectory.tolerances.path, PATH_VIOLATED):
+                self.local_data.update(zip(trajectory.joints, trajectory.positions(now), strict=True))
+            return
+        self.local_data.update(zip(trajectory.joints, trajectory.points[-1].positions, strict=True))
+        late = now >= trajectory.end + trajectory.tolerances.late - _ROUNDING
+        if self._is_near(trajectory):
+            self._trajectory = None
+            if self.on_completion is not None:
+                self.completed(status.SUCCESS)
+        elif late:
+            self._leaves(trajectory, trajectory.tolerances.goal, GOAL_VIOLATED)
+
+    def _is_near(self, trajectory: Trajectory) -> bool:
+        """Whether the joints have arrived; without tolerances, they have."""
+        return not trajectory.tolerances.goal or self._beyond(trajectory, trajectory.tolerances.goal) is None
+
+    def _leaves(self, trajectory: Trajectory, bounds: dict[str, Bound], code: str) -> bool:
+        """End the trajectory with an error if a joint is outside of its bound."""
+        if not bounds:
+            return False
+        worst = self._beyond(trajectory, bounds)
+        if worst is None:
+            return False
+        name, quantity, error, tolerance = worst
+        self._hold(trajectory)
+        if self.on_completion is not None:
+            where = "the path" if code == PATH_VIOLATED else "the last point"
+            text = f"{code}: the {quantity} of '{name}' differs by {error:.3g} from that of {where}, "
+            self.completed(status.FAILED, f"{text}{tolerance:g} allowed")
+        return True
+
+    def _beyond(self, trajectory: Trajectory, bounds: dict[str, Bound]) -> tuple[str, str, float, float] | None:
+        desired, actual, speeds, present = self._followed(trajectory)
+        names = trajectory.joints
+        errors = {name: a - b for name, a, b in zip(names, desired, actual, strict=True)}
+        if present is None:
+            return beyond(bounds, errors, None)
+        return beyond(bounds, errors, {name: a - b for name, a, b in zip(names, speeds, present, strict=True)})
+
+    def _followed(
+        self, trajectory: Trajectory
+    ) -> tuple[tuple[float, ...], list[float], tuple[float, ...], list[float] | None]:
+        """Return desired and measured positions, and desired and measured velocities, of the joints of a trajectory.
+
+        The joints have been measured at the end of the last tick, to which the desired values belong.
+        """
+        time = self.clock.time - 1.0 / self.frequency
+        places = [self.joints.index(name) for name in trajectory.joints]
+        values, velocities = self.joint_values, self.joint_velocities
+        return (
+            trajectory.positions(time),
+            [values[place] for place in places],
+            trajectory.velocities(time),
+            None if velocities is None else [velocities[place] for place in places],
+        )
+
+    def progress(self) -> dict[str, Any]:
+        """Return the measured joints, the setpoints and their differences; of a trajectory, for its joints."""
+        trajectory = self._trajectory
+        if trajectory is None:
+            return super().progress()
+        desired, actual, speeds, present = self._followed(trajectory)
+        sides: dict[str, dict[str, Any]] = {
+            "desired": {"positions": list(desired), "velocities": list(speeds)},
+            "actual": {"positions": actual},
+            "error": {"positions": [a - b for a, b in zip(desired, actual, strict=True)]},
+        }
+        if present is not None:
+            sides["actual"]["velocities"] = present
+            sides["error"]["velocities"] = [a - b for a, b in zip(speeds, present, strict=True)]
+        return {"joint_names": list(trajectory.joints), **sides}
+
+    def _steps(self) -> list[float]:
+        steps = super()._steps()
+        if self._trajectory is None or self.clock.time < self._trajectory.start:
+            return steps
+        # the path itself limits the speed
+        followed = set(self._trajectory.joints)
+        return [float("inf") if name in followed else step for name, step in zip(self.joints, steps, strict=True)]
