@@ -14,6 +14,9 @@ class MorseServiceFailed(MorseServiceError):
 class MorseServicePreempted(MorseServiceError):
     """The service was cancelled, or interrupted by a newer call."""
 
+    def __init__(self, value: object = None) -> None:
+        super().__init__("the service was cancelled, or interrupted by a newer call" if value is None else value)
+
 
 class MorseTimeoutError(RuntimeError, TimeoutError):
     """The simulation did not answer within the timeout."""

@@ -27,11 +27,13 @@ def test_create_writes_the_files_of_the_tutorial_and_registers(morse):
     assert answer.status == 0
     directory = morse.directory / "ranger_sim"
     assert files_below(directory) == [
+        "conftest.py",
         "default.py",
         "pyproject.toml",
         "scripts/ranger_sim_client.py",
         "src/ranger_sim/__init__.py",
         "src/ranger_sim/builder/__init__.py",
+        "tests/test_default.py",
     ]
     assert sites(morse) == {"ranger_sim": str(directory)}
     assert str(directory) in answer.out

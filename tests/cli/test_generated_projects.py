@@ -40,6 +40,21 @@ def test_a_new_environment_runs(tmp_path):
     assert "[ERROR]" not in result.stdout
 
 
+def test_the_test_of_a_new_environment_passes(tmp_path):
+    assert morse_run(tmp_path, "create", "ranger_sim").returncode == 0
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"],
+        cwd=tmp_path / "ranger_sim",
+        env={**environment, "PYTHONPATH": SOURCES},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 @pytest.mark.parametrize("kind", ["sensor", "actuator"])
 def test_components_of_ones_own_run(tmp_path, kind):
     morse_run(tmp_path, "create", "sim")

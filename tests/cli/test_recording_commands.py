@@ -109,6 +109,8 @@ def test_a_recording_is_simulated_again_and_exported(here, told):
     out, _ = told("export", "run.mcap", "--csv", "--topics", "/robot/pose")
     assert "30 rows of /robot/pose" in out
     assert len((here / "run" / "robot.pose.csv").read_text().splitlines()) == 31
+    told("export", "run.mcap", "--csv", "-o", "tables")
+    assert (here / "tables" / "robot.pose.csv").is_file()
     out, _ = told("export", "run.mcap", "--mcap")
     assert "run-complete.mcap" in out
     out, _ = told("replay", "run-complete.mcap", "--resimulate", "--scene", "scene.py")

@@ -103,9 +103,45 @@ def test_files_without_components(tmp_path: Path) -> None:
     file.write_text("x = 1\n")
     with pytest.raises(SubjectError, match="no class of a component"):
         check_component(file)
+    file.write_text(
+        "from morse.core.modifier import AbstractModifier\n\n\nclass Coarse(AbstractModifier):\n    _names = ('C',)\n"
+    )
+    (report,) = check_component(file)
+    assert "derived neither from Sensor nor from Actuator nor from Robot" in str(report)
     file.write_text("class A(:\n")
     with pytest.raises(SubjectError, match=r"empty\.py:1: SyntaxError"):
         check_component(file)
+
+
+def test_an_error_of_the_component_is_not_one_of_its_robot(sonar: Path) -> None:
+    sonar.write_text(SOUND.replace('unit="m"', 'unit="cubit"'))
+    (report,) = check_component(sonar)
+    assert "the unit 'cubit' is unknown" in str(report)
+    assert "--robot" not in str(report)
+
+
+def test_a_property_without_a_range_that_fails_is_named_with_the_mend(sonar: Path) -> None:
+    sonar.write_text(
+        SOUND.replace("high=10.0", "").replace("self._gain * abs(self.position_3d.x)", "1.0 / (self._gain < 1e6)")
+    )
+    (report,) = check_component(sonar)
+    assert "low= and high=" in report.of("survives bad calls")[0].text
+
+
+def test_a_state_that_may_be_nothing_is_named_with_its_type(sonar: Path) -> None:
+    sonar.write_text(
+        SOUND.replace("add_property\n", "add_property, add_state\n")
+        .replace("    @service", '    add_state("_goal", float, "Where it looks")\n    _goal = None\n\n    @service')
+        .replace("    def default_action(self):\n", "    def default_action(self):\n        self._goal = None\n")
+    )
+    (report,) = check_component(sonar)
+    assert "declare it as float | None" in str(report)
+
+
+def test_a_robot_is_on_no_robot(tmp_path: Path) -> None:
+    (report,) = check_component("FakeRobot")
+    assert report.robot == ""
+    assert report.passed, str(report)
 
 
 @pytest.mark.parametrize(

@@ -38,6 +38,7 @@ def command(
     say(f"Start it with:           morse run {name}")
     say(f"Change the scene in:     {directory / 'default.py'}")
     say(f"Drive its robot from:    {directory / 'scripts' / f'{name}_client.py'}")
+    say(f"Test it with:            pytest {name}")
     say(f"Add your own robot: morse add robot my_robot {name}")
 
 

@@ -125,7 +125,7 @@ def command(
             length,
         )
         return _film(file, Path(output or f"{Path(file).stem}.gif"), what, scene or "", trust)
-    folder = to or os.path.splitext(os.path.basename(file))[0]
+    folder = to or output or os.path.splitext(os.path.basename(file))[0]
     selection = [topic.strip() for topic in (topics or "").split(",") if topic.strip()]
     if mcap:
         return _complete(file, Path(output or f"{Path(file).stem}-complete.mcap"), selection)

@@ -22,11 +22,13 @@ _APPEND = "#APPEND\n"
 
 _TEMPLATES = {
     "basic": (
+        "conftest.py",
         "default.py",
         "pyproject.toml",
         "scripts/@env@_client.py",
         "src/@env@/__init__.py",
         "src/@env@/builder/__init__.py",
+        "tests/test_default.py",
     ),
     **{
         kind: (

@@ -31,28 +31,35 @@ class Unit(NamedTuple):
 _BASE = ("m", "kg", "s", "A", "K", "rad", "px", "cd", "mol", "dB")
 #: name to factor and the unit that the factor refers to
 _DERIVED: dict[str, tuple[float, str]] = {
-    "km": (1e3, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "µm": (1e-6, "m"),
-    "nm": (1e-9, "m"), "ft": (0.3048, "m"), "in": (0.0254, "m"), "mi": (1609.344, "m"), "nmi": (1852.0, "m"),
-    "g": (1e-3, "kg"), "mg": (1e-6, "kg"), "t": (1e3, "kg"),
-    "ms": (1e-3, "s"), "us": (1e-6, "s"), "µs": (1e-6, "s"), "ns": (1e-9, "s"), "min": (60.0, "s"), "h": (3600.0, "s"),
-    "deg": (math.pi / 180.0, "rad"), "°": (math.pi / 180.0, "rad"), "mrad": (1e-3, "rad"),
-    "rev": (2.0 * math.pi, "rad"), "rpm": (math.pi / 30.0, "rad/s"),
-    "sr": (1.0, "rad^2"), "kn": (1852.0 / 3600.0, "m/s"), "mA": (1e-3, "A"), "gee": (9.80665, "m/s^2"),
-    "Hz": (1.0, "s^-1"), "kHz": (1e3, "s^-1"), "MHz": (1e6, "s^-1"), "GHz": (1e9, "s^-1"), "Bq": (1.0, "s^-1"),
-    "N": (1.0, "kg·m/s^2"), "kN": (1e3, "kg·m/s^2"), "mN": (1e-3, "kg·m/s^2"),
-    "J": (1.0, "N·m"), "kJ": (1e3, "N·m"), "Wh": (3600.0, "N·m"), "kWh": (3.6e6, "N·m"),
-    "W": (1.0, "J/s"), "kW": (1e3, "J/s"), "mW": (1e-3, "J/s"),
-    "Pa": (1.0, "N/m^2"), "hPa": (1e2, "N/m^2"), "kPa": (1e3, "N/m^2"), "bar": (1e5, "N/m^2"),
-    "mbar": (1e2, "N/m^2"), "psi": (6894.757293168, "N/m^2"),
-    "C": (1.0, "A·s"), "Ah": (3600.0, "A·s"), "mAh": (3.6, "A·s"),
-    "V": (1.0, "W/A"), "mV": (1e-3, "W/A"), "kV": (1e3, "W/A"), "ohm": (1.0, "V/A"), "Ω": (1.0, "V/A"),
+    "ft": (0.3048, "m"), "in": (0.0254, "m"), "mi": (1609.344, "m"), "nmi": (1852.0, "m"),
+    "g": (1e-3, "kg"), "t": (1e3, "kg"), "min": (60.0, "s"), "h": (3600.0, "s"),
+    "deg": (math.pi / 180.0, "rad"), "°": (math.pi / 180.0, "rad"), "rev": (2.0 * math.pi, "rad"),
+    "rpm": (math.pi / 30.0, "rad/s"), "sr": (1.0, "rad^2"), "kn": (1852.0 / 3600.0, "m/s"), "gee": (9.80665, "m/s^2"),
+    "Hz": (1.0, "s^-1"), "Bq": (1.0, "s^-1"), "N": (1.0, "kg·m/s^2"),
+    "J": (1.0, "N·m"), "Wh": (3600.0, "N·m"), "eV": (1.602176634e-19, "J"), "W": (1.0, "J/s"),
+    "Pa": (1.0, "N/m^2"), "bar": (1e5, "N/m^2"), "psi": (6894.757293168, "N/m^2"),
+    "C": (1.0, "A·s"), "Ah": (3600.0, "A·s"), "V": (1.0, "W/A"), "ohm": (1.0, "V/A"), "Ω": (1.0, "V/A"),
     "F": (1.0, "C/V"), "S": (1.0, "A/V"), "Wb": (1.0, "V·s"), "H": (1.0, "Wb/A"),
-    "T": (1.0, "V·s/m^2"), "mT": (1e-3, "T"), "uT": (1e-6, "T"), "µT": (1e-6, "T"), "nT": (1e-9, "T"),
-    "gauss": (1e-4, "T"), "lm": (1.0, "cd"), "lx": (1.0, "cd/m^2"), "l": (1e-3, "m^3"), "L": (1e-3, "m^3"),
-    "Sv": (1.0, "J/kg"), "Gy": (1.0, "J/kg"),
+    "T": (1.0, "V·s/m^2"), "gauss": (1e-4, "T"), "lm": (1.0, "cd"), "lx": (1.0, "cd/m^2"),
+    "l": (1e-3, "m^3"), "L": (1e-3, "m^3"), "Sv": (1.0, "J/kg"), "Gy": (1.0, "J/kg"),
     "1": (1.0, ""), "%": (1e-2, ""), "ppm": (1e-6, ""), "ppb": (1e-9, ""), "pH": (1.0, ""), "bit": (1.0, ""),
     "byte": (8.0, ""),
 }  # fmt: skip
+_PREFIXES = {
+    "T": 1e12, "G": 1e9, "M": 1e6, "k": 1e3, "h": 1e2, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9,
+    "p": 1e-12,
+}  # fmt: skip
+#: units that take prefixes; a name that is that of a unit already, such as ``pH`` or ``cd``, is not composed
+_WITH_PREFIXES = (
+    "m", "g", "s", "A", "K", "rad", "cd", "mol", "Hz", "Bq", "N", "J", "Wh", "eV", "W", "Pa", "bar", "C", "Ah", "V",
+    "ohm", "Ω", "F", "S", "Wb", "H", "T", "lm", "lx", "l", "L", "Sv", "Gy", "bit", "byte",
+)  # fmt: skip
+_PREFIXED = {
+    prefix + name: (size, name)
+    for name in _WITH_PREFIXES
+    for prefix, size in _PREFIXES.items()
+    if prefix + name not in _BASE and prefix + name not in _DERIVED
+}
 #: temperature scales with an offset: size of a degree and zero point, K
 _ZERO_POINTS = {"°C": (1.0, 273.15), "degC": (1.0, 273.15), "°F": (5.0 / 9.0, 459.67 * 5.0 / 9.0)}
 _POWERS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
@@ -97,16 +104,17 @@ def _term(part: str, text: str) -> tuple[float, tuple[tuple[str, int], ...]]:
     power = int(match[2] or (match[3] or "1").translate(_POWERS))
     if name in _BASE:
         return 1.0, ((name, power),)
-    if name not in _DERIVED:
+    derived = _DERIVED.get(name) or _PREFIXED.get(name)
+    if derived is None:
         where = "" if name == text else f" in {text!r}"
-        raise UnitError(f"the unit {name!r}{where} is unknown{nearest(name, known_units())}")
-    size, of = _DERIVED[name]
+        raise UnitError(f"the unit {name!r}{where} is unknown{nearest(name, [*known_units(), *_PREFIXED])}")
+    size, of = derived
     base = unit(of) if of else Unit(1.0, 0.0, ())
     return (size * base.factor) ** power, tuple((one, p * power) for one, p in base.dimension)
 
 
 def known_units() -> list[str]:
-    """Return the names from which units are composed."""
+    """Return the names from which units are composed, without those that have prefixes."""
     return [*_BASE, *_DERIVED, *_ZERO_POINTS]
 
 

@@ -166,7 +166,8 @@ def described(scene: str | os.PathLike[str] | Callable[[], object] | Scene, opti
     from morse.builder.script import build, load_scene
 
     if callable(scene):
-        return build(scene, f"the function {getattr(scene, '__qualname__', scene)}", interfaces=options.interfaces)
+        name = f"the function {getattr(scene, '__qualname__', scene)}"
+        return build(scene, name, interfaces=options.interfaces, nearby=_folders_of(scene))
     if not isinstance(scene, (str, os.PathLike)):
         raise TypeError(f"a scene is a path, a function that builds a scene, or a morse.scene.Scene, not {scene!r:.80}")
     script = Path(scene).absolute()
@@ -177,6 +178,14 @@ def described(scene: str | os.PathLike[str] | Callable[[], object] | Scene, opti
         if not paths and (script.parent / folder).is_dir():
             paths.append(str(script.parent / folder))
     return load_scene(options)
+
+
+def _folders_of(function: Callable[[], object]) -> list[str]:
+    """The folders of models of the project that contains a function."""
+    from morse.builder.names.places import resource_folders
+
+    code = getattr(function, "__code__", None)
+    return resource_folders(Path(code.co_filename)) if code is not None and os.path.isfile(code.co_filename) else []
 
 
 def start(scene: Scene, options: RunOptions) -> Simulation:

@@ -178,7 +178,8 @@ def middleware(name: str) -> Middleware:
         )
     near = closest(name, [*found, *_OTHER_NAMES])
     hint = f"; did you mean '{near}'?" if near else ""
-    raise MorseMiddlewareError(f"there is no middleware '{name}'{hint} (installed: {names})")
+    own = "" if near else "; one of your own needs an entry point 'morse.middlewares' in pyproject.toml"
+    raise MorseMiddlewareError(f"there is no middleware '{name}'{hint}{own} (installed: {names})")
 
 
 def stream_manager(name: str) -> str:

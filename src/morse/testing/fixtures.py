@@ -21,11 +21,14 @@ from __future__ import annotations
 import contextlib
 import logging
 import math
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from morse.builder.names.places import resource_folders
+from morse.system import variables
 from morse.testing.process import SimulationProcess
 from morse.testing.scripts import script_of_function, script_of_text
 from pymorse import Morse
@@ -37,8 +40,11 @@ if TYPE_CHECKING:
     Simulate = Callable[..., Any]
 
 
+_MODELS = "MORSE_RESOURCE_PATH"
+
+
 @pytest.fixture
-def simulate(tmp_path: Path) -> Iterator[Simulate]:
+def simulate(tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[Simulate]:
     """Runs a scene when it is called: ``simulate(scene, *options, sockets=True)``.
 
     The scene is a function of a module, the path of a scene script, or the text of one: a text has several lines, and
@@ -49,11 +55,17 @@ def simulate(tmp_path: Path) -> Iterator[Simulate]:
     it, by ``step``, ``get``, ``sleep`` or the result of a service, and the only options are ``--seed`` and ``--speed``.
     ``seed=3`` is the same as ``"--seed", "3"``.
 
+    Models are found in ``data`` of the project that contains the test.
+
     Every simulation ends with the test, which fails if the simulation reported an error. In the process of the test,
     ``step`` raises the error of a component that fails. With ``on_failure="deactivate"``, errors are only logged and
     the component is deactivated, as without tests. Unless ``strict`` is False, a command with an unknown field or a
     wrong type is an error.
     """
+    # scenes of functions and texts are written to other folders
+    folders = [*variables.paths(_MODELS), *resource_folders(request.path)[:-1]]
+    if folders:
+        monkeypatch.setenv(_MODELS, os.pathsep.join(folders))
     with contextlib.ExitStack() as endings:
         errors: list[str] = []
         endings.callback(_fail_for, errors)

@@ -95,11 +95,16 @@ def _text(defaults: dict[str, Any], doc: str) -> str:
     return str(defaults.get("doc") or doc).strip()
 
 
-@cache
 def modifiers() -> tuple[Entry, ...]:
     """The modifiers of ``morse.modifiers`` and of the packages that the entry points ``morse.modifiers`` name."""
-    packages = ["morse.modifiers", *(point.value for point in entry_points("morse.modifiers"))]
-    return tuple(entry for package in packages for entry in _modifiers_of(package))
+    # those of packages are read again, because projects in one process may have packages of the same name
+    packages = (point.value for point in entry_points("morse.modifiers"))
+    return (*_own_modifiers(), *(entry for package in packages for entry in _modifiers_of(package)))
+
+
+@cache
+def _own_modifiers() -> tuple[Entry, ...]:
+    return tuple(_modifiers_of("morse.modifiers"))
 
 
 def _modifiers_of(package: str) -> Iterator[Entry]:

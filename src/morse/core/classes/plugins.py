@@ -1,21 +1,28 @@
-"""Plugins from installed packages: components, modifiers, middlewares, models.
+"""Plugins from installed packages and from the project that runs: components, modifiers, middlewares, models.
 
 A package declares them by entry points in its ``pyproject.toml``::
 
     [project.entry-points."morse.components"]
     my_lab = "my_lab"
+
+A project, whose ``src`` is on the import path, need not be installed: its ``pyproject.toml`` itself is read.
 """
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.system.regular_files import read_regular
+
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
+
+logger = logging.getLogger(__name__)
 
 _SUFFIXES = (".dist-info", ".egg-info")
 
@@ -26,7 +33,41 @@ def entry_points(group: str) -> tuple[EntryPoint, ...]:
     Args:
         group: name of the group; it has to begin with ``morse.``.
     """
-    return _found(group, tuple(sys.path))
+    own = [point for entry in dict.fromkeys(sys.path) for point in _of_project(Path(entry)) if point.group == group]
+    points = dict.fromkeys((*own, *_found(group, tuple(sys.path))))
+    return tuple(sorted(points, key=lambda point: (point.name, point.value)))
+
+
+def _of_project(source: Path) -> tuple[EntryPoint, ...]:
+    """The entry points of a project with this directory of sources."""
+    file = source.parent / "pyproject.toml"
+    if source.name != "src":
+        return ()
+    try:
+        return _of_file(file, file.stat().st_mtime_ns)
+    except OSError:
+        return ()
+
+
+@lru_cache(maxsize=32)
+def _of_file(file: Path, _changed: int) -> tuple[EntryPoint, ...]:
+    text = read_regular(file)
+    if b"morse." not in text:
+        return ()
+    import tomllib
+    from importlib.metadata import EntryPoint
+
+    try:
+        table = tomllib.loads(text.decode("utf-8")).get("project", {}).get("entry-points", {})
+        return tuple(
+            EntryPoint(str(name), str(value), group)
+            for group, points in table.items()
+            if group.startswith("morse.")
+            for name, value in points.items()
+        )
+    except (ValueError, AttributeError) as error:
+        logger.warning("the entry points in %s are left out: %s", file, error)
+        return ()
 
 
 @lru_cache(maxsize=32)
@@ -36,7 +77,7 @@ def _found(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
         return ()
     from importlib import metadata
 
-    return tuple(sorted(set(metadata.entry_points(group=group)), key=lambda point: (point.name, point.value)))
+    return tuple(set(metadata.entry_points(group=group)))
 
 
 @lru_cache(maxsize=256)

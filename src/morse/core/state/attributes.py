@@ -71,7 +71,8 @@ def replace(owner: Any, present: Iterable[str], state: Mapping[str, Any]) -> Non
             raise StateError(f"'{name}' is a method of the class {type(owner).__name__}")
         variable = variables.get(name)
         if variable is not None and not variable.accepts(value):
-            raise StateError(f"'{name}' is {word_of(value)}, and its type is {variable.type_name}")
+            wider = f"; if it may be nothing, declare it as {variable.type_name} | None" if value is None else ""
+            raise StateError(f"'{name}' is {word_of(value)}, and its type is {variable.type_name}{wider}")
     for name in [name for name in present if name not in state]:
         attributes.pop(name, None)
     attributes.update(state)

@@ -73,7 +73,10 @@ class Rough:
             before = getattr(self._stand.component, python_name)
             for value in BAD_VALUES:
                 what = f"set_property({prop.name!r}, {value!r:.40})"
-                yield from self._tried(CALLS, what, place, self._call, "set_property", prop.name, value)
+                for fault in self._tried(CALLS, what, place, self._call, "set_property", prop.name, value):
+                    bounded = prop.low is not None and prop.high is not None
+                    hint = "" if bounded or prop.choices else "\ndeclare the range of the property by low= and high="
+                    yield fault._replace(text=fault.text + hint)
             setattr(self._stand.component, python_name, before)
 
     def _calls(self) -> Iterator[Fault]:

@@ -43,8 +43,14 @@ _HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
 _SCRIPT = """
 from morse.builder import *
 from morse.core.declarations import properties as _properties
+from morse.core.object import Object as _Object
 from morse.core.robot import Robot as _RobotClass
 {imports}
+
+if not issubclass({name}, (Robot, ComponentCreator, _Object)):
+    raise TypeError(
+        "it is derived neither from Sensor nor from Actuator nor from Robot; test it with a component that uses it"
+    )
 
 def _carry(holder, component, name):
     component.name = name
@@ -87,16 +93,17 @@ class Stand:
     Attributes:
         simulation: a simulation without sockets.
         carrier: class path of the robot.
-        robot: name of its class.
+        robot: name of its class; empty for a component that is a robot itself.
         name: the full name of the component.
     """
 
     def __init__(self, simulation: Simulation, carrier: str) -> None:
         self.simulation = simulation
         self.carrier = carrier
-        self.robot = carrier.rpartition(".")[2]
         self._inbox: tuple[Actuator, PendingCommands] | None = None
-        self.name = _NAME if _NAME in simulation.context.robots else self._full_name()
+        is_robot = _NAME in simulation.context.robots
+        self.name = _NAME if is_robot else self._full_name()
+        self.robot = "" if is_robot else carrier.rpartition(".")[2]
 
     def _full_name(self) -> str:
         return next(name for name in self.simulation.context.components if name.rpartition(".")[2] == _NAME)
@@ -169,17 +176,19 @@ def set_up(subject: Subject, journal: Said, robot: str | None = None, level: str
     Raises:
         SubjectError: no robot is suitable; the message is that of the first robot.
     """
-    first: Exception | None = None
+    errors: list[str] = []
     for carrier in (robot,) if robot else _CARRIERS:
         try:
             with journal.unheard():
                 return Stand(_load(subject, _script(subject, carrier, level)), carrier)
         except (LoadError, ScriptError, ValueError) as error:
-            first = first or error
+            in_stand = isinstance(error, ScriptError) and str(error.where).startswith(str(error.script))
+            errors.append(error.message if isinstance(error, ScriptError) and in_stand else str(error))
         except SystemExit as leaving:
             raise SubjectError(f"it ends the program: {describe(leaving)}") from None
-    hint = "" if robot else "; --robot names one that can carry it"
-    raise SubjectError(f"no robot can carry it{hint}: {first}")
+    if len(set(errors)) == 1:  # an error of the component itself
+        raise SubjectError(errors[0])
+    raise SubjectError(f"no robot can carry it; --robot names one that can carry it: {errors[0]}")
 
 
 def _load(subject: Subject, text: str) -> Simulation:

@@ -1,0 +1,3 @@
+"""Makes the fixture `simulate` known to the tests."""
+
+pytest_plugins = ["morse.testing.fixtures"]

@@ -1,0 +1,134 @@
+"""A project declares its plugins in its ``pyproject.toml``, and its models are in ``data``, without an installation."""
+
+from __future__ import annotations
+
+import importlib.util
+import logging
+from typing import TYPE_CHECKING
+
+import pytest
+
+import morse
+from morse.builder.errors import ScriptError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HALVED = """
+from morse.core.modifier import AbstractModifier
+
+class Halved(AbstractModifier):
+    _names = ("Halved",)
+    _components = ("Pose",)
+
+    def modify(self):
+        self.data["x"] *= {factor}
+"""
+SILENT = """
+from morse.core.datastream import DatastreamManager
+from morse.core.mapping import maps
+
+class Silent(DatastreamManager):
+    sent = []
+
+    @maps("general")
+    def general(self, stream, message):
+        return dict(message.fields)
+
+    def send(self, stream, payload):
+        self.sent.append(payload)
+"""
+MAPPING = """
+from morse.middleware.registry import Middleware
+
+MIDDLEWARE = Middleware("silent", stream_manager="lab.silent.Silent")
+"""
+PROJECT = """
+[project.entry-points."morse.modifiers"]
+lab = "lab.changes"
+
+[project.entry-points."morse.middlewares"]
+silent = "lab.mapping:MIDDLEWARE"
+"""
+SCENE = """
+from morse.builder import *
+robot = FakeRobot()
+robot.translate(x=4.0)
+pose = Pose()
+pose.alter("Halved")
+pose.add_stream("silent")
+robot.append(pose)
+env = Environment("empty")
+"""
+BOX = """<robot name="box"><link name="base"><inertial><mass value="2.0"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>"""
+FUNCTION = """
+def scene():
+    from morse.builder import Environment, Robot
+    robot = Robot("lab/robots/box.urdf")
+    robot.translate(z=0.5)
+    Environment("empty")
+"""
+
+
+def project(folder: Path, factor: float = 0.5, declared: str = PROJECT) -> Path:
+    """The script of a project in a new folder."""
+    files = {
+        "pyproject.toml": declared,
+        "scene.py": SCENE,
+        "src/lab/__init__.py": "",
+        "src/lab/changes/halved.py": HALVED.format(factor=factor),
+        "src/lab/silent.py": SILENT,
+        "src/lab/mapping.py": MAPPING,
+        "data/lab/robots/box.urdf": BOX,
+        "tests/scenes.py": FUNCTION,
+    }
+    for path, text in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text)
+    return folder / "scene.py"
+
+
+@pytest.mark.parametrize("sockets", [False, True])
+def test_modifiers_and_middlewares_of_a_project_have_names(tmp_path: Path, sockets: bool) -> None:
+    with morse.load(project(tmp_path), sockets=sockets) as simulation:
+        simulation.step(2)
+        assert simulation.robot.pose.data["x"] == pytest.approx(2.0)
+        managers = [one for one in simulation.context.stream_managers.values() if type(one).__name__ == "Silent"]
+        assert bool(managers) is sockets
+        assert not managers or managers[0].sent[-1]["x"] == pytest.approx(2.0)
+
+
+def test_projects_with_packages_of_one_name_do_not_meet(tmp_path: Path) -> None:
+    for folder, factor in (("a", 0.5), ("b", 0.25)):
+        with morse.load(project(tmp_path / folder, factor)) as simulation:
+            simulation.step(2)
+            assert simulation.robot.pose.data["x"] == pytest.approx(4.0 * factor)
+
+
+@pytest.mark.parametrize("text", [PROJECT + "[", "[project.entry-points]\n'morse.modifiers' = 3\n"])
+def test_a_damaged_pyproject_is_named(tmp_path: Path, text: str, caplog: pytest.LogCaptureFixture) -> None:
+    script = project(tmp_path, declared=text)
+    with caplog.at_level(logging.WARNING), pytest.raises(ScriptError, match="no modifier 'Halved'"):
+        morse.load(script)
+    assert "pyproject.toml" in caplog.text
+
+
+def test_a_middleware_that_is_not_declared_is_named_with_the_mend(tmp_path: Path) -> None:
+    script = project(tmp_path, declared="")
+    script.write_text(SCENE.replace('pose.alter("Halved")', ""))
+    with pytest.raises(ScriptError, match=r"'morse\.middlewares' in pyproject\.toml"):
+        morse.load(script, sockets=True)
+
+
+def test_a_function_of_a_project_finds_its_models(tmp_path: Path) -> None:
+    project(tmp_path)
+    spec = importlib.util.spec_from_file_location("scenes_of_lab", tmp_path / "tests" / "scenes.py")
+    assert spec is not None
+    assert spec.loader is not None
+    scenes = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(scenes)
+    with morse.load(scenes.scene) as simulation:
+        simulation.step()
+        assert simulation.context.component("robot").bge_object.mass == pytest.approx(2.0)
