@@ -11,6 +11,7 @@ from urllib.parse import unquote
 
 from morse.core.reports.quoting import short
 from morse.middleware.foxglove import frames
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 
 #: what meshes refer to
 _BESIDE = frozenset((".bin", ".bmp", ".jpeg", ".jpg", ".mtl", ".png", ".tga", ".tif", ".tiff", ".webp"))
-LARGEST = 64 << 20
-"""Maximum size of a file, bytes."""
+LARGEST = 16 << 20
+"""Maximum size of a file, bytes: what a client may leave behind is limited."""
 #: between two looks at what a client has read, s
 _PAUSE = 0.02
 
@@ -87,9 +88,7 @@ def read_asset(uri: str, robots: Iterable[Articulation]) -> bytes:
 
 def _read(uri: str, path: Path) -> bytes:
     try:
-        if path.stat().st_size > LARGEST:
-            raise ValueError(f"{short(uri)} is larger than {LARGEST >> 20} MB")
-        return path.read_bytes()
+        return read_regular(path, LARGEST)
     except OSError as error:
         raise ValueError(f"{short(uri)}: {error.strerror}") from None
 
