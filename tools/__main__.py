@@ -3,6 +3,8 @@
 ``python -m tools [stubs] [pictures [NAME...]]``: the stubs of `morse.builder`, and those pictures of the component
 library that are missing. With the names of components, their pictures are taken again.
 
+``python -m tools compatibility [ARGUMENT...]``: docs/compatibility.md, from the tests with programs that others wrote.
+
 ``python -m tools release [FOLDER]``: the source distribution and the wheels of all platforms, verified.
 
 ``python -m tools rehearse [FOLDER]``: the same, then an installation from a local index, a demo and the documentation.
@@ -23,6 +25,10 @@ def main(arguments: list[str]) -> int:
         from tools.release import rehearsal
 
         return getattr(rehearsal, part)(Path(*names) if names else Path("dist"))
+    if part == "compatibility":
+        from tools import compatibility
+
+        return compatibility.main(names)
     if part not in ("all", *_PARTS) or (names and part != "pictures"):
         print(__doc__, file=sys.stderr)
         return 2

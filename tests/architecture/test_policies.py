@@ -33,6 +33,14 @@ def test_files_of_the_forge_have_their_schemas(schema: str, files: list[Path]):
     assert done.returncode == 0, done.stdout
 
 
+def test_workflows_of_the_documentation_have_their_schema(tmp_path: Path):
+    pages = [block.partition("```")[0] for block in (ROOT / "docs/ci.md").read_text().split("```yaml\n")[1:]]
+    assert len(pages) == 2
+    for number, page in enumerate(pages):
+        (tmp_path / f"{number}.yml").write_text(page)
+    test_files_of_the_forge_have_their_schemas("vendor.github-workflows", sorted(tmp_path.glob("*.yml")))
+
+
 def test_workflows_run_scripts_that_exist():
     text = "".join(path.read_text() for path in (ROOT / ".github/workflows").glob("*.yml"))
     scripts = set(re.findall(r"run: (\.ci/\w+)", text))

@@ -23,7 +23,7 @@ TEST = (
 #: options of old scripts that have no effect
 _SILENT = {"--help", "--geometry", "--name"}
 # paths of the machine of an author
-_FOREIGN = re.compile(r"(?<![\w.])/(?:home|root|work|tmp|Users|usr/local|opt|mnt)/|[A-Z]:\\\\")
+_FOREIGN = re.compile(r"(?<![\w.])/(?:home|root|work|tmp|Users|usr/local|opt(?!/ros/)|mnt)/|[A-Z]:\\\\")
 _VARIABLE = re.compile(r"\bMORSE_[A-Z_]+\b")
 
 

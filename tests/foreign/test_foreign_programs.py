@@ -28,6 +28,7 @@ def numbers(program: str, pattern: str, tmp_path: Path) -> list[float]:
 
 
 @pytest.mark.skipif(find_spec("kiss_icp") is None, reason="there is no kiss_icp: pip install kiss-icp")
+@pytest.mark.peer("kiss-icp")
 def test_kiss_icp_drives_by_its_own_estimate(tmp_path: Path) -> None:
     way, _, drift = numbers(
         "kiss_icp/drive_by_lidar.py", r"driven ([\d.]+) m, final error ([\d.]+) m, drift ([\d.]+) %", tmp_path
@@ -40,6 +41,7 @@ def test_kiss_icp_drives_by_its_own_estimate(tmp_path: Path) -> None:
     find_spec("python_motion_planning") is None,
     reason="there is no python_motion_planning: pip install python_motion_planning",
 )
+@pytest.mark.peer("python_motion_planning")
 def test_a_planner_finds_the_way_round_a_wall(tmp_path: Path) -> None:
     left, way, nearest = numbers(
         "planner/drive_a_plan.py", r"within ([\d.]+) m, after ([\d.]+) m, never closer than ([\d.]+) m", tmp_path
@@ -51,6 +53,7 @@ def test_a_planner_finds_the_way_round_a_wall(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(find_spec("cv2") is None, reason="there is no OpenCV: pip install opencv-python-headless")
+@pytest.mark.peer("opencv-python-headless")
 def test_opencv_docks_at_a_marker(tmp_path: Path) -> None:
     distance, off = numbers(
         "docking/dock_at_marker.py", r"docked ([\d.]+) m in front of the marker, (-?[\d.]+) degrees off", tmp_path

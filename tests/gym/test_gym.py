@@ -24,6 +24,7 @@ from morse.many import normal, uniform
 
 
 @pytest.mark.parametrize("task", [Reach, ReachDepth, LookAround, Picture])
+@pytest.mark.peer("gymnasium", does="its checker accepts the environments")
 def test_gymnasium_checks_it(task):
     env = morse.gym.TaskEnv(task, render_mode="rgb_array")
     with warnings.catch_warnings():
@@ -33,6 +34,7 @@ def test_gymnasium_checks_it(task):
 
 
 @pytest.mark.parametrize("task", [Reach, ReachDepth, LookAround, Picture])
+@pytest.mark.peer("stable-baselines3", does="its checker accepts the environments")
 def test_stable_baselines_checks_it(task):
     try:
         from stable_baselines3.common.env_checker import check_env as check
@@ -44,6 +46,7 @@ def test_stable_baselines_checks_it(task):
 
 
 @pytest.mark.slow
+@pytest.mark.peer("stable-baselines3")
 def test_stable_baselines_learns():
     pytest.importorskip("stable_baselines3")
     page = (Path(__file__).parents[2] / "docs" / "gym.md").read_text(encoding="utf-8")
@@ -178,6 +181,7 @@ def test_rows_draw_arguments_of_the_scene_poses_and_colours():
         assert (values == drawn[1][1][name]).all(), name
 
 
+@pytest.mark.peer("pettingzoo", does="its checkers accept the environments")
 def test_pettingzoo_checks_it():
     from pettingzoo.test import parallel_api_test, parallel_seed_test
 

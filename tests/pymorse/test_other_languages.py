@@ -37,6 +37,7 @@ def drive(words: Sequence[str | Path], running: Running) -> None:
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
+@pytest.mark.peer("g++", does="the client in C++ of examples drives a robot")
 def test_cpp(running: Running, tmp_path: Path) -> None:
     program = tmp_path / "client"
     build = ["g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "-o", program, FOLDER / "client.cpp"]
@@ -49,5 +50,6 @@ def test_cpp(running: Running, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="there is no node")
+@pytest.mark.peer("nodejs", does="the client in JavaScript of examples drives a robot")
 def test_javascript(running: Running) -> None:
     drive(["node", FOLDER / "client.mjs"], running)

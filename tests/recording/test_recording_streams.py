@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 TICK = 1e9 / 60
 
 
+@pytest.mark.peer("rosbags")
 def test_sensors_frames_and_time_open_as_a_bag(tmp_path: Path) -> None:
     with morse.load(scene) as sim, sim.record(tmp_path / "run.mcap"):
         drive(sim, ticks=60)
@@ -46,6 +47,7 @@ def test_sensors_frames_and_time_open_as_a_bag(tmp_path: Path) -> None:
     assert {"robot/odom", "robot/scan", "robot/pose"} <= fixed
 
 
+@pytest.mark.peer("mcap", does="reads a recording with all checksums and indexes")
 def test_the_mcap_library_reads_it_with_all_checksums_and_indexes(tmp_path: Path) -> None:
     with morse.load(scene) as sim, sim.record(tmp_path / "run.mcap"):
         drive(sim)
@@ -178,6 +180,7 @@ def test_services_start_and_stop_a_recording(tmp_path: Path, monkeypatch: pytest
 @pytest.mark.parametrize(
     "name", sorted(name for name in messages() if not name.startswith(("rmw_dds_common/", "diagnostic_msgs/")))
 )
+@pytest.mark.peer("rosbags", does="reads the definitions as those of ROS")
 def test_definitions_are_read_by_rosbags_as_those_of_ros(name: str) -> None:
     from rosbags.typesys import get_types_from_msg
 

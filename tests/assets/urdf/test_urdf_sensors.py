@@ -210,3 +210,20 @@ def test_noise_of_a_camera_is_in_codes_of_its_image(simulate, tmp_path, caplog) 
     assert dict(eye.noise) == pytest.approx({"image": 2.55})
     simulate(f"robot = Robot({file!r})\nenv = Environment('empty')\n", sockets=False).step(10)
     assert not [record for record in caplog.records if "noise" in record.message]
+
+
+def test_a_component_with_the_name_of_one_of_the_file_is_told(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    file = str(write(tmp_path))
+    script = f"""
+from morse.builder import *
+robot = Robot({file!r}, name="scout")
+robot.append(Hokuyo("scan"))
+robot.append(Pose("pose"))
+env = Environment('empty')
+"""
+    (tmp_path / "double.py").write_text(script)
+    with morse.load(tmp_path / "double.py") as sim:
+        assert {"scout.scan", "scout.scan_001"} <= sim.context.components.keys()
+    (line,) = (record.message for record in caplog.records if "has a component" in record.message)
+    assert "scout.scan_001" in line
+    assert "scout.sensors['scan']" in line

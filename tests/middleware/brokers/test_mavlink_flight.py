@@ -85,6 +85,7 @@ def test_what_is_commanded_is_what_is_reported(station: Callable[..., Any], worl
 
 
 @pytest.mark.parametrize("actuator", ["RotorcraftWaypoint", "RotorcraftVelocity", "RotorcraftAttitude"])
+@pytest.mark.peer("pymavlink")
 def test_arm_take_off_go_return_and_land(station: Callable[..., Any], actuator: str) -> None:
     ground = station(drone(actuator))
     assert not ground.is_armed()
@@ -116,6 +117,7 @@ def test_arm_take_off_go_return_and_land(station: Callable[..., Any], actuator: 
     )
 
 
+@pytest.mark.peer("pymavlink")
 def test_a_robot_drives_where_it_is_told(station: Callable[..., Any]) -> None:
     ground = station(
         "robot = ATRV(); robot.translate(x=3.0, y=-2.0); robot.rotate(z=0.6)\nmotion = MotionVW(); "
@@ -156,6 +158,7 @@ def test_a_vehicle_has_the_type_of_its_robot(station: Callable[..., Any], body: 
     assert heartbeat.autopilot == 12, "PX4"
 
 
+@pytest.mark.peer("pymavlink")
 def test_messages_come_at_their_rates_in_simulated_time(station: Callable[..., Any]) -> None:
     ground = station(drone("RotorcraftWaypoint"))
     ground.step(60)
@@ -178,6 +181,7 @@ def test_messages_come_at_their_rates_in_simulated_time(station: Callable[..., A
     assert ground.command(512, NAN) == UNSUPPORTED
 
 
+@pytest.mark.peer("pymavlink")
 def test_parameters_are_listed_read_and_set(station: Callable[..., Any]) -> None:
     ground = station(drone("RotorcraftWaypoint"))
     ground.send("param_request_list", 1, 1)
@@ -201,6 +205,7 @@ def test_parameters_are_listed_read_and_set(station: Callable[..., Any]) -> None
     ground.until(lambda: abs(place(ground)[2] + 4.0) < 0.15)
 
 
+@pytest.mark.peer("pymavlink")
 def test_velocities_and_sticks(station: Callable[..., Any]) -> None:
     ground = station(drone("RotorcraftWaypoint"))
     target(ground, 0.0, 0.0, -3.0)
@@ -222,6 +227,7 @@ def test_velocities_and_sticks(station: Callable[..., Any]) -> None:
     assert math.hypot(ground.last("LOCAL_POSITION_NED").vx, ground.last("LOCAL_POSITION_NED").vy) < 0.2
 
 
+@pytest.mark.peer("pymavlink")
 def test_several_vehicles_and_several_stations(station: Callable[..., Any]) -> None:
     body = (
         "drones = []\nfor number in range(3):\n    one = Quadrotor(f'drone{number}')\n"
@@ -257,6 +263,7 @@ def test_the_same_messages_in_the_same_ticks_give_the_same_flight(station: Calla
     assert flight() == flight()
 
 
+@pytest.mark.peer("pymavlink")
 def test_a_ground_station_finds_the_gimbal_and_turns_it(station: Callable[..., Any]) -> None:
     ground = station(
         "robot = ATRV(); head = PTU(); robot.append(head)\nangles = PTUPosture('angles'); head.append(angles)\n"

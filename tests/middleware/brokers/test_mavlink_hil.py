@@ -67,6 +67,7 @@ class Autopilot(threading.Thread):
         self.socket.sendall(controls.pack(self.mav))
 
 
+@pytest.mark.peer("pymavlink", does="lockstep of an autopilot in the loop, by the rules of PX4")
 def test_px4_takes_every_measurement_and_is_kept_in_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     with socket.socket() as probe:

@@ -34,6 +34,7 @@ env.configure_stream_manager("mavlink", device="udpout:127.0.0.1:{port}", vehicl
 
 @pytest.mark.slow
 @pytest.mark.skipif(find_spec("mavsdk") is None, reason="there is no mavsdk, which has 109 MB: pip install mavsdk")
+@pytest.mark.peer("mavsdk", does="connects and reads attitude, positions, battery and fix")
 def test_mavsdk_knows_the_vehicle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:

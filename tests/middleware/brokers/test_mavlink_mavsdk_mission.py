@@ -28,6 +28,7 @@ def blocks() -> list[str]:
 
 
 @pytest.mark.parametrize("robot", ["Quadrotor", "ATRV"])
+@pytest.mark.peer("mavsdk", does="arms, takes off, flies a square mission, returns and lands; drives one on wheels")
 def test_the_program_of_the_page(robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     scene = next(block for block in blocks() if f"{robot}()" in block)

@@ -51,6 +51,7 @@ SQUARE = [
 
 
 @pytest.mark.parametrize("actuator", ["RotorcraftWaypoint", "RotorcraftVelocity"])
+@pytest.mark.peer("pymavlink")
 def test_a_drone_flies_a_square_and_lands(station: Callable[..., Any], actuator: str) -> None:
     ground = station(drone(actuator))
     assert ground.upload(SQUARE) == ACCEPTED
@@ -69,6 +70,7 @@ def test_a_drone_flies_a_square_and_lands(station: Callable[..., Any], actuator:
     assert ground.sim.clock.time - begin > 20.0 / 3.0 + 2.0
 
 
+@pytest.mark.peer("pymavlink")
 def test_a_rover_drives_a_square(station: Callable[..., Any]) -> None:
     ground = station(
         "robot = ATRV(); robot.translate(x=3.0, y=-2.0); robot.rotate(z=0.6)\nmotion = MotionVW(); "
@@ -95,6 +97,7 @@ def test_other_actuators_drive_missions_too(station: Callable[..., Any], actuato
     ground.until(lambda: math.hypot(*place(ground)[:2]) < 1.0)
 
 
+@pytest.mark.peer("pymavlink")
 def test_pause_jump_and_set_the_current_item(station: Callable[..., Any]) -> None:
     ground = station(drone("RotorcraftWaypoint"))
     items = [
@@ -119,6 +122,7 @@ def test_pause_jump_and_set_the_current_item(station: Callable[..., Any]) -> Non
     assert ground.command(224, NAN) == DENIED
 
 
+@pytest.mark.peer("pymavlink")
 def test_what_was_uploaded_is_downloaded(station: Callable[..., Any]) -> None:
     ground = station(drone("RotorcraftWaypoint"))
     assert ground.upload(SQUARE) == ACCEPTED

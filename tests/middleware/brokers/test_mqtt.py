@@ -130,6 +130,7 @@ def talk(sim: Any, command: list[str]) -> str:
         return text
 
 
+@pytest.mark.peer("mosquitto")
 def test_a_client_drives_and_looks(broker: Mosquitto, start: Callable[..., Any]) -> None:
     broker.start()
     sim = start(broker.port, SENSORS, "sandbox")
@@ -149,6 +150,7 @@ def test_a_client_drives_and_looks(broker: Mosquitto, start: Callable[..., Any])
     assert all(0.0 < distance <= 30.0 for distance in scan["range_list"])
 
 
+@pytest.mark.peer("mosquitto")
 def test_a_simulation_without_its_broker(broker: Mosquitto, start: Callable[..., Any]) -> None:
     sim = start(broker.port)  # without a broker
     sim.step(30)
@@ -212,6 +214,7 @@ def test_commands_that_do_not_fit_change_nothing(
     client.loop_stop()
 
 
+@pytest.mark.peer("mosquitto")
 def test_the_end_is_told(broker: Mosquitto, start: Callable[..., Any]) -> None:
     broker.start()
     sim = start(broker.port, options=", prefix='lab'")

@@ -72,6 +72,7 @@ def said(uri: str, tmp_path_factory: pytest.TempPathFactory) -> Any:
         return json.loads(run(HERE / "ros1_peer.py", uri))
 
 
+@pytest.mark.peer("python3-rospy")
 def test_a_node_drives_the_robot_and_sees_what_it_does(said: Any) -> None:
     assert said["missing"] == []
     assert said["x"] > 0.3
@@ -83,6 +84,7 @@ def test_a_node_drives_the_robot_and_sees_what_it_does(said: Any) -> None:
     assert "other" in said["near"], "the other robot has jumped there"
 
 
+@pytest.mark.peer("python3-rospy")
 def test_the_log_of_the_simulation_is_a_topic(said: Any) -> None:
     level, name, text = said["log"]
     assert level == 4  # rosgraph_msgs/Log.WARN
@@ -90,6 +92,7 @@ def test_the_log_of_the_simulation_is_a_topic(said: Any) -> None:
     assert text.startswith("robot.motion: ")
 
 
+@pytest.mark.peer("python3-rospy")
 def test_stamps_are_simulated_time(said: Any) -> None:
     ticks = [stamp * 1e-9 * RATE for stamp in said["stamps"]]
     assert ticks == sorted(ticks)
@@ -128,6 +131,7 @@ def test_recognised_objects_have_frames(said: Any) -> None:
     assert "robot" in said["recognised"]
 
 
+@pytest.mark.peer("python3-rospy")
 def test_messages_keep_their_definitions(said: Any) -> None:
     count, first, last, step, nearest = said["scan"]
     assert last == pytest.approx(first + (count - 1) * step, abs=1e-4)

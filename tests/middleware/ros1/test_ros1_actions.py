@@ -79,16 +79,19 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         yield {**answers, "log": log.read_text()}
 
 
+@pytest.mark.peer("python3-rospy")
 def test_a_goal_is_reached_and_has_a_result(said: Any) -> None:
     succeeded = 3
     assert said["reached"] == [succeeded, 42]
 
 
+@pytest.mark.peer("python3-rospy")
 def test_the_overlay_of_1_4_takes_goals_of_the_navigation_stack(said: Any) -> None:
     succeeded = 3
     assert said["move_base"] == succeeded
 
 
+@pytest.mark.peer("python3-rospy")
 def test_a_goal_that_is_cancelled_ends_as_preempted(said: Any) -> None:
     preempted = 2
     assert said["cancelled"] == preempted
@@ -100,6 +103,7 @@ def test_a_goal_that_fails_ends_as_aborted_with_the_reason(said: Any) -> None:
     assert "not that way" in said["refused"][1]
 
 
+@pytest.mark.peer("python3-rospy")
 def test_services_with_types_of_their_own(said: Any) -> None:
     assert said["halt"] == [True, "halted"]
     assert "a mistake of the user" in said["failure"]

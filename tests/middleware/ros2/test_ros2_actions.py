@@ -81,6 +81,7 @@ if has(sys.executable, "rclpy"):
 else:
 
     @pytest.mark.timeout(200)
+    @pytest.mark.peer("ros-jazzy-rclpy", does="a node sends goals of actions, gets feedback and results, cancels")
     def test_by_the_python_that_has_rclpy() -> None:
         need("rclpy", PYTHON)
         command = [PYTHON, "-m", "pytest", "-n0", "-q", "-p", "no:cacheprovider", "-k", "has_goals", __file__]

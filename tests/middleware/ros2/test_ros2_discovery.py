@@ -58,6 +58,7 @@ def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     "variables", [{}, {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}], ids=["default", "localhost"]
 )
+@pytest.mark.peer("ros-jazzy-rclpy")
 def test_a_node_that_starts_after_the_simulation_finds_it(
     scene: Path, tmp_path: Path, variables: dict[str, str]
 ) -> None:
@@ -77,6 +78,7 @@ def test_a_node_that_starts_after_the_simulation_finds_it(
 
 
 @pytest.mark.slow
+@pytest.mark.peer("ros-jazzy-rclpy")
 def test_a_node_that_started_before_finds_each_simulation_that_replaces_a_killed_one(
     scene: Path, tmp_path: Path
 ) -> None:

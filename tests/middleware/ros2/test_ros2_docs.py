@@ -17,6 +17,7 @@ LIMIT = 60.0
 
 
 @pytest.mark.slow
+@pytest.mark.peer("ros-jazzy-rclpy")
 def test_the_node_of_the_documentation_drives_the_robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     need("cyclonedds")
     need("rclpy", PYTHON)

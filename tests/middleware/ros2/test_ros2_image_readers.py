@@ -78,6 +78,7 @@ def reach(backend: Any, publisher: Any, readers: list[Reader]) -> bool:
     return all(reader.images() for reader in readers)
 
 
+@pytest.mark.peer("ros-jazzy-rclpy")
 def test_a_reader_gets_every_image_that_was_sent(backend: Any, tmp_path: Path) -> None:
     publisher = backend.publisher("/eye/image", TYPE, Qos())
     reader = Reader(tmp_path / "said")
@@ -92,6 +93,7 @@ def test_a_reader_gets_every_image_that_was_sent(backend: Any, tmp_path: Path) -
 
 
 @pytest.mark.slow
+@pytest.mark.peer("ros-jazzy-rclpy")
 def test_a_reader_that_does_not_answer_does_not_stop_the_others(backend: Any, tmp_path: Path) -> None:
     publisher = backend.publisher("/eye/image", TYPE, Qos())
     readers = [Reader(tmp_path / "one"), Reader(tmp_path / "other")]

@@ -58,6 +58,9 @@ def seconds(stamp: dict[str, int]) -> float:
     return stamp["sec"] + stamp["nanosec"] * 1e-9
 
 
+@pytest.mark.peer(
+    "ros-jazzy-rclpy", does="a node drives and reads poses, odometry, scans, frames and time of the wheel backend"
+)
 def test_a_node_of_rclpy_drives_the_robot_and_sees_what_it_does(simulation: Any) -> None:
     need("rclpy", PYTHON)
     said = talk("rclpy_peer.py", simulation.step, PYTHON)
@@ -96,6 +99,7 @@ def test_a_node_of_rclpy_drives_the_robot_and_sees_what_it_does(simulation: Any)
     assert set(scan["ranges"]) == {math.inf}, "there is nothing in this world"
 
 
+@pytest.mark.peer("cyclonedds")
 def test_the_tree_of_frames(simulation: Any) -> None:
     need("cyclonedds")
     if simulation.context.stream_managers[MANAGER].backend.name == "rclpy" and not has(sys.executable, "tf2_msgs"):
@@ -141,6 +145,7 @@ def test_nothing_of_other_machines_is_received(simulation: Any) -> None:
 if "rclpy" not in BACKENDS:
 
     @pytest.mark.timeout(300)
+    @pytest.mark.peer("ros-jazzy-rclpy", does="the same with the backend rclpy")
     def test_the_same_by_the_python_that_has_rclpy() -> None:
         """The simulation itself over rclpy; the wheels of ROS 2 need a separate Python."""
         need("rclpy", PYTHON)

@@ -31,6 +31,7 @@ BACKENDS = [backend for backend in ("cyclonedds", "rclpy") if has(sys.executable
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.peer("ros-jazzy-rclpy", does="commands as Twist, TwistStamped, AckermannDrive")
 def test_a_node_decides_how_it_commands(backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     need("rclpy", PYTHON)
     for name in SETTINGS:

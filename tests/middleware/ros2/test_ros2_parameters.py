@@ -28,6 +28,7 @@ BOOL, DOUBLE, STRING = 1, 3, 4
 
 if HERE:
 
+    @pytest.mark.peer("ros-jazzy-rclpy", does="a node lists, describes, gets and sets parameters")
     def test_properties_are_parameters(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         for name in SETTINGS:
             monkeypatch.delenv(name, raising=False)
@@ -64,6 +65,7 @@ if HERE:
 else:
 
     @pytest.mark.timeout(300)
+    @pytest.mark.peer("ros-jazzy-rclpy", does="a node lists, describes, gets and sets parameters")
     def test_properties_are_parameters() -> None:
         need("rclpy", PYTHON)
         command = [PYTHON, "-m", "pytest", "-n0", "-q", "-p", "no:cacheprovider", __file__]

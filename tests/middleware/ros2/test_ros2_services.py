@@ -109,6 +109,7 @@ if HERE:  # otherwise the Python with rclpy runs it, see below
 else:
 
     @pytest.mark.timeout(200)
+    @pytest.mark.peer("ros-jazzy-rclpy", does="a node calls services")
     def test_by_the_python_that_has_rclpy() -> None:
         need("rclpy", PYTHON)
         command = [PYTHON, "-m", "pytest", "-n0", "-q", "-p", "no:cacheprovider", "-k", "a_node_calls", __file__]

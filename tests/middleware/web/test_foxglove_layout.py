@@ -59,7 +59,7 @@ def test_a_recording_takes_no_commands() -> None:
     assert {one["panelType"] for one in panels(layout["content"])} == {"ThreeDee", "Plot", "DataSourceInfo", "Log"}
 
 
-@pytest.mark.peer("foxglove-sdk")
+@pytest.mark.peer("foxglove-sdk", does="has the panels and settings of layouts")
 def test_the_sdk_has_these_panels_and_settings(layout: dict[str, Any]) -> None:
     layouts = pytest.importorskip("foxglove.layouts", reason="see .ci/foxglove")
     classes = {

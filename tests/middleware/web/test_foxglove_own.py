@@ -53,7 +53,9 @@ def package(tmp_path: Path) -> Path:
 
 
 @pytest.mark.skipif(shutil.which("node") is None or not (LIBRARY / "node_modules").is_dir(), reason="see .ci/foxglove")
-@pytest.mark.peer("@foxglove/ws-protocol")
+@pytest.mark.peer(
+    "@foxglove/ws-protocol", does="description with its meshes and textures, parameters, connection graph"
+)
 def test_description_meshes_parameters_and_graph(
     package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

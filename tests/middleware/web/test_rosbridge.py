@@ -98,6 +98,7 @@ class Client:
         raise AssertionError(f"no message with {wanted}")
 
 
+@pytest.mark.peer("roslibpy")
 def test_the_client_of_rosbridge_drives_looks_and_calls(start: Callable[..., tuple[Any, int]]) -> None:
     need("roslibpy")
     sim, port = start(SENSORS, world="sandbox")
@@ -450,6 +451,7 @@ def test_step_by_step_the_data_come_before_the_answer(start: Callable[..., tuple
     assert seen == [[first + number] for number in range(30)]
 
 
+@pytest.mark.peer("roslibpy")
 def test_the_example_of_the_documentation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     need("roslibpy")
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")

@@ -83,6 +83,7 @@ def finish_alone(process: subprocess.Popen[str]) -> str:
     return said
 
 
+@pytest.mark.peer("yarp")
 def test_programs_of_yarp_connect_and_disconnect(seen: dict[str, Any]) -> None:
     assert seen["connected"]
     assert seen["is connected"]
@@ -90,6 +91,7 @@ def test_programs_of_yarp_connect_and_disconnect(seen: dict[str, Any]) -> None:
     assert seen["disconnected"] == [True, False]
 
 
+@pytest.mark.peer("yarp")
 def test_a_bottle_has_the_fields_in_their_order(seen: dict[str, Any]) -> None:
     timestamp, x, y, z, *angles = seen["pose"]
     assert timestamp > 0.0
@@ -103,6 +105,7 @@ def test_a_scan_is_a_list_of_points(seen: dict[str, Any]) -> None:
     assert all(np.isfinite(seen["point"]))
 
 
+@pytest.mark.peer("yarp")
 def test_an_image_has_the_pixels_of_the_camera(seen: dict[str, Any]) -> None:
     image = np.reshape(seen["camera"], (20, 33, 4))
     assert np.array_equal(image[..., 3], np.full((20, 33), 255))
@@ -116,6 +119,7 @@ def test_an_image_has_the_pixels_of_the_camera(seen: dict[str, Any]) -> None:
     assert np.shape(seen["ids"]) == (20, 33)
 
 
+@pytest.mark.peer("yarp")
 def test_services_are_called_and_answered(seen: dict[str, Any]) -> None:
     status, arrived, literal, unknown = seen["replies"]
     assert re.fullmatch(r"a1 SUCCESS (Arrived|Stop|Transit)", status)
@@ -126,6 +130,7 @@ def test_services_are_called_and_answered(seen: dict[str, Any]) -> None:
     assert "did you mean 'goto'" in unknown
 
 
+@pytest.mark.peer("yarp")
 def test_a_command_arrives_and_is_replied_to(seen: dict[str, Any]) -> None:
     assert seen["replied"] == [True, True]
     assert seen["truth"]["turret"] == 0.5

@@ -54,6 +54,7 @@ def build_scene(workspace: Workspace) -> Scene:
     if environment._auto_tune and settings.time_strategy is TimeStrategies.BestEffort:
         settings.frequency = max(settings.frequency, fastest)
     _slow_down([part for part in own if part._keeps_tick], settings.frequency)
+    _tell_doubles(own)
     components = [declare(part) for part in own]
     settings.view.display = Displaying(workspace, components).display(environment._wishes)
     _check_poses(workspace)
@@ -71,6 +72,22 @@ def build_scene(workspace: Workspace) -> Scene:
         log_levels=environment._log_levels,
         multinode=environment._multinode,
     )
+
+
+def _tell_doubles(parts: Iterable[AbstractComponent]) -> None:
+    """Warn of components of the script with the name of one that the file of the robot has declared."""
+    for robot in (part for part in parts if isinstance(part, Robot)):
+        declared = {**robot.actuators, **robot.sensors}
+        for child in robot.children:
+            name, _, number = child.name.rpartition("_")
+            name = name.rpartition(".")[2]
+            if name in declared and number.isdecimal() and child not in declared.values():
+                table = "actuators" if name in robot.actuators else "sensors"
+                logger.warning(
+                    "the file of %s has a component '%s', and the one of the script is called %s: use "
+                    "%s.%s['%s'], another name, or Robot(..., sensors=False) without the components of the file",
+                    *(robot.name, name, child.name, robot.name, table, name),
+                )
 
 
 def _slow_down(parts: Iterable[AbstractComponent], tick: float) -> None:
