@@ -4,6 +4,7 @@ import "./style/base.css";
 import "./style/bar.css";
 import "./style/panels.css";
 import "./style/view.css";
+import "./style/editor.css";
 import "./style/small.css";
 
 /** The page, or an error message in a browser that cannot show it. */

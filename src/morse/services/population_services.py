@@ -63,7 +63,8 @@ class PopulationServices(AbstractObject):
 
         Args:
             name: name of the new object, which must not exist in the scene.
-            kind: name of a robot in scene scripts, e.g. ``ATRV``, or of a model, e.g. ``props/crates``.
+            kind: name of a robot in scene scripts, e.g. ``ATRV``, or of a model, e.g. ``props/crates``, or of an object
+                of a model, e.g. ``props/crates#small_crate``.
             position: x, y, z in the world, m; the origin if it is not given.
             orientation: roll, pitch, yaw, rad.
         """

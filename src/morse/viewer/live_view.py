@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from morse.core.observer import Observer
 from morse.viewer import page_messages as page
 from morse.viewer.display import has_display
+from morse.viewer.editor.editor import Editor
 from morse.viewer.feeds.clouds import ViewClouds
 from morse.viewer.feeds.debug_properties import ViewDebug
 from morse.viewer.feeds.edits import EditsFeed
@@ -93,6 +94,7 @@ class View(Observer):
         self._commands = Commands(context)
         self._services = ServiceCalls(context, server, self._commands)
         self._moving = Moving(server, self._services)
+        self._editor = Editor(simulation, server, self._services)
         self._history = Rewinder(simulation, lambda: simulation.clock.time, server)
         self._states = StatesFeed(context, server)
         self._rays = ViewRays(context, server)
@@ -111,6 +113,7 @@ class View(Observer):
             self._sounds,
             EditsFeed(simulation.edits, server),
             RecordingsFeed(simulation, server, possible=self.changeable),
+            *([self._editor] if self.changeable else []),
         ]
         self._log = LogFeed(context, server)
         try:
@@ -134,9 +137,14 @@ class View(Observer):
             page.CancelService: self._services.cancel,
             page.Activate: self._services.activate,
             page.ToggleCapturing: self._services.toggle_capturing,
-            page.Teleport: self._moving.teleport,
+            page.Teleport: self._teleport,
             page.Drag: self._moving.drag,
             page.DragEnd: self._moving.let_go,
+            page.ListModels: self._editor.list_models,
+            page.AddModel: self._editor.add,
+            page.DeleteObject: self._editor.delete,
+            page.UndoChange: self._editor.undo,
+            page.SaveScene: self._editor.save,
             PageLeft: self._services.forget,
         }
 
@@ -173,6 +181,7 @@ class View(Observer):
     def before_tick(self) -> None:
         """Execute the requests of the driving page."""
         server = self._server
+        self._editor.before_tick()
         if events := server.take_events():
             self._handle(events)
         self._simulation.set_controls(server.held_keys(), tuple(server.gamepad()[0]), self._listening)
@@ -248,6 +257,10 @@ class View(Observer):
         logger.info("a page of the live view has ended the simulation")
         self._simulation.stop()
 
+    def _teleport(self, event: page.Teleport) -> None:
+        if self._moving.teleport(event):
+            self._editor.moved(event)
+
     def _listen_to(self, event: page.ListenTo) -> None:
         if event.robot is None or event.robot in self._simulation.context.robots:
             self._listening = event.robot
@@ -268,6 +281,7 @@ class View(Observer):
     def restarted(self) -> None:
         """Describe the components again, because the simulation has restarted."""
         self._history.restarted()
+        self._editor.restarted()
         self._connect_components()
         self._tell_components()
 
@@ -301,6 +315,7 @@ class View(Observer):
 
     def close(self) -> None:
         """Stop the server."""
+        self._editor.close()
         self._log.update()
         self._log.close()
         self._server.stop()

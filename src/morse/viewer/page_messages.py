@@ -184,12 +184,17 @@ class Activate(ViewEvent, frozen=True):
 
 
 class Teleport(ViewEvent, frozen=True):
-    """Set the pose of a node: world frame, metres; quaternion w, x, y, z; has an answer."""
+    """Set the pose of a node: world frame, metres; quaternion w, x, y, z; has an answer.
+
+    Attributes:
+        first: whether it begins a movement; all messages of a movement are undone together.
+    """
 
     request: Request
     node: Name
     position: Point
     quaternion: Turn
+    first: bool = True
 
 
 class Drag(ViewEvent, frozen=True):
@@ -211,3 +216,47 @@ class DragEnd(ViewEvent, frozen=True):
 
 class ToggleCapturing(ViewEvent, frozen=True):
     """Let all cameras capture images, or stop them."""
+
+
+# the editor ------------------------------------------------------------------------------------------------
+
+
+class ListModels(ViewEvent, frozen=True):
+    """Send the models that can be added, then their pictures."""
+
+
+class AddModel(ViewEvent, frozen=True):
+    """Add a model to the scene; the answer is its name.
+
+    Attributes:
+        model: the kind of a listed model.
+        position: of its lowest point in the world, or of a sensor in the frame of its robot, metres.
+        yaw: radians.
+        robot: the robot that gets the sensor.
+    """
+
+    request: Request
+    model: Name
+    position: Point
+    yaw: Coordinate = 0.0
+    robot: Name = ""
+
+
+class DeleteObject(ViewEvent, frozen=True):
+    """Delete a robot or an object; the answer is its name."""
+
+    request: Request
+    node: Name
+
+
+class UndoChange(ViewEvent, frozen=True):
+    """Undo the last change of the scene; the answer is what it was."""
+
+    request: Request
+
+
+class SaveScene(ViewEvent, frozen=True):
+    """Write the changes into the script of the scene, or only show the lines that would change; has an answer."""
+
+    request: Request
+    write: bool

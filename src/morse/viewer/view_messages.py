@@ -462,3 +462,45 @@ class Capturing(ServerMessage, frozen=True):
     """Whether the cameras capture images."""
 
     active: bool
+
+
+# the editor ----------------------------------------------------------------------------------------------
+
+
+class Model(Struct, frozen=True):
+    """A model that can be added; ``group`` is ``robots``, ``sensors``, or the name of a file with objects."""
+
+    kind: str
+    name: str
+    group: str
+
+
+class Models(ServerMessage, frozen=True):
+    """All models that can be added."""
+
+    models: list[Model]
+
+
+class ModelPicture(ServerMessage, frozen=True):
+    """The address of the picture of a model."""
+
+    kind: str
+    url: str
+
+    _about: ClassVar[tuple[str, ...] | None] = ("kind",)
+
+
+class SceneChanges(ServerMessage, frozen=True):
+    """The changes of the scene since its script was run.
+
+    Attributes:
+        count: their number.
+        last: what was changed last; empty if there is nothing to undo.
+        waiting: sensors that will be there when the scene is saved and loaded again.
+        file: name of the file in which the scene is saved; empty if it cannot be saved.
+    """
+
+    count: int
+    last: str
+    waiting: list[str]
+    file: str

@@ -16,10 +16,11 @@ export class Shortcuts {
 
   constructor() {
     addEventListener("keydown", (event) => {
-      if (isTyping(event) || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+      if (isTyping(event) || event.altKey || event.repeat) return;
       if (["Space", "Enter"].includes(event.code) && isPressed(event.target)) return;
       if (event.key === "Escape" && document.querySelector("dialog[open]")) return;
-      const shortcut = this.list.find(({ keys }) => keys.includes(event.key) || keys.includes(event.code));
+      const prefix = event.ctrlKey || event.metaKey ? "Ctrl+" : "";
+      const shortcut = this.list.find(({ keys }) => keys.includes(prefix + event.key) || keys.includes(prefix + event.code));
       if (!shortcut) return;
       event.preventDefault();
       shortcut.run();

@@ -22,6 +22,7 @@ export class ObjectPanel {
     private readonly toasts: Toasts,
     private readonly connection: Connection,
     private readonly onMove: (node: WorldNode) => void,
+    private readonly onDelete: (node: WorldNode) => void,
   ) {
     stage.onDrawn(() => this.update());
   }
@@ -52,6 +53,7 @@ export class ObjectPanel {
         button(icons.focus, "focus", "Focus", () => this.follow.frameNode(node), "C"),
         button(icons.eye, "follow", "Follow", () => this.follow.start("third", node)),
         button(icons.move, "move", "Move", () => this.onMove(node), "M"),
+        button(icons.bin, "delete", "Delete", () => this.onDelete(node), "Del"),
         button(icons.copy, "copy", "Copy the pose as builder code", () => void this.copy()),
         camera && button(icons.camera, "picture", "Show the camera image", () => this.images.toggle(name), "V"),
       ),
@@ -90,13 +92,14 @@ export class ObjectPanel {
     this.angles.textContent = angles.map(millimetres).join(", ");
   }
 
-  /** Set the pose of a node, as a client would. */
-  async teleport(node: WorldNode, position: Vector3, turn: Quaternion): Promise<void> {
+  /** Set the pose of a node, as a client would; the first pose of a movement begins a new change of the scene. */
+  async teleport(node: WorldNode, position: Vector3, turn: Quaternion, first = true): Promise<void> {
     const answer = await this.connection.request({
       type: "teleport",
       node: node.name,
       position: position.toArray(),
       quaternion: [turn.w, turn.x, turn.y, turn.z],
+      first,
     });
     if (!answer.ok) this.toasts.show(answer.error, "error");
   }

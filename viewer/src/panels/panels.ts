@@ -5,6 +5,7 @@ import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { isCamera } from "../model/components";
 import { Sounds } from "../sound/sounds";
+import { Editor } from "../editor/editor";
 import { theme, toggleTheme } from "../ui/theme";
 import { Highlight } from "../view/highlight";
 import { Mover } from "../view/mover";
@@ -42,6 +43,7 @@ export class Panels {
   readonly history: HistoryPanel;
   readonly recording: RecordingPanel;
   readonly sounds: Sounds;
+  readonly editor: Editor;
   private readonly highlight: Highlight;
 
   constructor(private readonly app: App) {
@@ -51,8 +53,8 @@ export class Panels {
     this.layers = new Layers(connection, stage, components, watching, app.world);
     this.images = new Images(connection, components, watching, app.session);
     this.plots = new PlotsPanel(components, watching, app.session, () => shell.show("bottom"), (text) => toasts.show(text));
-    this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node));
-    this.mover = new Mover(stage, connection, (node, { position, quaternion }) => void this.object.teleport(node, position, quaternion));
+    this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node), (node) => void this.editor.delete(node.name));
+    this.mover = new Mover(stage, connection, (node, { position, quaternion }, first) => void this.object.teleport(node, position, quaternion, first));
     this.mover.running = () => app.poses.value?.running ?? false;
     app.navigation.claims = (event) => this.mover.claims(event);
     this.viewMenu = new ViewMenu(stage, follow, components, this.layers, camerasMenu(this.images, components));
@@ -66,7 +68,8 @@ export class Panels {
       (name) => this.object.show(name, components.cameras.some((camera) => camera.name === name)),
       (component, field) => this.plots.plot(component, field),
     );
-    shell.left.append(tree.element);
+    this.editor = new Editor(connection, stage, components, toasts, shell, app.world, app.seat.drives, tree.element);
+    shell.left.append(this.editor.element, this.editor.list.element, tree.element);
     shell.right.append(inspector.element);
     const openLog = (text: string): void => {
       shell.show("bottom");
@@ -168,6 +171,9 @@ export class Panels {
     shortcuts.add("View", ["v", "V"], "V", "show the image of a robot's camera", () => this.toggleImage());
     shortcuts.add("Page", ["m", "M"], "M", "move the selected object, or stop", () => this.move(this.selectedNode()));
     shortcuts.add("Page", ["n", "N"], "N", "move: translate or rotate", () => this.mover.turn());
+    shortcuts.add("Page", ["Delete"], "Del", "delete the selected object", () => void this.editor.delete(app.components.selected.value));
+    shortcuts.add("Page", ["Ctrl+z"], "Ctrl+Z", "undo the last change of the scene", () => void this.editor.undo());
+    shortcuts.add("Page", ["Ctrl+s"], "Ctrl+S", "save the scene", () => void this.editor.save());
     shortcuts.add("Page", ["x", "X"], "X", "screenshot", () => this.capture.picture());
     shortcuts.add("Page", ["Escape"], "Esc", "select nothing", () => this.escape());
     shortcuts.add("Page", ["h", "H", "?"], "H", "this list", () => this.help.toggle());

@@ -19,16 +19,19 @@ export class Mover {
   private readonly plane = new Plane();
   private held: { node: WorldNode; anchor: Vector3; target: Vector3; grip: Vector3 } | null = null;
   private last = 0;
+  /** whether the next pose begins a movement */
+  private begins = true;
 
   constructor(
     private readonly stage: Stage,
     private readonly connection: Connection,
-    private readonly teleport: (node: WorldNode, proxy: Object3D) => void,
+    private readonly teleport: (node: WorldNode, proxy: Object3D, first: boolean) => void,
   ) {
     const canvas = stage.renderer.domElement;
     this.handles = new TransformControls(stage.view.camera, canvas);
     this.handles.setSize(0.8);
     this.handles.addEventListener("change", stage.invalidate);
+    this.handles.addEventListener("mouseDown", () => (this.begins = true));
     this.handles.addEventListener("objectChange", () => this.put());
     this.handles.addEventListener("mouseUp", () => this.put(true));
     stage.scene.add(this.proxy, this.handles.getHelper());
@@ -65,6 +68,7 @@ export class Mover {
     if (this.handles.axis !== null) return true;
     const hit = pick(this.stage, event.clientX, event.clientY);
     if (!hit || !hit.node.find((one) => one === node)) return false;
+    this.begins = true;
     this.plane.setFromNormalAndCoplanarPoint(this.stage.view.ahead.negate(), hit.point);
     const anchor = node.frame.worldToLocal(hit.point.clone());
     this.held = { node, anchor, target: hit.point.clone(), grip: hit.point.clone().sub(this.proxy.position) };
@@ -100,7 +104,9 @@ export class Mover {
 
   private put(now = false): void {
     const node = this.node.value;
-    if (node && (now || this.due())) this.teleport(node, this.proxy);
+    if (!node || !(now || this.due())) return;
+    this.teleport(node, this.proxy, this.begins);
+    this.begins = false;
   }
 
   private due(): boolean {

@@ -10,6 +10,7 @@ from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.assembly.finalise import declare
 from morse.builder.components.passive import PassiveObject
 from morse.builder.components.robot import Robot, WheeledRobot
+from morse.builder.creator import ComponentCreator
 from morse.builder.environment.environment import connect_by_default
 from morse.builder.errors import checks
 from morse.builder.names import naming
@@ -95,6 +96,8 @@ def _checked(newcomer: Newcomer, others: Iterable[Node]) -> Newcomer:
 def maker_of(kind: str) -> Callable[[], Any]:
     """Return the function that creates a kind: the name of a class of `morse.builder`, or the name of a model.
 
+    ``props/crates#small_crate`` is one object of a model.
+
     Raises:
         MorseBuilderNoComponentError: there is no such class and no such model.
     """
@@ -104,7 +107,8 @@ def maker_of(kind: str) -> Callable[[], Any]:
     if isinstance(maker, type) and issubclass(maker, Robot):
         return maker
     if "/" in kind or "." in kind:
-        return lambda: PassiveObject(kind)
+        file, _, part = kind.partition("#")
+        return lambda: PassiveObject(file, object_name=part or None)
     robots = [
         name
         for name in morse.builder.__all__
@@ -113,3 +117,19 @@ def maker_of(kind: str) -> Callable[[], Any]:
     raise MorseBuilderNoComponentError(
         f"there is no robot '{kind}'{checks.suggestion(kind, robots)}; for an object, give its model, e.g. props/crates"
     )
+
+
+def component_of(kind: str) -> AbstractComponent:
+    """Return a new robot, object, sensor or actuator of a kind.
+
+    Raises:
+        MorseBuilderNoComponentError: there is no such kind.
+    """
+    import morse.builder
+
+    cls = getattr(morse.builder, kind, None)
+    if isinstance(cls, type) and issubclass(cls, ComponentCreator):
+        return cls()
+    component = maker_of(kind)()
+    assert isinstance(component, AbstractComponent)
+    return component

@@ -20,11 +20,13 @@ class Moving:
         self._server = server
         self._services = services
 
-    def teleport(self, event: page.Teleport) -> None:
-        """Move an object to a pose, at rest."""
+    def teleport(self, event: page.Teleport) -> bool:
+        """Move an object to a pose, at rest; returns whether that was possible."""
         place = (event.node, list(event.position), list(event.quaternion))
         if self._services.attempt(event.request, lambda: self._services.run("simulation", "set_object_pose", *place)):
             self._server.send(Answer(event.request, True))
+            return True
+        return False
 
     def drag(self, event: page.Drag) -> None:
         """Start pulling, or move the target."""

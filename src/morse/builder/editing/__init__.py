@@ -1,0 +1,1 @@
+"""Changes of a scene that is open, written into its script."""

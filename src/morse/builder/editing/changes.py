@@ -1,0 +1,64 @@
+"""The changes of a scene since its script was run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Addition:
+    """A robot, an object or a sensor that was added.
+
+    Attributes:
+        name: in the scene, without the name of the robot; also the variable of the script, so that it is a free one.
+        kind: name of a builder class, or name of a model, with ``#`` and the name of an object of it.
+        position: in the world, or on the robot, m.
+        angles: Euler angles XYZ, rad.
+        robot: name of the robot of a sensor; empty for others.
+        own_position, own_angles: the pose that the builder gives to such an object.
+    """
+
+    name: str
+    kind: str
+    position: Triple
+    angles: Triple = (0.0, 0.0, 0.0)
+    robot: str = ""
+    own_position: Triple = (0.0, 0.0, 0.0)
+    own_angles: Triple = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """An object of the script or of its world has another pose.
+
+    Attributes:
+        position, angles: the new pose: m, Euler angles XYZ in rad.
+        old_position, old_angles: the pose when the script was run.
+    """
+
+    name: str
+    position: Triple
+    angles: Triple
+    old_position: Triple
+    old_angles: Triple
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """All changes of a scene.
+
+    Attributes:
+        additions: in the order in which they were made.
+        moves: of objects that exist when the script is run.
+        deletions: names of root objects, with the names of the objects below each.
+    """
+
+    additions: list[Addition] = field(default_factory=list)
+    moves: list[Move] = field(default_factory=list)
+    deletions: dict[str, list[str]] = field(default_factory=dict)
+
+
+class UnwritableError(ValueError):
+    """A change cannot be written into the script; the message tells the user what to do."""

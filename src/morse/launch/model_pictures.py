@@ -1,0 +1,168 @@
+"""The models that can be added to a scene, with pictures: ``python -m morse.launch.model_pictures [FOLDER ...]``.
+
+A process of its own draws them, so that a running simulation does not wait. Each line that it prints is a JSON object:
+the first one lists all models, each other one has the picture of one model. Pictures are kept in the cache of the user.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+import json
+import sys
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.assets import find, load, search
+from morse.assets.cache import Cache
+from morse.scene.extent import extent
+from morse.version import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+SIZE = (144, 108)
+#: m between two models of one scene
+_SPACING = 60.0
+#: models that are drawn by one simulation
+_TOGETHER = 12
+_NO_SENSORS = ("SensorCreator", "CompoundSensor")
+_cache = Cache("pictures", 2000)
+
+
+class Model(NamedTuple):
+    """A model that can be added.
+
+    Attributes:
+        kind: as for the service ``spawn``, or the name of a sensor class.
+        name: for people.
+        group: ``robots``, ``sensors``, or the name of the file.
+    """
+
+    kind: str
+    name: str
+    group: str
+
+
+def models() -> list[Model]:
+    """All robots, sensors and objects of models, those of the project included."""
+    from morse.builder import robots, sensors
+    from morse.builder.components.robot import Robot
+
+    items = [Model(name, name, "robots") for name in robots.__all__ if _is_model(getattr(robots, name), Robot)]
+    items += [Model(name, name, "sensors") for name in sensors.__all__ if name not in _NO_SENSORS]
+    for name in search.available("props"):
+        path = find(name, "props")
+        if path.is_relative_to(search.component_dirs()[0]):
+            name = f"props/{name}"
+        if "/" not in name and "." not in name:
+            continue
+        items += [
+            Model(f"{name}#{root.name}", root.name.replace("_", " "), path.stem.replace("_", " "))
+            for root in load(path).roots
+            if extent(root) is not None and not root.name.startswith("_")
+        ]
+    return items
+
+
+def _is_model(cls: Any, base: type) -> bool:
+    return isinstance(cls, type) and issubclass(cls, base) and cls.__name__ != "FakeRobot"
+
+
+def _part(model: Model) -> Any:
+    """What is drawn of a model; a sensor is on a robot without a body."""
+    from morse.builder import FakeRobot
+    from morse.builder.assembly.spawning import component_of
+
+    part = component_of(model.kind)
+    if model.group != "sensors":
+        return part
+    robot = FakeRobot()
+    robot.append(part)
+    return robot
+
+
+def drawn(several: list[Model]) -> Iterator[tuple[Model, bytes]]:
+    """Models with their pictures (WebP); without those that have nothing to show."""
+    from PIL import Image
+
+    from morse.builder import Environment
+    from morse.launch.load import load as load_simulation
+
+    parts: list[tuple[Model, Any]] = []
+
+    def describe() -> None:
+        for number, model in enumerate(several):
+            part = _part(model)
+            part.name = f"model{number}"
+            part.translate(number * _SPACING, 0.0, 0.0)
+            parts.append((model, part.scene_node))
+        Environment("empty").properties(longitude=0.0, latitude=0.0, altitude=0.0)
+
+    with load_simulation(describe) as simulation:
+        for model, node in parts:
+            corners = extent(node)
+            if corners is None:
+                continue
+            low, high = corners
+            centre = (low + high) / 2
+            reach = max(float(np.linalg.norm(high - low)), 0.02)
+            # small things from farther away, so that nothing is nearer than a camera sees
+            away = max(reach, 0.5)
+            eye = centre + np.array([0.75, -0.95, 0.6]) * away
+            ahead = (centre - eye) / np.linalg.norm(centre - eye)
+            rotation = (float(np.arccos(-ahead[2])), 0.0, float(np.arctan2(ahead[0], -ahead[1]) + np.pi))
+            place: dict[str, Any] = {"location": tuple(map(float, eye)), "rotation": rotation}
+            pixels = simulation.picture(2 * SIZE[0], 2 * SIZE[1], **place, focal_length=38.0 * away / reach)
+            stream = io.BytesIO()
+            Image.fromarray(pixels).resize(SIZE, Image.Resampling.BOX).save(stream, "WEBP", quality=80)
+            yield model, stream.getvalue()
+
+
+def _key(model: Model) -> str:
+    file = find(model.kind.partition("#")[0]) if "#" in model.kind else None
+    stamp = "" if file is None else f"{file} {file.stat().st_mtime_ns}"
+    return hashlib.sha256(f"{__version__} {model.kind} {stamp} {SIZE}".encode()).hexdigest()
+
+
+def main() -> None:
+    """Print the list, then the pictures."""
+    with search.project_dirs(sys.argv[1:]):
+        everything = models()
+        _print([model._asdict() for model in everything])
+        missing = []
+        for model in everything:
+            picture = _cache.get(_key(model), 1 << 20)
+            if picture is None:
+                missing.append(model)
+            elif picture:
+                _print({"kind": model.kind, "picture": base64.b64encode(picture).decode()})
+        for begin in range(0, len(missing), _TOGETHER):
+            _draw(missing[begin : begin + _TOGETHER])
+
+
+def _draw(several: list[Model]) -> None:
+    nothing = {model.kind: model for model in several}
+    try:
+        for model, picture in drawn(several):
+            del nothing[model.kind]
+            _cache.put(_key(model), picture)
+            _print({"kind": model.kind, "picture": base64.b64encode(picture).decode()})
+    except Exception as error:  # a model of the user
+        if len(several) > 1:
+            for model in list(nothing.values()):
+                _draw([model])
+            return
+        print(f"{several[0].kind} has no picture: {error}", file=sys.stderr)
+    for model in nothing.values():
+        _cache.put(_key(model), b"")
+
+
+def _print(value: Any) -> None:
+    print(json.dumps(value), flush=True)
+
+
+if __name__ == "__main__":
+    main()

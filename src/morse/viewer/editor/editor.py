@@ -1,0 +1,261 @@
+"""Executes the requests of the editor of the page."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from morse.builder import workspace
+from morse.builder.assembly.spawning import component_of
+from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
+from morse.builder.editing.source import Source
+from morse.builder.editing.writing import variable_name
+from morse.builder.script import describing
+from morse.core.exceptions import MorseError
+from morse.core.journal import EDIT
+from morse.mathutils.rotations import compatible_euler, rotation_from_quaternion
+from morse.scene.extent import extent
+from morse.viewer.editor.catalog import Catalog
+from morse.viewer.editor.script_file import ScriptFile
+from morse.viewer.view_messages import Answer, SceneChanges
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from morse.scene import Node
+    from morse.simulation.simulation import Simulation
+    from morse.viewer import page_messages as page
+    from morse.viewer.inputs.service_calls import ServiceCalls
+    from morse.viewer.server import ViewServer
+
+Triple = tuple[float, float, float]
+
+
+class Editor:
+    """The changes of one scene, and how each is undone.
+
+    A restart of the simulation makes the changes again: they belong to the scene, not to the run.
+    """
+
+    def __init__(self, simulation: Simulation, server: ViewServer, services: ServiceCalls) -> None:
+        self._simulation = simulation
+        self._server = server
+        self._services = services
+        self._file = ScriptFile(simulation.options.script)
+        self._additions: dict[str, Addition] = {}
+        self._moves: dict[str, Move] = {}
+        self._deletions: dict[str, list[str]] = {}
+        self._undos: list[tuple[str, Callable[[], object]]] = []
+        self._catalog = Catalog(server, simulation.options.resource_paths)
+        self._restarted = False
+        self._sent: SceneChanges | None = None
+
+    # -- requests --------------------------------------------------------------------------
+
+    def list_models(self, _event: page.ListModels) -> None:
+        """Send the models that can be added."""
+        self._catalog.open()
+
+    def add(self, event: page.AddModel) -> None:
+        """Add a robot or an object with its lowest point at a position, or a sensor to a robot."""
+        self._attempt(event.request, lambda: self._add(event))
+
+    def delete(self, event: page.DeleteObject) -> None:
+        """Delete a robot or an object."""
+        self._attempt(event.request, lambda: self._delete(event.node))
+
+    def undo(self, event: page.UndoChange) -> None:
+        """Undo the last change."""
+        if self._undos:
+            what, undo = self._undos.pop()
+            self._attempt(event.request, lambda: (undo(), what)[1])
+        else:
+            self._server.send(Answer(event.request, False, error="there is no change to undo"))
+
+    def save(self, event: page.SaveScene) -> None:
+        """Write the script, or only show what would be written."""
+        self._attempt(event.request, lambda: self._save(write=event.write))
+
+    def _attempt(self, request: int, action: Callable[[], Any]) -> None:
+        values: list[Any] = []
+        if self._services.attempt(request, lambda: values.append(action())):
+            self._server.send(Answer(request, True, values[0]))
+
+    # -- adding and deleting ---------------------------------------------------------------
+
+    def _add(self, event: page.AddModel) -> str:
+        group = self._catalog.groups.get(event.model)
+        if group is None:
+            raise MorseError(f"there is no model '{event.model}' in the list")
+        name = variable_name(event.model, self._names())
+        position, angles, lowest = self._own_pose(event.model)
+        if group == "sensors":
+            if event.robot not in self._simulation.context.robots:
+                raise MorseError("drop a sensor on a robot")
+            place = _rounded(event.position, 2)
+            self._additions[name] = Addition(name, event.model, place, angles, event.robot, position, angles)
+            self._undos.append((f"{event.robot}.{name} was added", lambda: self._additions.pop(name)))
+            return name
+        x, y, z = event.position
+        place = _rounded((x, y, z - lowest), 2)
+        turned = _rounded((angles[0], angles[1], angles[2] + event.yaw))
+        self._spawn(Addition(name, event.model, place, turned, "", position, angles))
+        self._undos.append((f"{name} was added", lambda: self._delete(name, undoable=False)))
+        return name
+
+    def _names(self) -> set[str]:
+        import morse.builder
+
+        names = {node.name for node in self._simulation.scene.nodes()} | {*dir(morse.builder), *self._additions}
+        try:
+            return names | Source(self._file.text, "").names()
+        except UnwritableError:
+            return names
+
+    def _own_pose(self, kind: str) -> tuple[Triple, Triple, float]:
+        """The pose that the builder gives to a model, and its lowest point over its origin, m."""
+        scene = self._simulation.scene
+        with scene.project, describing(scene.resource_paths), workspace.described():
+            part = component_of(kind)
+            corners = extent(part.scene_node)
+            position, angles = _triple(part.location), _triple(part.rotation_euler)
+        return position, angles, 0.0 if corners is None else float(corners[0][2]) - position[2]
+
+    def _spawn(self, addition: Addition) -> None:
+        pose = [*addition.position], [*addition.angles]
+        self._services.run("simulation", "spawn", addition.name, addition.kind, *pose)
+        self._additions[addition.name] = addition
+
+    def _delete(self, name: str, *, undoable: bool = True) -> str:
+        root = self._root(name)
+        below = [node.name for node in root.walk()][1:]
+        carried = {one.name: one for one in self._additions.values() if one.robot == root.name}
+        addition, move = self._additions.get(root.name), self._moves.get(root.name)
+        self._services.run("simulation", "delete", root.name)
+        for gone in (*carried, root.name):
+            self._additions.pop(gone, None)
+        self._moves.pop(root.name, None)
+        if addition is None:
+            self._deletions[root.name] = below
+        if undoable:
+            self._undos.append(
+                (f"{root.name} was deleted", lambda: self._bring_back(root.name, addition, move, carried))
+            )
+        return root.name
+
+    def _root(self, name: str) -> Node:
+        """The object to which a node belongs; a component of a robot is no object."""
+        node = self._simulation.scene.find(name)
+        if node is None:
+            raise MorseError(f"there is no object '{name}'")
+        while node.parent is not None and node.name not in self._simulation.context.components:
+            node = node.parent
+        return node
+
+    def _bring_back(
+        self, name: str, addition: Addition | None, move: Move | None, carried: dict[str, Addition]
+    ) -> None:
+        if addition is not None:
+            self._spawn(addition)
+        else:
+            population = self._simulation.population
+            self._simulation.journal.note(EDIT, name, "brought back")
+            present = population.get_state()
+            population.set_state({**present, "gone": [one for one in present["gone"] if one != name]})
+            self._deletions.pop(name)
+        self._additions |= carried
+        if move is not None:
+            self._moves[name] = move
+            self._place(name, move.position, move.angles)
+
+    # -- moving ----------------------------------------------------------------------------
+
+    def moved(self, event: page.Teleport) -> None:
+        """A page has moved an object."""
+        node = self._simulation.scene.find(event.node)
+        if node is None or node.parent is not None:
+            return
+        name, position = event.node, _rounded(event.position)
+        addition, move = self._additions.get(name), self._moves.get(name)
+        old = addition or move
+        near = node.rotation_euler if old is None else old.angles
+        angles = _rounded(compatible_euler(rotation_from_quaternion(*event.quaternion), "XYZ", list(near)))
+        if event.first:
+            self._undos.append((f"{name} was moved", lambda: self._put_back(name, addition, move)))
+        if addition is not None:
+            self._additions[name] = replace(addition, position=position, angles=angles)
+        else:
+            self._moves[name] = Move(name, position, angles, _triple(node.location), _triple(node.rotation_euler))
+
+    def _put_back(self, name: str, addition: Addition | None, move: Move | None) -> None:
+        node = self._simulation.scene.find(name)
+        if node is None:
+            raise MorseError(f"there is no object '{name}'")
+        if addition is not None:
+            self._additions[name] = addition
+            self._place(name, addition.position, addition.angles)
+        elif move is not None:
+            self._moves[name] = move
+            self._place(name, move.position, move.angles)
+        else:
+            self._moves.pop(name, None)
+            self._place(name, _triple(node.location), _triple(node.rotation_euler))
+
+    def _place(self, name: str, position: Triple, angles: Triple) -> None:
+        from morse.mathutils import Euler
+
+        quaternion = Euler(angles).to_quaternion()
+        self._services.run("simulation", "set_object_pose", name, [*position], [*quaternion])
+
+    # -- saving ----------------------------------------------------------------------------
+
+    def _save(self, *, write: bool) -> dict[str, str]:
+        text = self._file.changed(Changes([*self._additions.values()], [*self._moves.values()], self._deletions))
+        difference = self._file.difference(text)
+        if write:
+            self._file.save(text)
+        return {"path": str(self._file.path), "difference": difference}
+
+    # -- the view --------------------------------------------------------------------------
+
+    def restarted(self) -> None:
+        """The simulation has restarted without its changes."""
+        self._restarted = True
+
+    def before_tick(self) -> None:
+        """Make the changes again after a restart."""
+        if not self._restarted:
+            return
+        self._restarted = False
+        for name in self._deletions:
+            self._services.run("simulation", "delete", name)
+        for addition in [*self._additions.values()]:
+            if not addition.robot:
+                self._spawn(addition)
+        for name, move in self._moves.items():
+            self._place(name, move.position, move.angles)
+
+    def update(self) -> None:
+        """Tell the pages what has changed."""
+        self._catalog.update()
+        waiting = [f"{one.robot}.{one.name}" for one in self._additions.values() if one.robot]
+        count = len(self._additions) + len(self._moves) + len(self._deletions)
+        last = self._undos[-1][0] if self._undos else ""
+        message = SceneChanges(count, last, waiting, "" if self._file.path is None else self._file.path.name)
+        if message != self._sent:
+            self._sent = message
+            self._server.send(message)
+
+    def close(self) -> None:
+        """End the drawing of pictures."""
+        self._catalog.close()
+
+
+def _triple(values: Sequence[float]) -> Triple:
+    x, y, z = values
+    return x, y, z
+
+
+def _rounded(values: Sequence[float], decimals: int = 4) -> Triple:
+    x, y, z = (round(value, decimals) for value in values)
+    return x, y, z

@@ -1,0 +1,219 @@
+"""The editor of the page: models are added, moved and deleted, changes undone, and the scene saved in its script."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from view_pages import Client, fetch, until
+from websockets.exceptions import InvalidStatus
+
+import morse
+from morse.viewer.editor.catalog import Catalog
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from playwright.sync_api import Page
+
+    from morse.simulation.simulation import Simulation
+
+SCENE = """from morse.builder import *
+
+# my robot
+robot = ATRV()
+robot.translate(1.0, 2.0)  # by the door
+
+env = Environment("empty")
+"""
+MODELS = [
+    {"kind": "Morsy", "name": "Morsy", "group": "robots"},
+    {"kind": "VideoCamera", "name": "VideoCamera", "group": "sensors"},
+    {"kind": "props/crates#small_crate", "name": "small crate", "group": "crates"},
+]
+
+
+class Desk:
+    """A page that asks the editor, and the simulation that answers between its ticks."""
+
+    def __init__(self, simulation: Simulation, client: Client) -> None:
+        self.simulation = simulation
+        self._client = client
+        self._requests = 0
+
+    def ask(self, kind: str, **fields: Any) -> dict[str, Any]:
+        """The answer to a request."""
+        self._requests += 1
+        self._client.send(kind, request=self._requests, **fields)
+        return self._wait("answer", request=self._requests)
+
+    def do(self, kind: str, **fields: Any) -> Any:
+        """The value of the answer to a request that has to succeed."""
+        answer = self.ask(kind, **fields)
+        assert answer["ok"], answer
+        return answer["value"]
+
+    def models(self) -> list[dict[str, str]]:
+        """The models that can be added."""
+        self._client.send("list_models")
+        models: list[dict[str, str]] = self._wait("models")["models"]
+        return models
+
+    def names(self) -> set[str]:
+        """The root objects of the scene."""
+        return {root.name for root in self.simulation.scene.roots}
+
+    def _wait(self, message_type: str, **fields: Any) -> dict[str, Any]:
+        def arrived() -> dict[str, Any] | None:
+            self.simulation.step(1)
+            with contextlib.suppress(TimeoutError):
+                self._client.receive(timeout=0.01)
+            fits = (m for m in self._client.messages if m["type"] == message_type and fields.items() <= m.items())
+            return next(fits, None)
+
+        message: dict[str, Any] = until(arrived, message_type)
+        self._client.messages.remove(message)
+        return message
+
+
+@pytest.fixture
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
+    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(MODELS))
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE)
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.models()
+        yield desk
+
+
+def test_a_scene_is_changed_and_saved_in_its_script(desk: Desk, tmp_path: Path) -> None:
+    assert desk.do("add_model", model="props/crates#small_crate", position=[3, 1, 0], yaw=0.5) == "small_crate"
+    assert desk.do("add_model", model="VideoCamera", position=[0.2, 0, 1], robot="robot") == "video_camera"
+    desk.do("teleport", node="robot", position=[2, 2, 0.1], quaternion=[1, 0, 0, 0])
+    assert "small_crate" in desk.names()
+    shown = desk.do("save_scene", write=False)
+    assert "+small_crate.rotate(z=0.5)" in shown["difference"].splitlines()
+    assert (tmp_path / "scene.py").read_text() == SCENE
+    assert desk.do("save_scene", write=True)["path"] == str(tmp_path / "scene.py")
+    text = (tmp_path / "scene.py").read_text()
+    assert "# my robot\nrobot = ATRV()\nrobot.translate(2.0, 2.0" in text
+    assert "  # by the door\n" in text
+    with morse.load(tmp_path / "scene.py") as again:
+        crate, robot = again.scene.find("small_crate"), again.scene.find("robot")
+        assert crate is not None
+        assert robot is not None
+        assert crate.location[:2] == pytest.approx([3, 1])
+        assert crate.rotation_euler == pytest.approx([0, 0, 0.5])
+        assert robot.location == pytest.approx([2, 2, 0.1], abs=1e-3)
+        assert "robot.video_camera" in again.context.components
+
+
+def test_changes_after_a_save_are_saved_again_but_not_over_the_work_of_others(desk: Desk, tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    desk.do("add_model", model="Morsy", position=[3, 1, 0])
+    desk.do("save_scene", write=True)
+    desk.do("add_model", model="Morsy", position=[5, 1, 0])
+    desk.do("save_scene", write=True)
+    assert script.read_text().count("Morsy()") == 2
+    script.write_text(SCENE + "# mine\n")
+    answer = desk.ask("save_scene", write=True)
+    assert not answer["ok"]
+    assert "scene.py was changed since" in answer["error"]
+    assert script.read_text() == SCENE + "# mine\n"
+
+
+def test_every_change_is_undone(desk: Desk) -> None:
+    before = desk.names()
+    place = [*desk.simulation.scene.find("robot").location]
+    for x in (1.5, 2.0, 2.5):
+        first = x == 1.5
+        desk.do("teleport", node="robot", position=[x, 2, 0.2], quaternion=[0.8, 0, 0, 0.6], first=first)
+    desk.do("add_model", model="Morsy", position=[5, 1, 0])
+    desk.do("delete_object", node="robot")
+    assert desk.names() == (before - {"robot"}) | {"morsy"}
+    assert desk.do("undo_change") == "robot was deleted"
+    assert desk.names() == before | {"morsy"}
+    assert "robot" in desk.simulation.context.robots
+    assert desk.do("undo_change") == "morsy was added"
+    assert desk.names() == before
+    assert desk.do("undo_change") == "robot was moved"
+    assert [*desk.simulation.context.robots["robot"].bge_object.worldPosition][:2] == pytest.approx(place[:2], abs=0.01)
+    assert not desk.ask("undo_change")["ok"]
+    assert desk.do("save_scene", write=False)["difference"] == ""
+
+
+def test_changes_outlast_a_restart(desk: Desk) -> None:
+    desk.do("add_model", model="Morsy", position=[5, 1, 0])
+    desk.do("delete_object", node="robot")
+    desk.simulation.restart()
+    desk.simulation.step(2)
+    assert "morsy" in desk.names()
+    assert "robot" not in desk.names()
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "why"),
+    [
+        ("add_model", {"model": "/etc/passwd", "position": [0, 0, 0]}, "no model"),
+        ("add_model", {"model": "VideoCamera", "position": [0, 0, 0]}, "drop a sensor on a robot"),
+        ("delete_object", {"node": "nothing"}, "no object 'nothing'"),
+    ],
+)
+def test_impossible_changes_are_refused(desk: Desk, kind: str, fields: dict[str, Any], why: str) -> None:
+    answer = desk.ask(kind, **fields)
+    assert not answer["ok"]
+    assert why in answer["error"]
+
+
+def test_pages_from_elsewhere_cannot_edit(desk: Desk, tmp_path: Path) -> None:
+    with pytest.raises(InvalidStatus):
+        Client(desk.simulation.view.url, origin="http://elsewhere.example")
+    with Client(desk.simulation.view.url) as second:
+        second.send("save_scene", request=1, write=True)
+        refusal = second.expect("answer", request=1)
+    assert not refusal["ok"]
+    assert "another page drives" in refusal["error"]
+    assert (tmp_path / "scene.py").read_text() == SCENE
+
+
+@pytest.mark.slow
+def test_the_models_have_pictures(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE)
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        desk = Desk(simulation, client)
+        kinds = {model["kind"] for model in desk.models()}
+        assert {"ATRV", "Sick", "props/crates#small_crate"} <= kinds
+        picture = desk._wait("model_picture", kind="ATRV")
+        status, headers, data = fetch(simulation.view.url.rstrip("/") + picture["url"])
+        assert (status, headers["Content-Type"], data[8:12]) == (200, "image/webp", b"WEBP")
+
+
+def test_a_model_is_dragged_into_the_world_and_saved(
+    desk: Desk, tmp_path: Path, open_page: Callable[..., Page]
+) -> None:
+    desk._client.socket.close()  # the browser drives
+    simulation = desk.simulation
+    page = open_page(simulation.view.url, width=1000, height=700)
+
+    def shown(condition: str) -> None:
+        until(lambda: (simulation.step(1), page.evaluate(f"Boolean({condition})"))[1], condition)
+
+    shown("morse.stage.world && morse.seat.drives.value && !morse.panels.editor.element.hidden")
+    page.get_by_role("button", name="add", exact=True).click()
+    shown("document.querySelector('[data-kind=Morsy]')")
+    box = page.locator("[data-kind=Morsy]").bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 20, box["y"] + 20)
+    page.mouse.down()
+    page.mouse.move(600, 500, steps=3)
+    page.mouse.up()
+    shown("morse.components.selected.value === 'morsy'")
+    page.get_by_role("button", name="save 1 change").click()
+    shown("document.querySelector('dialog.save .added')?.checkVisibility()")
+    page.locator("dialog.save").get_by_role("button", name="save", exact=True).click()
+    until(lambda: (simulation.step(1), "morsy = Morsy()" in (tmp_path / "scene.py").read_text())[1], "the script")

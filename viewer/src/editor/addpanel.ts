@@ -1,0 +1,112 @@
+import type { Connection } from "../connection/connection";
+import type { Model } from "../generated/protocol";
+import { h } from "../ui/dom";
+import { icons } from "../ui/icons";
+import { draggable } from "./dragging";
+
+export interface Placing {
+  /** Show where a model dragged to a point of the page would be put. */
+  show: (model: Model, x: number, y: number) => void;
+  /** Put a model at a point of the page, or in the middle of the view. */
+  put: (model: Model, place: { x: number; y: number } | null) => void;
+  cancel: () => void;
+}
+
+/** The models that can be added, with pictures: dragged into the world, or pressed. */
+export class AddPanel {
+  readonly element: HTMLElement;
+  private readonly filter = h("input", { type: "search", placeholder: "find…", "aria-label": "find a model" });
+  private readonly list = h("div", { class: "models" });
+  private readonly ghost = h("div", { class: "ghost", hidden: true });
+  private readonly pictures = new Map<string, string>();
+  private models: Model[] = [];
+  private asked = false;
+
+  constructor(
+    private readonly connection: Connection,
+    private readonly placing: Placing,
+  ) {
+    const hint = h("p", { class: "quiet" }, "Drag into the world; a sensor onto a robot.");
+    this.element = h("section", { class: "panel add-panel", "aria-label": "add to the scene", hidden: true }, this.filter, hint, this.list);
+    document.body.append(this.ghost);
+    this.filter.addEventListener("input", () => this.render());
+    connection.on("welcome", () => (this.asked = false));
+    connection.on("models", ({ models }) => {
+      this.models = models;
+      this.render();
+    });
+    connection.on("model_picture", ({ kind, url }) => {
+      this.pictures.set(kind, url);
+      const image = this.list.querySelector<HTMLImageElement>(`[data-kind="${CSS.escape(kind)}"] img`);
+      if (image) this.paint(image, kind);
+    });
+  }
+
+  open(): void {
+    this.element.hidden = false;
+    if (!this.asked) this.connection.send({ type: "list_models" });
+    this.asked = true;
+    this.render();
+    this.filter.focus();
+  }
+
+  close(): void {
+    this.element.hidden = true;
+  }
+
+  private render(): void {
+    if (this.element.hidden) return;
+    if (this.models.length === 0) {
+      this.list.replaceChildren(h("p", { class: "quiet" }, "The models are being listed…"));
+      return;
+    }
+    const words = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const fits = (model: Model): boolean => words.every((word) => `${model.name} ${model.group} ${model.kind}`.toLowerCase().includes(word));
+    const groups = new Map<string, Model[]>();
+    for (const model of this.models.filter(fits)) groups.set(model.group, [...(groups.get(model.group) ?? []), model]);
+    const parts = [...groups].map(([group, models]) =>
+      h("fieldset", {}, h("legend", {}, group), h("div", { class: "grid" }, ...models.map((model) => this.button(model)))),
+    );
+    this.list.replaceChildren(...(parts.length > 0 ? parts : [h("p", { class: "quiet" }, "Nothing of that name.")]));
+  }
+
+  private button(model: Model): HTMLElement {
+    const image = h("img", { alt: "", draggable: false, loading: "lazy", width: 72, height: 54 });
+    const icon = h("span", { class: "kind" });
+    icon.innerHTML = { robots: icons.robot, sensors: icons.sensor }[model.group] ?? icons.boxes;
+    const button = h("button", { type: "button", class: "model", title: model.name, "data-kind": model.kind }, icon, image, h("span", { class: "caption" }, model.name));
+    this.paint(image, model.kind);
+    draggable(button, {
+      drag: (x, y) => {
+        this.carry(model, x, y);
+        this.placing.show(model, x, y);
+      },
+      drop: (x, y) => {
+        this.ghost.hidden = true;
+        this.placing.put(model, { x, y });
+      },
+      cancel: () => {
+        this.ghost.hidden = true;
+        this.placing.cancel();
+      },
+      press: () => this.placing.put(model, null),
+    });
+    return button;
+  }
+
+  private paint(image: HTMLImageElement, kind: string): void {
+    const url = this.pictures.get(kind);
+    image.hidden = url === undefined;
+    if (url === undefined) return;
+    image.src = new URL(url, location.href).pathname;
+    image.previousElementSibling?.remove();
+  }
+
+  private carry(model: Model, x: number, y: number): void {
+    const url = this.pictures.get(model.kind);
+    this.ghost.style.backgroundImage = url === undefined ? "" : `url("${url}")`;
+    this.ghost.textContent = url === undefined ? model.name : "";
+    this.ghost.style.transform = `translate(${x + 12}px, ${y + 12}px)`;
+    this.ghost.hidden = false;
+  }
+}

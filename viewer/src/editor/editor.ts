@@ -1,0 +1,169 @@
+import type { Vector3 } from "three";
+import type { Connection } from "../connection/connection";
+import type { Model, SceneChanges } from "../generated/protocol";
+import type { Components } from "../model/components";
+import type { Toasts } from "../panels/toasts";
+import { h, iconButton } from "../ui/dom";
+import { icons } from "../ui/icons";
+import type { Shell } from "../ui/shell";
+import type { Signal } from "../ui/signal";
+import type { Hit } from "../view/pick";
+import type { Stage } from "../view/stage";
+import type { WorldNode } from "../world/node";
+import type { World } from "../world/world";
+import { AddPanel } from "./addpanel";
+import { Marker } from "./marker";
+import { confirmSave } from "./savedialog";
+
+/** Adds and deletes robots, objects and sensors, undoes changes, and saves the scene. */
+export class Editor {
+  readonly element: HTMLElement;
+  readonly list: AddPanel;
+  private readonly marker: Marker;
+  private readonly addButton: HTMLButtonElement;
+  private readonly undoButton: HTMLButtonElement;
+  private readonly saveButton = h("button", { type: "button", class: "save", onclick: () => void this.save() }, "save…");
+  private readonly waiting = h("p", { class: "quiet waiting", hidden: true });
+
+  constructor(
+    private readonly connection: Connection,
+    private readonly stage: Stage,
+    private readonly components: Components,
+    private readonly toasts: Toasts,
+    private readonly shell: Shell,
+    private readonly world: Signal<World | null>,
+    drives: Signal<boolean>,
+    /** what the list of models takes the place of */
+    private readonly tree: HTMLElement,
+  ) {
+    this.marker = new Marker(stage);
+    this.list = new AddPanel(connection, {
+      show: (_, x, y) => this.aim(x, y),
+      put: (model, place) => void this.put(model, place),
+      cancel: () => this.release(),
+    });
+    this.addButton = h("button", { type: "button", class: "add", "aria-pressed": "false", onclick: () => this.toggle() });
+    this.addButton.innerHTML = icons.plus;
+    this.addButton.append("add");
+    this.undoButton = iconButton(icons.undo, "Undo", () => void this.undo(), "Ctrl+Z");
+    this.element = h(
+      "div",
+      { class: "editor", hidden: true },
+      h("div", { class: "tools" }, this.addButton, this.undoButton, this.saveButton),
+      this.waiting,
+    );
+    // a recorded run has none
+    connection.on("welcome", () => (this.element.hidden = true));
+    connection.on("scene_changes", (changes) => this.show(changes));
+    drives.watch((drives) => {
+      this.element.inert = !drives;
+      if (!drives) this.close();
+    });
+  }
+
+  private show({ count, last, waiting, file }: SceneChanges): void {
+    this.element.hidden = false;
+    this.undoButton.disabled = last === "";
+    this.undoButton.title = last === "" ? "Nothing to undo" : `Undo: ${last} (Ctrl+Z)`;
+    this.saveButton.hidden = count === 0;
+    this.saveButton.disabled = file === "";
+    this.saveButton.title = file === "" ? "A program describes this scene: there is no script to save it in" : `Save in ${file} (Ctrl+S)`;
+    this.saveButton.textContent = `save ${count}…`;
+    this.saveButton.setAttribute("aria-label", `save ${count} ${count === 1 ? "change" : "changes"}`);
+    this.waiting.hidden = waiting.length === 0;
+    this.waiting.textContent = `After saving and reloading: ${waiting.join(", ")}`;
+  }
+
+  toggle(): void {
+    if (this.list.element.hidden) {
+      this.tree.hidden = true;
+      this.addButton.setAttribute("aria-pressed", "true");
+      this.list.open();
+    } else this.close();
+  }
+
+  private close(): void {
+    this.list.close();
+    this.tree.hidden = false;
+    this.addButton.setAttribute("aria-pressed", "false");
+  }
+
+  private async put(model: Model, place: { x: number; y: number } | null): Promise<void> {
+    const frame = this.stage.renderer.domElement.getBoundingClientRect();
+    const over = place && document.elementFromPoint(place.x, place.y);
+    this.release();
+    if (place && over !== this.stage.renderer.domElement) return; // dropped on a panel: not meant for the world
+    const { x, y } = place ?? { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 };
+    const { point, hit } = this.marker.point(x, y);
+    this.marker.hide();
+    const carrier = model.group === "sensors" ? this.carrier(point, hit, place === null) : null;
+    if (model.group === "sensors" && !carrier) {
+      this.toasts.show("Drop a sensor onto a robot.", "error");
+      return;
+    }
+    const { robot, position } = carrier ?? { robot: "", position: point };
+    const answer = await this.connection.request({ type: "add_model", model: model.kind, position: position.toArray(), yaw: 0, robot });
+    if (!answer.ok) this.toasts.show(answer.error, "error");
+    else if (robot) this.toasts.show(`${robot} gets ${String(answer.value)} when the scene is saved and reloaded.`);
+    else this.select(String(answer.value));
+    if (this.shell.narrow && !this.shell.left.hidden) this.shell.toggle("left");
+  }
+
+  private aim(x: number, y: number): void {
+    this.shell.left.classList.toggle("away", this.shell.narrow);
+    this.marker.point(x, y);
+  }
+
+  private release(): void {
+    this.shell.left.classList.remove("away");
+    this.marker.hide();
+  }
+
+  /** Select an object as soon as it is in the world. */
+  private select(name: string): void {
+    const stop = this.world.watch((world) => {
+      if (!world?.find(name)) return;
+      this.components.selected.set(name);
+      queueMicrotask(() => stop());
+    });
+  }
+
+  /** The robot at a point with that point in its frame; by keys, the selected robot. */
+  private carrier(point: Vector3, hit: Hit | null, selected: boolean): { robot: string; position: Vector3 } | null {
+    const isRobot = ({ description }: WorldNode): boolean => description.kind === "robot";
+    const name = this.components.robotOf(this.components.selected.value);
+    const node = hit?.node.find(isRobot) ?? (selected && name !== null ? this.stage.world?.find(name) : null);
+    if (!node) return null;
+    const position = hit?.node.find(isRobot) === node ? node.frame.worldToLocal(point.clone()) : point.clone().set(0, 0, 0);
+    return { robot: node.name, position };
+  }
+
+  async delete(name: string | null): Promise<void> {
+    if (name === null) return;
+    const answer = await this.connection.request({ type: "delete_object", node: name });
+    if (!answer.ok) this.toasts.show(answer.error, "error");
+    else if (this.components.selected.value === name) this.components.selected.set(null);
+  }
+
+  async undo(): Promise<void> {
+    if (this.element.hidden) return;
+    const answer = await this.connection.request({ type: "undo_change" });
+    this.toasts.show(answer.ok ? `Undone: ${String(answer.value)}.` : answer.error, answer.ok ? "info" : "error");
+  }
+
+  async save(): Promise<void> {
+    if (this.element.hidden || this.saveButton.hidden) return;
+    const shown = await this.connection.request({ type: "save_scene", write: false });
+    if (!shown.ok) {
+      this.toasts.show(shown.error, "error");
+      return;
+    }
+    const { path, difference } = shown.value as { path: string; difference: string };
+    confirmSave(path, difference, () => void this.write(path));
+  }
+
+  private async write(path: string): Promise<void> {
+    const answer = await this.connection.request({ type: "save_scene", write: true });
+    this.toasts.show(answer.ok ? `Saved in ${path}.` : answer.error, answer.ok ? "info" : "error");
+  }
+}
