@@ -10,6 +10,7 @@ import base64
 import hashlib
 import io
 import json
+import math
 import sys
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -28,6 +29,9 @@ SIZE = (144, 108)
 _SPACING = 60.0
 #: models that are drawn by one simulation
 _TOGETHER = 12
+#: direction from which models are seen, and the Euler angles of a camera that looks along it
+_FROM = (0.75, -0.95, 0.6)
+_ROTATION = (math.acos(_FROM[2] / math.hypot(*_FROM)), 0.0, math.atan2(_FROM[0], -_FROM[1]))
 _NO_SENSORS = ("SensorCreator", "CompoundSensor")
 _cache = Cache("pictures", 2000)
 
@@ -97,7 +101,8 @@ def drawn(several: list[Model]) -> Iterator[tuple[Model, bytes]]:
         for number, model in enumerate(several):
             part = _part(model)
             part.name = f"model{number}"
-            part.translate(number * _SPACING, 0.0, 0.0)
+            # sensors reach below the origins of their robots: above the ground
+            part.translate(number * _SPACING, 0.0, 2.0 if model.group == "sensors" else 0.0)
             parts.append((model, part.scene_node))
         Environment("empty").properties(longitude=0.0, latitude=0.0, altitude=0.0)
 
@@ -108,13 +113,11 @@ def drawn(several: list[Model]) -> Iterator[tuple[Model, bytes]]:
                 continue
             low, high = corners
             centre = (low + high) / 2
-            reach = max(float(np.linalg.norm(high - low)), 0.02)
+            reach = max(math.dist(high, low), 0.02)
             # small things from farther away, so that nothing is nearer than a camera sees
             away = max(reach, 0.5)
-            eye = centre + np.array([0.75, -0.95, 0.6]) * away
-            ahead = (centre - eye) / np.linalg.norm(centre - eye)
-            rotation = (float(np.arccos(-ahead[2])), 0.0, float(np.arctan2(ahead[0], -ahead[1]) + np.pi))
-            place: dict[str, Any] = {"location": tuple(map(float, eye)), "rotation": rotation}
+            eye = centre + np.array(_FROM) * away
+            place: dict[str, Any] = {"location": tuple(map(float, eye)), "rotation": _ROTATION}
             pixels = simulation.picture(2 * SIZE[0], 2 * SIZE[1], **place, focal_length=38.0 * away / reach)
             stream = io.BytesIO()
             Image.fromarray(pixels).resize(SIZE, Image.Resampling.BOX).save(stream, "WEBP", quality=80)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.mathutils.portable import matmul
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -18,7 +20,7 @@ def extent(root: Node) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None
     for node in root.walk():
         if node.mesh is not None and len(node.mesh.vertices) and node.visible:
             matrix = np.array([list(row) for row in node.world_matrix()])
-            points.append(node.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3])
+            points.append(matmul(node.mesh.vertices, matrix[:3, :3].T) + matrix[:3, 3])
     if not points:
         return None
     corners = np.concatenate(points)

@@ -181,7 +181,7 @@ class View(Observer):
     def before_tick(self) -> None:
         """Execute the requests of the driving page."""
         server = self._server
-        self._editor.before_tick()
+        self._editor.change_again()
         if events := server.take_events():
             self._handle(events)
         self._simulation.set_controls(server.held_keys(), tuple(server.gamepad()[0]), self._listening)

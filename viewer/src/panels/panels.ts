@@ -171,8 +171,8 @@ export class Panels {
     shortcuts.add("View", ["v", "V"], "V", "show the image of a robot's camera", () => this.toggleImage());
     shortcuts.add("Page", ["m", "M"], "M", "move the selected object, or stop", () => this.move(this.selectedNode()));
     shortcuts.add("Page", ["n", "N"], "N", "move: translate or rotate", () => this.mover.turn());
-    shortcuts.add("Page", ["Delete"], "Del", "delete the selected object", () => void this.editor.delete(app.components.selected.value));
-    shortcuts.add("Page", ["Ctrl+z"], "Ctrl+Z", "undo the last change of the scene", () => void this.editor.undo());
+    shortcuts.add("Page", ["Delete"], "Del", "delete the selection", () => void this.editor.delete(app.components.selected.value));
+    shortcuts.add("Page", ["Ctrl+z"], "Ctrl+Z", "undo a change of the scene", () => void this.editor.undo());
     shortcuts.add("Page", ["Ctrl+s"], "Ctrl+S", "save the scene", () => void this.editor.save());
     shortcuts.add("Page", ["x", "X"], "X", "screenshot", () => this.capture.picture());
     shortcuts.add("Page", ["Escape"], "Esc", "select nothing", () => this.escape());

@@ -222,7 +222,7 @@ class Editor:
         """The simulation has restarted without its changes."""
         self._restarted = True
 
-    def before_tick(self) -> None:
+    def change_again(self) -> None:
         """Make the changes again after a restart."""
         if not self._restarted:
             return
