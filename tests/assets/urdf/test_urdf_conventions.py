@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import pytest
@@ -94,6 +95,14 @@ def test_macros_are_expanded(package: Path) -> None:
         load(file)
     with pytest.raises(AssetError, match="no links: load the file that includes it"):
         load(package / "leg.xacro")
+
+
+@pytest.mark.parametrize("text", ["1e+09", "inf", "0", "-1", "1e300"])
+def test_efforts_and_speeds_that_are_no_limits(package: Path, text: str) -> None:
+    file = package / "crane.urdf"
+    file.write_text(ROBOT.replace('effort="5" velocity="1"', f'effort="{text}" velocity="{text}"'))
+    (turn,) = read_urdf(file).roots[0].children[0].bones
+    assert (turn.dynamics.effort, turn.dynamics.speed) == (math.inf, math.inf)
 
 
 def test_a_world_that_is_not_declared_fixes_the_robot(package: Path) -> None:

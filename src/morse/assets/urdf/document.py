@@ -162,13 +162,13 @@ class _Parser:
         axis = (x / length, y / length, z / length) if length >= 1e-9 else (1.0, 0.0, 0.0)
         parent = self.name(element.find("parent"), "parent", "link")
         child = self.name(element.find("child"), "child", "link")
-        (effort,), (speed,) = self.numbers(limit, "effort", (0.0,)), self.numbers(limit, "velocity", (0.0,))
+        effort, speed = self.most(limit, "effort"), self.most(limit, "velocity")
         (damping,), (friction,) = self.numbers(dynamics, "damping", (0.0,)), self.numbers(dynamics, "friction", (0.0,))
         moves = JointDynamics(
             damping=max(damping, 0.0),
             friction=max(friction, 0.0),
-            effort=effort if effort > 0.0 else math.inf,
-            speed=speed if speed > 0.0 else math.inf,
+            effort=effort,
+            speed=speed,
             limited=kind not in LOOSE and (low > -_ENDLESS or high < _ENDLESS),
         )
         return Joint(name, kind, parent, child, self.origin(element), axis, low, high, moves, self.mimic(element))
@@ -181,6 +181,15 @@ class _Parser:
         except ValueError:
             return (self.numbers(element, name, (0.0,))[0],)
         return (math.copysign(_ENDLESS, number) if abs(number) > _ENDLESS else number,)
+
+    def most(self, element: ElementTree.Element | None, name: str) -> float:
+        """Return the largest effort or speed of a motor; 0 and very large numbers stand for no limit."""
+        text = "" if element is None else element.get(name, "")
+        try:
+            number = float(text)
+        except ValueError:
+            (number,) = self.numbers(element, name, (0.0,))
+        return number if 0.0 < number <= _FARTHEST else math.inf
 
     def mimic(self, element: ElementTree.Element) -> tuple[str, float, float] | None:
         mimic = element.find("mimic")
