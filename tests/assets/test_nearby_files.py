@@ -100,6 +100,11 @@ def test_a_renamed_package_and_other_capitals_are_understood(model: Path, tmp_pa
     for name in ("package://rover_description/meshes/a.stl", "../meshes/A.STL", "package://rover/meshes/A.stl"):
         assert find_near(name, model).samefile(mesh)
     assert find_package("rover_description", model).samefile(tmp_path / "ws/rover")
+    (tmp_path / "ws").rename(tmp_path / "xacro")
+    model = tmp_path / "xacro/rover/urdf/rover.urdf"
+    assert find_package("rover_description", model).samefile(tmp_path / "xacro/rover"), "the nearest"
+    (tmp_path / "xacro").rename(tmp_path / "ws")
+    model = tmp_path / "ws/rover/urdf/rover.urdf"
     with pytest.raises(FileRefusedError, match="outside of the package"):
         find_near("../../other/meshes/B.stl", model)
     # a package that says its name is not another one

@@ -30,8 +30,8 @@ _NAME = re.compile(rb"<name[^>]*>([^<]+)</name>")
 _MOST_FOLDERS, _MOST_BYTES = 1000, 1 << 16
 #: maximum number of folders above a model that are searched for its package
 _LEVELS = 6
-#: folders of packages that hold models; the package is the folder above the outermost of them
-_MODEL_FOLDERS = ("urdf", "xacro", "robots", "robot", "mjcf", "xml", "xmls", "sdf", "models", "worlds")
+#: folders of packages that hold models; the package is the folder above
+_MODEL_FOLDERS = ("urdf", "xacro", "mjcf", "xml", "xmls", "sdf")
 
 
 class FileRefusedError(ValueError):
@@ -96,9 +96,9 @@ def find_package(name: str, model: Path) -> Path:
     for candidate, _ in _candidates(f"package://{name}/.", model):
         if candidate.is_dir():
             return candidate
-    if not _marked(model) and (unmarked := _above_models(model)) is not None:
+    if not _marked(model) and (unmarked := _above_models(model)):
         # it was renamed
-        return unmarked
+        return unmarked[0]
     raise FileRefusedError(f"there is no package '{name:.60}'; add its folder to ROS_PACKAGE_PATH")
 
 
@@ -140,8 +140,7 @@ def _folders(model: Path) -> Iterator[Path]:
         yield above[0]
     elif folder.parent != Path(folder.anchor):
         yield folder.parent
-        if (unmarked := _above_models(model)) is not None:
-            yield unmarked
+        yield from _above_models(model)
         yield from _project(folder)
     yield from search.resource_dirs()
     yield from search.component_dirs()
@@ -153,12 +152,11 @@ def _marked(model: Path) -> list[Path]:
     return [one for one in model.absolute().parents if any((one / mark).is_file() for mark in _MARKS)]
 
 
-def _above_models(model: Path) -> Path | None:
-    """Return the package of a model by the usual names of its folders: ``lab`` of ``lab/urdf/arm/arm.urdf``."""
-    for folder in reversed(list(model.absolute().parents)[:_LEVELS]):
-        if folder.name in _MODEL_FOLDERS and folder.parent not in (Path(folder.anchor), Path.home()):
-            return folder.parent
-    return None
+def _above_models(model: Path) -> list[Path]:
+    """The package of a model by the usual names of its folders: ``lab`` of ``lab/urdf/arm/arm.urdf``; nearest first."""
+    outside = (Path(model.absolute().anchor), Path.home())
+    above = list(model.absolute().parents)[:_LEVELS]
+    return [one.parent for one in above if one.name in _MODEL_FOLDERS and one.parent not in outside]
 
 
 def _project(folder: Path) -> Iterator[Path]:
