@@ -89,3 +89,9 @@ def test_check_names_what_is_wrong(morse, folder) -> None:
     answer = morse("check", str(folder / "broken.sdf"))
     assert answer.status == 1
     assert "it is not XML" in answer.err
+
+
+def test_check_names_a_file_that_is_missing(morse, folder) -> None:
+    answer = morse("check", str(folder / "gone.urdf"), "--picture", "gone.png")
+    assert answer.status == 2
+    assert f"There is no file {folder / 'gone.urdf'}" in answer.err.replace("\n", "")

@@ -106,7 +106,11 @@ def _model(name: str) -> Path | None:
         from morse.assets.model_folders import CONFIG, model_file
 
         return model_file(path) if (path / CONFIG).is_file() else None
-    return path if path.suffix.lower() in suffixes() and path.is_file() else None
+    if path.suffix.lower() not in suffixes():
+        return None
+    if not path.is_file():
+        raise CommandError(f"There is no file {path}.", status=2)
+    return path
 
 
 def _table(results: list[Finding]) -> Table:

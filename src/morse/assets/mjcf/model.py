@@ -80,6 +80,27 @@ class JointData:
 
 
 @dataclass(slots=True)
+class SurfaceData:
+    """What a shape looks like; see ``material`` in the reference of MJCF.
+
+    Attributes:
+        texture: number in `Source.textures`, or -1.
+        repeat: of the texture, horizontally and vertically.
+        uniform: whether the texture is repeated in each metre.
+        metallic, roughness: negative if the file does not contain them.
+    """
+
+    texture: int
+    repeat: tuple[float, float]
+    uniform: bool
+    emission: float
+    specular: float
+    shininess: float
+    metallic: float
+    roughness: float
+
+
+@dataclass(slots=True)
 class GeomData:
     """A shape in the frame of its body; sizes as in `morse.scene.CollisionShape`.
 
@@ -87,6 +108,8 @@ class GeomData:
         mesh: vertices (V, 3) and triangles (T, 3), or None.
         heights: of a height field, (R, C) m, rows along Y; or None.
         contact: contact parameters, see `morse.scene.mjcf.MjcfModel.ground`.
+        surface: its material, or None.
+        uvs: texture coordinates of a mesh, (T, 3, 2), v upward; None if it has none or no texture is used.
         masks: the bits of its type, and the bits of the types that it collides with (``contype``, ``conaffinity``).
     """
 
@@ -101,6 +124,8 @@ class GeomData:
     masks: tuple[int, int]
     mesh: tuple[NDArray[np.float32], NDArray[np.int32]] | None
     heights: NDArray[np.float64] | None = None
+    surface: SurfaceData | None = None
+    uvs: NDArray[np.float32] | None = None
 
 
 @dataclass(slots=True)
@@ -268,6 +293,7 @@ class _Reading:
         plain = np.allclose(m.geom_rgba[index], (0.5, 0.5, 0.5, 1.0))
         color = m.mat_rgba[material] if material >= 0 and plain else m.geom_rgba[index]
         field = int(m.geom_dataid[index]) if kind == "hfield" else -1
+        surface = self.surface(material) if material >= 0 else None
         counts = {"plane": 3, "sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
         return GeomData(
             self.name("geom", index),
@@ -286,7 +312,39 @@ class _Reading:
             (int(m.geom_contype[index]), int(m.geom_conaffinity[index])),
             mesh,
             self.heights(field) if field >= 0 else None,
+            surface,
+            self.uvs(int(m.geom_dataid[index])) if mesh is not None and surface and surface.texture >= 0 else None,
         )
+
+    def surface(self, index: int) -> SurfaceData:
+        m = self.model
+        texture = int(m.mat_texid[index][int(mujoco.mjtTextureRole.mjTEXROLE_RGB)])
+        number = -1
+        if texture >= 0:
+            # the colour of its pixel, see `take_textures`
+            red, green, blue = (int(value) for value in m.tex_data[m.tex_adr[texture] :][:3])
+            number = red + (green << 8) + (blue << 16)
+        across, down = _row(m.mat_texrepeat[index])
+        return SurfaceData(
+            number,
+            (across, down),
+            bool(m.mat_texuniform[index]),
+            *(
+                float(values[index])
+                for values in (m.mat_emission, m.mat_specular, m.mat_shininess, m.mat_metallic, m.mat_roughness)
+            ),
+        )
+
+    def uvs(self, index: int) -> NDArray[np.float32] | None:
+        m = self.model
+        start, count = int(m.mesh_texcoordadr[index]), int(m.mesh_texcoordnum[index])
+        if start < 0:
+            return None
+        faces = slice(m.mesh_faceadr[index], m.mesh_faceadr[index] + m.mesh_facenum[index])
+        points = np.array(m.mesh_texcoord[start : start + count], dtype=np.float32)
+        points[:, 1] = 1.0 - points[:, 1]
+        corners: NDArray[np.float32] = points[m.mesh_facetexcoord[faces]]
+        return corners
 
     def heights(self, index: int) -> NDArray[np.float64]:
         m = self.model

@@ -11,9 +11,10 @@ from morse.assets.errors import AssetError
 from morse.assets.mjcf.groups import groups_of
 from morse.assets.mjcf.joints import Bones, pose
 from morse.assets.mjcf.sensors import sensors_of
-from morse.assets.mjcf.shapes import shape_node
+from morse.assets.mjcf.shapes import hide_collision_shapes, shape_node
 from morse.assets.mjcf.sizes import check_sizes
 from morse.assets.mjcf.source import Source
+from morse.assets.mjcf.textures import TextureImages
 from morse.mathutils import Matrix
 from morse.mathutils.portable import matmul
 from morse.scene import Articulation, BodySettings, Inertial, Library, Node, NodeKind, PhysicsType
@@ -52,12 +53,14 @@ class _Reader:
     def __init__(self, source: Source, model: ModelData) -> None:
         self.source, self.model = source, model
         self.warnings = [*source.warnings, *dict.fromkeys(model.lost)]
+        self._images = TextureImages(source.textures)
         self._names: set[str] = set()
         #: name of the node of a shape to the number of the geom
         self._shape_of: dict[str, int] = {}
 
     def library(self) -> Library:
         check_sizes(self.model, self.source.path)
+        hide_collision_shapes(self.model)
         self._ground = self._floor()
         if len(self.model.bodies) == 1:
             return self._terrain()
@@ -80,7 +83,7 @@ class _Reader:
             robot=root.name if objects else "",
             sensors=sensors,
             keyframes=self._keyframes(robot),
-            warnings=[*self.warnings, *remarks],
+            warnings=[*self.warnings, *self._images.pictures.warnings, *remarks],
         )
 
     def _terrain(self) -> Library:
@@ -91,7 +94,7 @@ class _Reader:
         if not root.children:
             raise AssetError(self.source.path, "it has no bodies and no shapes")
         root.articulation = Articulation(model=self._part((), (), root, {}))
-        return Library(str(self.source.path), roots=[root], warnings=self.warnings)
+        return Library(str(self.source.path), roots=[root], warnings=[*self.warnings, *self._images.pictures.warnings])
 
     # -- bodies ----------------------------------------------------------------------------
 
@@ -208,7 +211,7 @@ class _Reader:
                 continue
             name = self._name(geom.name, "_shape")
             self._shape_of[name] = number
-            node.attach(shape_node(geom, name))
+            node.attach(shape_node(geom, name, self._images))
 
     def _name(self, name: str, suffix: str = "_") -> str:
         while name in self._names:

@@ -8,11 +8,13 @@ import numpy as np
 
 from morse.assets import solids
 from morse.assets.mjcf.heights import height_mesh
+from morse.assets.texture_coordinates import with_texture_coordinates
 from morse.mathutils import Quaternion
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
 
 if TYPE_CHECKING:
-    from morse.assets.mjcf.model import GeomData
+    from morse.assets.mjcf.model import GeomData, ModelData
+    from morse.assets.mjcf.textures import TextureImages
 
 #: the viewers of MuJoCo hide shapes of this group and of higher groups
 _HIDDEN = 3
@@ -27,8 +29,54 @@ _KINDS = {
 }
 
 
-def shape_node(geom: GeomData, name: str) -> Node:
+def hide_collision_shapes(model: ModelData) -> None:
+    """Hide the shapes of a group that only collides, if each of their bodies shows a mesh of a group that does not.
+
+    Many files contain both, and rely on programs that show only one of them.
+    """
+    bodies_of: dict[int, set[int]] = {}
+    solid_groups: set[int] = set()
+    shown_groups: set[int] = set()
+    drawn: set[int] = set()
+    for number, body in enumerate(model.bodies[1:], 1):
+        for geom in (model.geoms[index] for index in body.geoms):
+            (solid_groups if any(geom.masks) else shown_groups).add(geom.group)
+            bodies_of.setdefault(geom.group, set()).add(number)
+            if geom.kind == "mesh" and not any(geom.masks) and geom.group < _HIDDEN and geom.color[3] > 0.0:
+                drawn.add(number)
+    hidden = {group for group in solid_groups - shown_groups if bodies_of[group] <= drawn}
+    for geom in model.geoms:
+        if geom.group in hidden and any(geom.masks):
+            geom.group = _HIDDEN
+
+
+def shape_node(geom: GeomData, name: str, images: TextureImages) -> Node:
     """Return the node of a shape; it is solid if the shape collides with anything."""
+    node = _plain_node(geom, name)
+    surface = geom.surface
+    if surface is None or not node.visible:
+        return node
+    red, green, blue, alpha = geom.color
+    image = images.image(surface.texture) if surface.texture >= 0 else None
+    node.materials = [
+        Material(
+            name,
+            (red, green, blue, alpha),
+            # without the reflections that metal needs, MuJoCo does not draw it either
+            roughness=surface.roughness if surface.roughness >= 0.0 else 1.0 - 0.8 * min(surface.shininess, 1.0),
+            specular=min(surface.specular, 1.0),
+            emission=(surface.emission * red, surface.emission * green, surface.emission * blue),
+            image=image,
+        )
+    ]
+    if image is not None and node.mesh is not None and node.mesh.uvs is None:
+        repeat = (1.0, 1.0) if images.is_cube(surface.texture) else surface.repeat
+        is_uniform = surface.uniform and not images.is_cube(surface.texture)
+        node.mesh = with_texture_coordinates(node.mesh, repeat, node.scale if is_uniform else None)
+    return node
+
+
+def _plain_node(geom: GeomData, name: str) -> Node:
     node = Node(name, NodeKind.MESH, source_name=name, location=list(geom.position))
     node.rotation_euler = list(Quaternion(geom.quaternion).to_euler())
     red, green, blue, alpha = geom.color
@@ -41,7 +89,7 @@ def shape_node(geom: GeomData, name: str) -> Node:
         node.shapes = []
     if geom.mesh is not None:
         vertices, triangles = geom.mesh
-        node.mesh = Mesh(name, vertices, triangles, np.zeros(len(triangles), dtype=np.int32))
+        node.mesh = Mesh(name, vertices, triangles, np.zeros(len(triangles), dtype=np.int32), geom.uvs)
         node.body.bounds = Bounds.CONVEX_HULL
         return node
     if geom.heights is not None:

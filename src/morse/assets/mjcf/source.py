@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
 from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, suffix_of
+from morse.assets.mjcf.textures import take_textures
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.triangle_limit import check_parts
 from morse.assets.xml_files import read_xml
@@ -23,6 +24,8 @@ from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from morse.assets.mjcf.textures import Texture
 
 _MOST_ELEMENTS, _MOST_FILES = 100_000, 200
 _MOST_MESH_BYTES = 512 << 20
@@ -51,6 +54,7 @@ class Source:
     Attributes:
         name: name of the model.
         meshes: name in the texts to the content of the file.
+        textures: pictures and patterns; the pixel that the engine has of each is its number.
         warnings: ignored elements, one sentence each.
     """
 
@@ -59,6 +63,7 @@ class Source:
         self._main: Source = main or self
         self.warnings: list[str] = main.warnings if main else []
         self.meshes: dict[str, bytes] = main.meshes if main else {}
+        self.textures: list[Texture] = main.textures if main else []
         self._texts: list[str] = main._texts if main else []
         self._attached: dict[int, tuple[AttachedModel, ...]] = main._attached if main else {}
         self._files = self._elements = 0
@@ -69,6 +74,7 @@ class Source:
         self._include(root, path, [path])
         self.name = root.get("model") or path.stem
         self._check(root)
+        self._folder = self._texture_folder = ""
         self._reduce(root)
         self._take_meshes(root)
         self._take_heights(root)
@@ -109,7 +115,7 @@ class Source:
             content = self._read(included, ("mujocoinclude", "mujoco"))
             self._include(content, included, [*above, included])
             for asset in content.iter():
-                if asset.tag in ("mesh", "hfield") and asset.get("file"):
+                if asset.tag in ("mesh", "hfield", "texture"):
                     asset.attrib.setdefault(_ORIGIN, str(included))
             index = list(parent).index(child)
             parent.remove(child)
@@ -190,19 +196,20 @@ class Source:
             self.warnings.append(f"it has {', '.join(unsupported)}; they are left out")
         for parent in list(root.iter()):
             for child in list(parent):
-                if _is_left_out(parent, child):
+                if _is_left_out(child):
                     parent.remove(child)
+        for compiler in root.iter("compiler"):
+            folder = compiler.get("assetdir") or ""
+            self._folder = compiler.get("meshdir") or folder or self._folder
+            self._texture_folder = compiler.get("texturedir") or folder or self._texture_folder
+        self.warnings += take_textures(root, self.textures, self._picture, _ORIGIN)
         for element in root.iter():
-            if element.tag == "material":
-                element.attrib.pop("texture", None)
             if element.tag not in ("mesh", "hfield", "model"):
                 for name in _ATTRIBUTES:
                     element.attrib.pop(name, None)
-        self._folder = ""
         if root.find("compiler") is None:
             root.insert(0, ElementTree.Element("compiler"))
         for compiler in root.iter("compiler"):
-            self._folder = compiler.get("meshdir") or compiler.get("assetdir") or self._folder
             for name in ("meshdir", "assetdir", "texturedir", "strippath"):
                 compiler.attrib.pop(name, None)
             # the links of the file and its visible shapes are kept separate
@@ -270,9 +277,13 @@ class Source:
         self.meshes[key] = content
         return key
 
-    def _file(self, file: str, origin: str | None) -> Path:
+    def _picture(self, file: str, origin: str | None) -> bytes:
+        return read_regular(self._file(file, origin, self._texture_folder), _MOST_MESH_BYTES)
+
+    def _file(self, file: str, origin: str | None, folder: str | None = None) -> Path:
         """Return the path of an asset, relative to the model, or to the included file that names it."""
-        name = f"{self._folder}/{file}" if self._folder and not file.startswith("/") else file
+        folder = self._folder if folder is None else folder
+        name = f"{folder}/{file}" if folder and not file.startswith("/") else file
         try:
             path = self._near(name, self.path)
         except FileRefusedError:
@@ -281,7 +292,7 @@ class Source:
             path = self._near(name, Path(origin))
         self._bytes += path.stat().st_size
         if self._bytes > _MOST_MESH_BYTES:
-            raise FileRefusedError(f"all meshes together are larger than {_MOST_MESH_BYTES >> 20} MB")
+            raise FileRefusedError(f"all meshes and pictures together are larger than {_MOST_MESH_BYTES >> 20} MB")
         return path
 
     def _content(self, file: str, origin: str | None) -> str:
@@ -293,12 +304,11 @@ class Source:
         return key
 
 
-def _is_left_out(parent: ElementTree.Element, child: ElementTree.Element) -> bool:
-    """Whether an element is ignored: it is not supported, or is an image, which could be of any size."""
+def _is_left_out(child: ElementTree.Element) -> bool:
+    """Whether an element is ignored, because it is not supported."""
     if child.tag == "geom":
         return child.get("type") == "sdf"
-    is_picture = (parent.tag, child.tag) in (("asset", "texture"), ("material", "layer"))
-    return child.tag in _UNSUPPORTED or is_picture
+    return child.tag in _UNSUPPORTED
 
 
 def _count(element: ElementTree.Element, copies: int, counts: Counter[str]) -> None:

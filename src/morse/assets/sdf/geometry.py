@@ -13,7 +13,7 @@ from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.sdf.heights import height_node
 from morse.assets.sdf.polylines import extruded
 from morse.assets.sdf.surfaces import settings_of
-from morse.assets.sdf.textures import with_texture_coordinates
+from morse.assets.texture_coordinates import with_texture_coordinates
 from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Vector
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Node, NodeKind, ShapeKind

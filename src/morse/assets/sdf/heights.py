@@ -11,7 +11,7 @@ from morse.assets.gazebo.values import ValueMistakeError, text_of, vector
 from morse.assets.meshfiles.pictures import mistake_in
 from morse.assets.mjcf.heights import height_mesh
 from morse.assets.nearby_files import find_near
-from morse.assets.sdf.textures import with_texture_coordinates
+from morse.assets.texture_coordinates import with_texture_coordinates
 from morse.scene import CollisionShape, Material, Node, NodeKind, ShapeKind
 from morse.system.regular_files import read_regular
 

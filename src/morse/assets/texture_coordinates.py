@@ -8,13 +8,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.scene import Mesh
 
 
-def with_texture_coordinates(mesh: Mesh) -> Mesh:
+def with_texture_coordinates(
+    mesh: Mesh, repeat: tuple[float, float] = (1.0, 1.0), scale: Sequence[float] | None = None
+) -> Mesh:
     """A mesh whose triangles show the picture as seen along the axis that is closest to their normal.
 
     The picture fills the bounding box of the mesh on each side.
+
+    Args:
+        repeat: how often the picture is repeated, horizontally and vertically.
+        scale: with the scale (3,) of the node, the picture is repeated that often in each metre instead.
     """
     corners = mesh.vertices[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -27,4 +35,7 @@ def with_texture_coordinates(mesh: Mesh) -> Mesh:
     # seen from outside, the picture is not mirrored
     sign = np.take_along_axis(normals, side[:, None], axis=1)[:, 0] * np.array([1.0, -1.0, 1.0])[side]
     uvs[..., 0] = np.where(sign[:, None] < 0.0, 1.0 - uvs[..., 0], uvs[..., 0])
+    uvs *= repeat
+    if scale is not None:
+        uvs *= (size * np.abs(scale))[axes][:, None, :]
     return replace(mesh, uvs=uvs.astype(np.float32))
