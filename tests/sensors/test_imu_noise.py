@@ -28,14 +28,20 @@ def at_rest(simulate, kind="IMU", setting="", seconds=20.0, seed=None):
 
 
 @pytest.mark.parametrize(
-    ("kind", "degrees", "micro_g"), [("ADIS16448", 0.0135, 230.0), ("BMI088", 0.014, 175.0), ("VN100", 0.0035, 140.0)]
+    # data sheets: deg/s/√Hz, and µg/√Hz along X, Y and Z
+    ("kind", "degrees", "micro_g"),
+    [("ADIS16448", 0.0135, (230.0,) * 3), ("BMI088", 0.014, (160.0, 160.0, 190.0)), ("VN100", 0.0035, (140.0,) * 3)],
 )
 def test_real_devices(simulate, kind, degrees, micro_g):
-    _, (gyro, force) = at_rest(simulate, kind)
+    simulation, (gyro, force) = at_rest(simulate, kind, seconds=40.0)
     # white noise of a given density, sixty times per second; biases hardly change within seconds
-    assert np.diff(gyro, axis=0).std() / math.sqrt(2) == pytest.approx(math.radians(degrees) * math.sqrt(60), rel=0.05)
-    assert np.diff(force, axis=0).std() / math.sqrt(2) == pytest.approx(micro_g * 9.80665e-6 * math.sqrt(60), rel=0.05)
+    turning, pushing = (np.diff(values, axis=0).std(axis=0) / math.sqrt(120) for values in (gyro, force))
+    assert turning == pytest.approx([math.radians(degrees)] * 3, rel=0.06)
+    assert pushing == pytest.approx(np.array(micro_g) * 9.80665e-6, rel=0.06)
     assert force.mean(axis=0) == pytest.approx([0.0, 0.0, 9.81], abs=0.03)
+    message = bind(simulation.context.component("robot.imu"))[0].gather()
+    white = np.diag(message.linear_acceleration_covariance)
+    assert white[2] / white[0] == pytest.approx((micro_g[2] / micro_g[0]) ** 2, rel=0.1)
 
 
 def test_an_ideal_one(simulate):

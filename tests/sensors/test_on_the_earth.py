@@ -141,6 +141,27 @@ def test_another_date_while_it_runs(simulate):
     assert (data["x"], data["y"], data["z"]) == pytest.approx((6570.4, -146.3, 54606.0), abs=0.1)
 
 
+def test_the_date_of_the_scene(simulate):
+    """The clock of the scene begins at its date: of the field, of an IMU, and of GPS messages."""
+    parts = (
+        "m = Magnetometer()\nrobot.append(m)\nsame = Magnetometer()\nsame.properties(date=2026.5)\nrobot.append(same)\n"
+        "imu = IMU()\nrobot.append(imu)\n" + gps("extended")
+    )
+    env = PLACE + "\nenv.set_start_date('2026-07-02T12:00:00')"
+    simulation = world(simulate, parts, env=env)
+    data = {name: simulation.context.component(f"robot.{name}").local_data for name in ("m", "same", "imu", "gps")}
+    assert data["gps"]["date"] == "020726"
+    field = [data["same"][axis] for axis in "xyz"]
+    assert [data["m"][axis] for axis in "xyz"] == pytest.approx(field, abs=0.2)
+    assert data["imu"]["magnetic_field"] == pytest.approx(field, abs=0.2)
+
+
+@pytest.mark.parametrize("date", ["'yesterday'", "2026.9", "'2026-13-01'"])
+def test_a_start_that_is_no_date(simulate, date):
+    with pytest.raises(Exception, match=r"set_start_date\(date\) takes"):
+        world(simulate, "", env=PLACE + f"\nenv.set_start_date({date})")
+
+
 @pytest.mark.parametrize("date", [1999.0, 2040.0, "'today'"])
 def test_a_date_without_a_model(simulate, date):
     with pytest.raises(Exception, match=r"'date' of Magnetometer is .*2010"):

@@ -74,6 +74,7 @@ class ADIS16448(SensorCreator):
         GyroBiasInstability: float = ...,
         GyroRandomWalk: float = ...,
         AccelNoiseDensity: float = ...,
+        AccelNoiseDensityZ: float = ...,
         AccelBiasInstability: float = ...,
         AccelRandomWalk: float = ...,
         BiasCorrelationTime: float = ...,
@@ -106,7 +107,7 @@ class Attitude(SensorCreator):
     ) -> None: ...
 
 class BMI088(SensorCreator):
-    """An IMU with the noise of a Bosch BMI088: 0.014 deg/s/√Hz, 2 deg/h; 175 µg/√Hz."""
+    """An IMU with the noise of a Bosch BMI088: 0.014 deg/s/√Hz, 2 deg/h; 160 µg/√Hz in X and Y, 190 µg/√Hz in Z."""
     def properties(
         self,
         *,
@@ -115,6 +116,7 @@ class BMI088(SensorCreator):
         GyroBiasInstability: float = ...,
         GyroRandomWalk: float = ...,
         AccelNoiseDensity: float = ...,
+        AccelNoiseDensityZ: float = ...,
         AccelBiasInstability: float = ...,
         AccelRandomWalk: float = ...,
         BiasCorrelationTime: float = ...,
@@ -253,6 +255,7 @@ class IMU(SensorCreator):
         GyroBiasInstability: float = ...,
         GyroRandomWalk: float = ...,
         AccelNoiseDensity: float = ...,
+        AccelNoiseDensityZ: float = ...,
         AccelBiasInstability: float = ...,
         AccelRandomWalk: float = ...,
         BiasCorrelationTime: float = ...,
@@ -562,6 +565,7 @@ class VN100(SensorCreator):
         GyroBiasInstability: float = ...,
         GyroRandomWalk: float = ...,
         AccelNoiseDensity: float = ...,
+        AccelNoiseDensityZ: float = ...,
         AccelBiasInstability: float = ...,
         AccelRandomWalk: float = ...,
         BiasCorrelationTime: float = ...,

@@ -30,7 +30,7 @@ class Clock:
 
     Attributes:
         tick: number of completed ticks; 0 before the first.
-        time: simulated seconds; plus the start time since the epoch if absolute time was requested.
+        time: simulated seconds; plus the time at the start, which is since the epoch if the scene asks for dates.
         frequency: ticks per simulated second.
         period: simulated seconds per tick.
     """
@@ -40,12 +40,12 @@ class Clock:
     frequency: float
     period: float
 
-    def __init__(self, frequency: float, strategy: TimeStrategies, *, absolute: bool = False) -> None:
+    def __init__(self, frequency: float, strategy: TimeStrategies, *, start: float = 0.0) -> None:
         own = self._own = self.__dict__
         own["frequency"], own["period"] = frequency, 1.0 / frequency
         self._rate = Fraction(frequency).limit_denominator(10**6)
         self.strategy = strategy
-        self._origin = time.time() if absolute else 0.0
+        self._origin = start
         own["tick"], own["time"] = 0, self._origin
         self._stamped = (-1, 0)
         self._wall: float | None = None

@@ -22,13 +22,13 @@ class ErrorTerms(NamedTuple):
     """The error terms of one kind of sensor, for a quantity whose unit is u.
 
     Attributes:
-        density: density of the white noise, u/√Hz, equal to the Allan deviation at 1 s.
+        density: density of the white noise of each axis, u/√Hz, equal to the Allan deviation at 1 s.
         instability: in-run bias instability, u, the minimum of the Allan deviation as in data sheets.
         random_walk: random walk of the bias, u/√s, its standard deviation after one second.
         correlation_time: correlation time of the bias, s.
     """
 
-    density: float
+    density: tuple[float, float, float]
     instability: float
     random_walk: float
     correlation_time: float
@@ -38,9 +38,10 @@ class ErrorTerms(NamedTuple):
         """Standard deviation of the bias with a correlation time, u."""
         return self.instability / _GAUSS_MARKOV_PEAK
 
-    def deviations(self, frequency: float) -> dict[str, float]:
+    def deviations(self, frequency: float) -> dict[str, Any]:
         """Return the errors of measurements with a frequency, Hz, like `AbstractModifier.changes`."""
-        return {"stddev": math.hypot(self.density * math.sqrt(frequency), self.spread), "walk": self.random_walk}
+        white = [math.hypot(density * math.sqrt(frequency), self.spread) for density in self.density]
+        return {"stddev": white, "walk": self.random_walk}
 
 
 class InertialErrors:
@@ -68,7 +69,7 @@ class InertialErrors:
         wander_x, wander_y, wander_z, walk_x, walk_y, walk_z = others
         terms = self.terms
         # a measurement is the mean over the time since the last measurement
-        sigma = terms.density / math.sqrt(dt)
+        sigma_x, sigma_y, sigma_z = (density / math.sqrt(dt) for density in terms.density)
         keep = math.exp(-dt / terms.correlation_time)
         push = terms.spread * math.sqrt(1.0 - keep * keep)
         stride = terms.random_walk * math.sqrt(dt)
@@ -79,9 +80,9 @@ class InertialErrors:
         drift_x, drift_y, drift_z = drift_x + stride * walk_x, drift_y + stride * walk_y, drift_z + stride * walk_z
         self._bias, self._walk = [bias_x, bias_y, bias_z], [drift_x, drift_y, drift_z]
         return [
-            x + bias_x + drift_x + sigma * white_x,
-            y + bias_y + drift_y + sigma * white_y,
-            z + bias_z + drift_z + sigma * white_z,
+            x + bias_x + drift_x + sigma_x * white_x,
+            y + bias_y + drift_y + sigma_y * white_y,
+            z + bias_z + drift_z + sigma_z * white_z,
         ]
 
     def get_state(self) -> dict[str, Any]:

@@ -233,13 +233,19 @@ def complete(simulation: Simulation) -> None:
         RecordingError: the recording cannot be written.
         OSError: the live view cannot be opened.
     """
-    from morse.physics.model.overlaps import overlaps
+    from morse.physics.model.overlaps import below_the_floor, overlaps
     from morse.simulation.fallen import Fallen
     from morse.simulation.published_data import PublishedData
 
     simulation.load()
-    if overlapping := overlaps(simulation.world):
-        logger.warning("%s", overlapping)
+    serious, others = overlaps(simulation.world)
+    for level, message in (
+        (logging.WARNING, serious),
+        (logging.INFO, others),
+        (logging.WARNING, below_the_floor(simulation.world)),
+    ):
+        if message:
+            logger.log(level, "%s", message)
     if simulation.options.view != "none":
         from morse.viewer.opening import open_view
 

@@ -36,6 +36,7 @@ from morse.physics.poses.moving_poses import MovingPoses
 from morse.physics.poses.snapshot import Snapshots
 from morse.physics.rays import Rays
 from morse.physics.rescue import Recovery, Rescue
+from morse.physics.separation import Separation
 from morse.physics.single_ray import cast_ray
 from morse.physics.state import saved
 from morse.physics.state.engine_values import CHANGED_WHILE_RUNNING
@@ -96,6 +97,9 @@ class World(ObjectWorld):
         self.drives = Drives(self, self.gliding, self.bodies)
         self._floor_planes = FloorPlanes(self, self.gliding.floors)
         self._tick = Tick()
+        self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
+        pristine = self._pristine
+        self.separation = Separation(self, self._tick, pristine["geom_solref"], pristine["geom_priority"])
         self.attachments = Attachments(self, self.bodies, self._tick)
         self._traction, self._locks = Traction(self, self.drives), Locks(self)
         self._moving_poses = MovingPoses(self)
@@ -107,7 +111,6 @@ class World(ObjectWorld):
         self._arrange_tick()
         self.free_run = FreeRun(self, self.gliding, self._steps.passage, self.drives, self._is_idle)
         self._saving = Saving(self, self.gliding, self._steps, self._names)
-        self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
         self._variations = Variations(self, self._pristine)
 
     def _arrange_tick(self) -> None:
@@ -115,7 +118,7 @@ class World(ObjectWorld):
         watch = () if self.touches is None else (self.touches,)
         self._tick.arrange(
             before=(*watch, self.attachments, self._floor_planes, self._traction, self.drives, self._locks),
-            after=(self.drives, self._locks, self.attachments, *watch),
+            after=(self.separation, self.drives, self._locks, self.attachments, *watch),
         )
 
     def _take_objects(self) -> None:
@@ -188,7 +191,7 @@ class World(ObjectWorld):
             raise
         self._release_from_what_goes()
         before = saved.checked(self.get_state())
-        varied = self._variations.present()
+        varied, parting = self._variations.present(), self.separation.names()
         old, floors = copy.copy(self), self.gliding.floor_bits()
         stamp, poses_before = self.stamp, self._moving_poses
         self.take(compiled, self.period)
@@ -203,6 +206,7 @@ class World(ObjectWorld):
         transfer = Transfer(old, self, bits)
         self._saving.set_state(transfer.state(before, self._names))
         self._variations.apply(varied)
+        self.separation.begin({self.named[name] for name in self.named.keys() - old.named.keys()}, parting)
         self.gliding.lift_all()
         self._floor_planes.before_step()
         self.stamp = stamp + 1
@@ -277,6 +281,7 @@ class World(ObjectWorld):
         forward(self, self._hold_joints)
         if raise_sunken(self, self.bodies):
             forward(self, self._hold_joints)
+        self.separation.begin()
         kinematics.refresh(self)
 
     def _start_joints(self) -> None:
@@ -496,5 +501,6 @@ class World(ObjectWorld):
             ValueError: the state is damaged, or belongs to another scene; the world is then unchanged.
         """
         self._saving.set_state(state if isinstance(state, saved.SavedWorld) else self._saving.checked(state))
+        self.separation.resume()
         if self.touches is not None:
             self.touches.forget()

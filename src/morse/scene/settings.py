@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Literal
@@ -102,6 +103,7 @@ class Settings:
             takes longer steps than 1/240 s.
         time_scale: simulated seconds per wall-clock second.
         relative_time: whether time starts at 0; otherwise at the epoch time of the start.
+        start_time: seconds since the epoch at the start, UTC; None for the present time. Only without relative time.
         seed: seed of all random numbers.
         cameras_on: where images are rendered, see `morse.scene.image_workers`.
         fastmode: whether the view shows wireframes and cameras give no images.
@@ -114,6 +116,7 @@ class Settings:
     time_strategy: TimeStrategies = TimeStrategies.BestEffort
     time_scale: float = 1.0
     relative_time: bool = True
+    start_time: float | None = None
     seed: int = 0
     cameras_on: int | str = 0
     fastmode: bool = False
@@ -121,3 +124,10 @@ class Settings:
     internal_syncer: bool = False
     node_name: str | None = None
     view: ViewSettings = field(default_factory=ViewSettings)
+
+    @property
+    def origin(self) -> float:
+        """Simulated time at the start, s: 0, or the date since the epoch."""
+        if self.relative_time:
+            return 0.0
+        return time.time() if self.start_time is None else self.start_time

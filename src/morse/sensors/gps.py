@@ -126,7 +126,7 @@ class ExtendedGPS(RawGPS):
     """Measures the position on the earth, date, time and heading; `GPS` at the level ``extended``.
 
     Date and time are simulated time, starting at 1 January 1970, unless the scene uses absolute time
-    (``env.use_relative_time(False)``).
+    (``env.set_start_date(...)`` or ``env.use_relative_time(False)``).
     """
 
     def measure(self) -> None:

@@ -21,8 +21,7 @@ def field_around(sensor: Sensor, year: float | None = None, model: str | None = 
     """Return the magnetic field in the world of a sensor.
 
     Args:
-        year: decimal year; None for the year of the simulation, which is `DEFAULT_YEAR` unless it runs in absolute
-            time.
+        year: decimal year; None for the date at which the scene begins, or `DEFAULT_YEAR` if it has none.
 
     Raises:
         GeodesyError: the environment does not declare its position on the earth.
@@ -64,7 +63,7 @@ class Magnetometer(Sensor):
         None,
         "date",
         "float",
-        "Decimal year; none for the year of the simulation, which is 2025.0 unless it runs in absolute time",
+        "Decimal year; none for the date of the scene, which is 2025.0 without `env.set_start_date()` and absolute time",
         low=2010.0,
         high=2030.0,
         allow=("none",),

@@ -76,7 +76,7 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
         self.world = world = World(scene)
         self.context = Context(
             scene=scene,
-            clock=Clock(settings.frequency, settings.time_strategy, absolute=not settings.relative_time),
+            clock=Clock(settings.frequency, settings.time_strategy, start=settings.origin),
             world=world,
             services=MorseServices(),
             network=_network(options),

@@ -138,8 +138,12 @@ CRATES = {"small_crate": "closed", "large_crate": "big", "transport_box": "open"
 def build() -> None:
     sky("#a9cfe8")
     sunshine(3.2, (0.7, 0.3, 0.6))
+    # crates stand on the ground, the lowest of a stack first
     rooted = [
-        (*at[:2], max(at[2], 0.0)) for stem, copies in COPIES.items() if stem not in CRATES for _, at, _ in copies
+        (*at[:2], max(at[2], 0.0))
+        for stem, copies in COPIES.items()
+        for _, at, _ in copies
+        if stem not in CRATES or at[2] < 0.5
     ]
     land = ground([*rooted, *town_ground(TOWN, 2.42, rooted)], dip=-0.065, rise=4.145, seed=9)
     town(land, TOWN, (42.1, 67.9, 11.2), (0, 0, 1.22), [at for _, at, _ in COPIES["tree_brown_2"]])

@@ -118,6 +118,20 @@ class TimeMethods(EnvironmentDescription):
         """Set whether simulated time begins at 0 instead of the present time."""
         self.settings.relative_time = checks.boolean(value, "env.use_relative_time(value)")
 
+    def set_start_date(self, date: str) -> None:
+        """Set the date at which simulated time begins: time is then in seconds since 1970, as with absolute time.
+
+        Magnetometers and GPS receivers have this date, and runs are repeatable.
+
+        Args:
+            date: in ISO 8601 format, UTC unless it has another time zone: ``2026-11-23`` or ``2026-11-23T12:00:00+01:00``.
+
+        Raises:
+            MorseBuilderError: it is no date.
+        """
+        self.settings.start_time = checks.date(date, "env.set_start_date(date)")
+        self.settings.relative_time = False
+
     def set_seed(self, seed: int) -> None:
         """Set the seed of all random numbers; the same seed gives the same run."""
         self.settings.seed = checks.integer(seed, "env.set_seed(seed)", minimum=0)

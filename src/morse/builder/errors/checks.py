@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from datetime import UTC, datetime
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -130,6 +131,20 @@ def text(value: object, what: str) -> str:
     if not value:
         raise ValueError(f"{what} takes a non-empty string")
     return value
+
+
+def date(value: object, what: str) -> float:
+    """The seconds since the epoch of a date in ISO 8601 format, UTC unless it has another time zone.
+
+    Raises:
+        TypeError: the value is not a text.
+        ValueError: the text is no date.
+    """
+    try:
+        moment = datetime.fromisoformat(text(value, what))
+    except ValueError:
+        raise ValueError(f"{what} takes a date such as '2026-11-23' or '2026-11-23T12:00:00', got {value!r}") from None
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
 
 
 def names(value: object, what: str) -> list[str]:

@@ -1,44 +1,79 @@
-"""Robots and other bodies that overlap at the start.
-
-Objects of a world model that overlap its ground, such as crates on hills, are not reported.
-"""
+"""Robots and other bodies that overlap at the start, and robots below the floor."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import mujoco
+import numpy as np
+
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from morse.physics.model.layout import Frame
     from morse.physics.state.engine_state import EngineState
     from morse.scene import Node
 
 #: minimum depth of a reported overlap, m; objects that were placed on a floor by hand overlap it by less
 _DEEP = 0.03
-_NAMED = 5
+#: number of pairs in a message; number of robots that are searched for below a floor
+_NAMED, _ROBOTS = 20, 200
 
 
-def overlaps(state: EngineState) -> str:
-    """Return a message about the pairs of overlapping objects, the deepest first; empty if there are none.
+def overlaps(state: EngineState) -> tuple[str, str]:
+    """Return two messages about the pairs of overlapping objects, the deepest first; empty if there are none.
 
     Call it before the first tick.
+
+    Returns:
+        A message about robots and about pairs of objects that move; and one about objects that lie in what is fixed,
+        such as crates in hills.
     """
-    depths: dict[tuple[str, str], float] = {}
+    serious, others = dict[tuple[str, str], float](), dict[tuple[str, str], float]()
     contact = state.data.contact
     for (a, b), distance in zip(contact.geom.tolist(), contact.dist.tolist(), strict=True):
         frames = _frame(state, a), _frame(state, b)
-        if distance > -_DEEP or not (any(frame.robot for frame in frames) or all(map(_moves, frames))):
-            continue
         pair = (_name(frames[0], state.geom_node[a]), _name(frames[1], state.geom_node[b]))
-        if pair[0] != pair[1]:
+        if distance <= -_DEEP and pair[0] != pair[1]:
+            is_serious = any(frame.robot for frame in frames) or all(map(_moves, frames))
+            depths = serious if is_serious else others
             depths[pair] = max(depths.get(pair, 0.0), -distance)
+    return _message(serious, "; move one object of each pair"), _message(others, "")
+
+
+def _message(depths: dict[tuple[str, str], float], advice: str) -> str:
     if not depths:
         return ""
     pairs = sorted(depths.items(), key=lambda item: -item[1])
     listing = ", ".join(f"'{a}' and '{b}' by {depth:.2g} m" for (a, b), depth in pairs[:_NAMED])
     more = f" and {len(pairs) - _NAMED} more pairs" if len(pairs) > _NAMED else ""
-    return f"objects overlap at the start, and will be pushed apart: {listing}{more}; move one object of each pair"
+    return f"objects overlap at the start, and part slowly: {listing}{more}{advice}"
+
+
+def below_the_floor(state: EngineState) -> str:
+    """Return a message about the robots that have fixed objects above them, but nothing below; empty if there are none.
+
+    Such robots fall for ever.
+    """
+    if state.model.opt.gravity[2] >= 0.0:
+        return ""
+    robots = [slot for slot in state.slots if slot.frame.robot is not None and slot.frame.motion is Motion.FREE]
+    low = []
+    for slot in robots[:_ROBOTS]:
+        origin, geom = np.array(state.data.xipos[slot.body]), np.full(1, -1, dtype=np.int32)
+        if _ray(state, origin, -1.0, slot.body, geom) >= 0.0:
+            continue
+        height = _ray(state, origin, 1.0, slot.body, geom)
+        if height >= 0.0 and not _moves(_frame(state, int(geom[0]))):
+            low.append(f"'{slot.frame.node.name}' by {height:.2g} m")
+    return f"robots start below the floor, and fall: {', '.join(low)}; set them above it" if low else ""
+
+
+def _ray(state: EngineState, origin: NDArray[np.float64], up: float, body: int, geom: NDArray[np.int32]) -> float:
+    """Return the distance to what is above or below a point, m; negative if there is nothing."""
+    return float(mujoco.mj_ray(state.model, state.data, origin, np.array([0.0, 0.0, up]), None, 1, body, geom))
 
 
 def _frame(state: EngineState, geom: int) -> Frame:

@@ -31,6 +31,7 @@ CHANGED_WHILE_RUNNING = (
     "geom_quat",
     "geom_condim",
     "geom_priority",
+    "geom_solref",
     "geom_contype",
     "geom_conaffinity",
     *variations.ARRAYS,

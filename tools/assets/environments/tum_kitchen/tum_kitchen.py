@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -44,8 +45,18 @@ def build() -> None:
     lamp("Sun", "SUN", 2.2, (4, -8, 10), (0.75, 0.25, 0.3), color="#fff1dc")
     for number, (x, y) in enumerate(((2, 0), (5.3, 0), (2, 5.8), (5.3, 5.8)), start=1):
         lamp(f"Lamp{number}", "POINT", 160.0, (x, y, 2.5), color="#fff0d8", shadow=False)
-    Furnisher(Kitchen().look, BOXES).furnish(list(rows(TABLE)))
+    furniture = list(rows(TABLE))
+    desks = [row for row in furniture if row.name.startswith("Desk")]
+    Furnisher(Kitchen().look, BOXES).furnish([*furniture, *map(rest_of, desks)])
     viewpoint((7.6, -4.6, 6.4), (2.6, 2.6, 0.2), 20.0)
+
+
+def rest_of(desk: Row) -> Row:
+    """Return the other three quarters of a desk: the desk of the table is the one at -X and +Y of its origin."""
+    assert desk.size is not None
+    x, y, z = desk.size
+    name = desk.name.replace("Desk", "Desk_Rest")
+    return replace(desk, name=name, size=(2 * x, 2 * y, z), centre=(0.0, 0.0, z / 2), options=dict(desk.options))
 
 
 class Kitchen:
@@ -66,6 +77,7 @@ class Kitchen:
             (r"Compass$", "compass", lambda row: self.compass()),
             (r"Cube$", "low wall", lambda row: [box(*row.size).mapped(2.0).painted(stock["plaster"])]),
             (r"Cube\.001", "bottom", lambda row: [box(*row.size).painted(stock["steel"])]),
+            (r"Desk_Rest", "rest of desk", lambda row: self.three_quarters(row)),
             (r"Desk", "desk", lambda row: self.standing(row, table, "birch", "steel")),
             (r"Door\.[LR]", "house door", lambda row: self.leaf(row)),
             (r"Door_Frame$", "frame", lambda row: self.frame(row)),
@@ -149,6 +161,13 @@ class Kitchen:
 
     def standing(self, row: Row, make: Callable[..., list[Part]], *words: str) -> list[Part]:
         return make(self.stock, *row.size, *words)
+
+    def three_quarters(self, row: Row) -> list[Part]:
+        """Tables at the front and at the right rear."""
+        x, y, z = row.size
+        front = [part.moved(0, -y / 4) for part in table(self.stock, x, y / 2, z, "birch", "steel")]
+        rear = [part.moved(x / 4, y / 4) for part in table(self.stock, x / 2, y / 2, z, "birch", "steel")]
+        return [*front, *rear]
 
     def facing_x(self, row: Row, make: Callable[..., list[Part]], *words: object) -> list[Part]:
         """A piece whose front faces X."""
