@@ -53,7 +53,9 @@ def test_the_standard_atmosphere(simulate, height, pressure):
 @pytest.mark.parametrize(("altitude", "pressure"), [(0.0, 101325.0), (1000.0, 89874.6), (2000.0, 79495.2)])
 def test_the_altitude_of_the_world(simulate, altitude, pressure):
     place = f"env.properties(longitude=1.4, latitude=43.6, altitude={altitude - 100.0})"
-    simulation = world(simulate, "robot.translate(z=100)\nbarometer = Barometer()\nrobot.append(barometer)\n", env=place)
+    simulation = world(
+        simulate, "robot.translate(z=100)\nbarometer = Barometer()\nrobot.append(barometer)\n", env=place
+    )
     simulation.sleep(0.1)
     barometer = simulation.context.component("robot.barometer")
     assert barometer.local_data["pressure"] == pytest.approx(pressure, rel=5e-5)

@@ -63,7 +63,7 @@ class Magnetometer(Sensor):
         None,
         "date",
         "float",
-        "Decimal year; none for the date of the scene, which is 2025.0 without `env.set_start_date()` and absolute time",
+        "Decimal year; none for the date of the scene, which is 2025.0 unless it has a date or absolute time",
         low=2010.0,
         high=2030.0,
         allow=("none",),

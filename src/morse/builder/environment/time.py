@@ -124,7 +124,7 @@ class TimeMethods(EnvironmentDescription):
         Magnetometers and GPS receivers have this date, and runs are repeatable.
 
         Args:
-            date: in ISO 8601 format, UTC unless it has another time zone: ``2026-11-23`` or ``2026-11-23T12:00:00+01:00``.
+            date: ``2026-11-23`` or ``2026-11-23T12:00:00+01:00`` (ISO 8601), UTC unless it has another time zone.
 
         Raises:
             MorseBuilderError: it is no date.
