@@ -99,6 +99,11 @@ class MotionVWAckermann(SpeedCommand):
         """
         return speed * math.tan(min(max(angle, -self._limit), self._limit)) / self._base
 
+    @property
+    def turning_radius(self) -> float:
+        """Radius of the smallest circle of the middle of the axle that does not steer, m."""
+        return self._base / math.tan(self._limit)
+
     def default_action(self) -> None:
         """Steer and turn the wheels."""
         (v,), w = self.speeds()

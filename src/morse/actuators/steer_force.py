@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 #: share of the force at each of the four wheels
 _ENGINE = 0.4
+#: largest steering angle of usual cars, rad, where the robot has none
+_USUAL = math.radians(35.0)
 #: shares of the brake force at both front wheels and at both rear wheels
 _BRAKE = 2 * 0.1 + 2 * 1.3
 
@@ -52,6 +54,28 @@ class SteerForce(Actuator):
             self._steering = AckermannSteering(robot)
         except ValueError as error:
             raise ValueError(f"{error}; SteerForce drives cars such as Hummer") from None
+
+    @property
+    def turning_radius(self) -> float:
+        """Radius of the smallest circle of the middle of the rear axle, m."""
+        return self._steering.wheelbase / math.tan(min(self._most, _USUAL))
+
+    @property
+    def ahead(self) -> float:
+        """Angle of the direction in which the car drives from the X axis of the robot, rad."""
+        return 0.5 * math.pi if self._steering.along_y else 0.0
+
+    def angle_of(self, curvature: float) -> float:
+        """The angle of the front wheels, rad, for a curvature to the left, 1/m."""
+        return math.atan(self._steering.wheelbase * curvature)
+
+    def force_for(self, acceleration: float) -> float:
+        """The force of the engine, N, for an acceleration forward, m/s^2."""
+        return -acceleration * self.robot_parent.bge_object.mass / (4.0 * _ENGINE)
+
+    def brake_for(self, deceleration: float) -> float:
+        """The force of the brakes, N, for a deceleration, m/s^2."""
+        return min(deceleration * self.robot_parent.bge_object.mass / _BRAKE, 1e6)
 
     def default_action(self) -> None:
         """Drive."""

@@ -85,6 +85,26 @@ def test_a_rover_drives_a_square(station: Callable[..., Any]) -> None:
         assert min(math.dist(corner, one[:2]) for one in track) < 0.6, corner
 
 
+@pytest.mark.peer("pymavlink")
+def test_a_car_drives_to_places_that_it_cannot_turn_to_on_the_spot(station: Callable[..., Any]) -> None:
+    ground = station(
+        "robot = Hummer(); robot.translate(z=0.5)\nmotion = SteerForce(); robot.append(motion)\n"
+        "robot.add_default_interface('mavlink')"
+    )
+    # behind it, far, and within its smallest circle
+    corners = [(-6.0, 6.0), (6.0, 6.0), (7.0, 8.0), (0.0, -6.0)]
+    assert ground.upload([at(*corner, 0.0) for corner in corners]) == ACCEPTED
+    start(ground)
+    ground.until(lambda: ground.last("MISSION_CURRENT").mission_state == 5, 400.0)
+    track = track_of(ground)
+    for corner in corners:
+        assert min(math.dist(corner, one[:2]) for one in track) < 0.6, corner
+    ground.step(240)
+    stopped = place(ground)
+    ground.step(120)
+    assert math.dist(stopped, place(ground)) < 0.05
+
+
 @pytest.mark.parametrize("actuator", ["Waypoint", "MotionXYW"])
 def test_other_actuators_drive_missions_too(station: Callable[..., Any], actuator: str) -> None:
     ground = station(

@@ -25,6 +25,7 @@ class AckermannSteering:
     Attributes:
         wheelbase: distance between the axles, m.
         track: distance between the left and the right wheels, m.
+        along_y: whether the robot drives along Y.
 
     Raises:
         ValueError: the robot has no front and rear wheels.
@@ -42,9 +43,8 @@ class AckermannSteering:
                 x, y = (frame[i] * offset[0] + frame[i + 3] * offset[1] + frame[i + 6] * offset[2] for i in (0, 1))
                 wheels.append((x, y, part))
         spread_x, spread_y = _spread([x for x, _, _ in wheels]), _spread([y for _, y, _ in wheels])
-        #: whether the robot drives along Y
-        self._along_y = spread_y > spread_x
-        if self._along_y:
+        self.along_y = spread_y > spread_x
+        if self.along_y:
             wheels = [(y, -x, part) for x, y, part in wheels]
         middle = 0.5 * (max(w[0] for w in wheels) + min(w[0] for w in wheels)) if wheels else 0.0
         front = [wheel for wheel in wheels if wheel[0] > middle]
@@ -60,7 +60,7 @@ class AckermannSteering:
     def speed(self) -> float:
         """Speed forward, m/s."""
         v, r = self._body.velocity()[0], self._body.world_pose()[1]
-        first = 1 if self._along_y else 0
+        first = 1 if self.along_y else 0
         return float(r[first] * v[0] + r[first + 3] * v[1] + r[first + 6] * v[2])
 
     def yaw_rate(self) -> float:
@@ -82,7 +82,7 @@ class AckermannSteering:
         angle = min(max(angle, -_MOST), _MOST)
         rate = speed * math.tan(angle) / self.wheelbase
         aside = -self._rear * rate
-        linear = (-aside, speed, 0.0) if self._along_y else (speed, aside, 0.0)
+        linear = (-aside, speed, 0.0) if self.along_y else (speed, aside, 0.0)
         self._body.drive(linear, (0.0, 0.0, rate), ground=True)
         self._turn_wheels(math.tan(angle))
 

@@ -30,6 +30,9 @@ _FLYING = 0.25
 _STILL, _LANDED_AFTER = 0.05, 1.5
 #: s after which MANUAL_CONTROL no longer counts
 _BY_HAND_FOR = 1.0
+#: by NAV_DLL_ACT; MAV_SEVERITY
+_ON_SILENCE = {1: Mode.HOLD, 2: Mode.RETURN, 3: Mode.LAND}
+_WARNING, _INFO = 4, 6
 _AIRCRAFT = (2, 3, 4, 13, 14, 15, 29)
 _SUBMARINE = 12
 
@@ -71,6 +74,9 @@ class Flight:
         self._sticks: tuple[float, float, float, float] = (0.0,) * 4
         self._sticks_age = math.inf
         self.is_released = False
+        #: s since the last heartbeat of a ground station; infinite before the first
+        self._silence = math.inf
+        self._is_lost = False
 
     # -- the state ---------------------------------------------------------------------------
 
@@ -219,7 +225,33 @@ class Flight:
         """Manual control: shares from -1 to 1; turning to the right."""
         self._sticks, self._sticks_age = (forward, right, up, turn), 0.0
 
+    def hear_station(self) -> None:
+        """A ground station has sent a heartbeat."""
+        if self._is_lost:
+            self._say(_INFO, "Connection to ground station regained")
+        self._silence, self._is_lost = 0.0, False
+
+    def _say(self, severity: int, text: str) -> None:
+        self.vehicle.send("statustext", severity, text.encode())
+
     # -- the tick ----------------------------------------------------------------------------
+
+    def _watch_station(self, dt: float) -> None:
+        """Hold, return or land if ground stations have become silent."""
+        if math.isinf(self._silence):
+            return
+        self._silence += dt
+        action = _ON_SILENCE.get(int(self.parameters["NAV_DLL_ACT"]))
+        if (
+            action is not None
+            and self.is_armed
+            and not self._is_lost
+            and self._silence > self.parameters["COM_DL_LOSS_T"]
+        ):
+            self._is_lost = True
+            self._say(_WARNING, f"Connection to ground station lost: {action.name.lower()}")
+            if self.mode is not Mode.LAND and not self.switch(action):
+                self.switch(Mode.HOLD)
 
     def tick(self, stamp: int) -> None:
         """Steer.
@@ -233,6 +265,7 @@ class Flight:
         dt = 0.0 if self._last is None else max(0, stamp - self._last) / _SECOND
         self._last = stamp
         self.now = self._motion(dt)
+        self._watch_station(dt)
         if self.helm is None or not self.is_armed:
             return
         self._sticks_age += dt
@@ -360,7 +393,7 @@ class Flight:
         """Move with a velocity forward, to the left and up, m/s, and turn to the left, rad/s, or to a yaw."""
         assert self.helm is not None
         if isinstance(self.helm, TwistHelm) and yaw is None:
-            self.helm.body(velocity, rate)
+            self.helm.body(velocity, rate, self.now)
             return
         x, y, z = velocity
         c, s = math.cos(self.now.yaw), math.sin(self.now.yaw)

@@ -167,14 +167,14 @@ class TwistHelm(Helm):
         if not self.is_sideways and flat > 1e-6:
             error = math.remainder(math.atan2(y, x) - now.yaw, math.tau)
             forward = flat * math.cos(error) if abs(error) < _ON_THE_SPOT else 0.0
-            self.body((forward, 0.0, z), _turn(error))
+            self.body((forward, 0.0, z), _turn(error), now)
             return
         if yaw is not None:
             rate = _turn(math.remainder(yaw - now.yaw, math.tau))
         c, s = math.cos(now.yaw), math.sin(now.yaw)
-        self.body((c * x + s * y, c * y - s * x, z), rate)
+        self.body((c * x + s * y, c * y - s * x, z), rate, now)
 
-    def body(self, velocity: Triple, rate: float) -> None:
+    def body(self, velocity: Triple, rate: float, now: Motion) -> None:
         """Move with a velocity forward, to the left and up, m/s, and turn to the left, rad/s."""
         x, y, z = velocity
         self.send(linear=(x, y if self.is_sideways else 0.0, z if self.is_vertical else 0.0), angular=(0.0, 0.0, rate))

@@ -200,6 +200,9 @@ class Orders:
     def _request_version(self, order: Order) -> int:
         return ACCEPTED if order.params[0] == 1.0 and self._reports.request("AUTOPILOT_VERSION") else DENIED
 
+    def _request_home(self, order: Order) -> int:
+        return ACCEPTED if self._reports.request("HOME_POSITION") else DENIED
+
     def _look(self, order: Order) -> int:
         pitch, yaw = (math.radians(angle) for angle in order.params[:2])
         return ACCEPTED if self._gimbal.look(pitch, yaw) else UNSUPPORTED
@@ -210,6 +213,7 @@ class Orders:
     _COMMANDS: ClassVar[dict[int, Callable[[Orders, Order], int]]] = {
         17: _hold, 20: _return, 21: _land, 22: _take_off, 176: _set_mode, 178: _change_speed, 179: _set_home,
         185: _end, 192: _reposition, 193: _pause, 224: _set_item, 300: _start_mission, 400: _arm,
+        410: _request_home,
         510: _get_interval, 511: _set_interval, 512: _request, 520: _request_version, 1000: _look,
         1001: _control_gimbal,
     }  # fmt: skip

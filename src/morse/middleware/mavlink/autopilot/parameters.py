@@ -33,6 +33,8 @@ TABLE = {
     "MPC_MAN_Y_MAX": Range(90.0, 1.0, 360.0),  # degrees per second, with MANUAL_CONTROL
     "NAV_ACC_RAD": Range(1.0, 0.05, 200.0),  # m
     "COM_DISARM_LAND": Range(2.0, 0.0, 60.0),  # s
+    "COM_DL_LOSS_T": Range(10.0, 1.0, 300.0),  # s without a heartbeat of a ground station
+    "NAV_DLL_ACT": Range(0.0, 0.0, 3.0),  # what follows: 0 nothing, 1 hold, 2 return, 3 land
 }
 
 

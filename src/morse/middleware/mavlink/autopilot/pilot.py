@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from morse.middleware.mavlink.autopilot.place import Place
     from morse.middleware.mavlink.vehicle import Vehicle
 
+#: MAV_TYPE
+_GROUND_STATION = 6
 #: INT16_MAX: a stick that does not exist
 _NO_STICK = 0x7FFF
 
@@ -49,6 +51,7 @@ class Autopilot:
             "COMMAND_LONG": orders.take,
             "COMMAND_INT": orders.take,
             "SET_MODE": self._set_mode,
+            "HEARTBEAT": self._heard,
             "SET_POSITION_TARGET_LOCAL_NED": self._setpoint,
             "SET_POSITION_TARGET_GLOBAL_INT": self._setpoint,
             "MANUAL_CONTROL": self._manual,
@@ -99,6 +102,10 @@ class Autopilot:
             self._vehicle.complain("setpoint", str(error))
             return
         flight.take_setpoint(setpoint)
+
+    def _heard(self, message: Any) -> None:
+        if message.type == _GROUND_STATION:
+            self.flight.hear_station()
 
     def _set_mode(self, message: Any) -> None:
         mode = mode_of_custom(message.custom_mode) if message.base_mode & 1 else None

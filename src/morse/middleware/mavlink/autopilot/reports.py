@@ -184,9 +184,6 @@ class Reports:
         empty = [0] * 8
         self._vehicle.send("autopilot_version", _CAPABILITIES, _VERSION, 0, 0, 0, empty, empty, empty, 0, 0, system)
 
-    def _protocol(self) -> None:
-        self._vehicle.send("protocol_version", 200, 100, 200, [0] * 8, [0] * 8)
-
     #: rate, Hz, 0 for those that are sent on request only
     _MESSAGES: ClassVar[dict[str, tuple[float, Callable[[Any], None]]]] = {
         "HEARTBEAT": (1.0, _heartbeat),
@@ -202,7 +199,6 @@ class Reports:
         "MISSION_CURRENT": (1.0, _mission),
         "SYSTEM_TIME": (1.0, _time),
         "AUTOPILOT_VERSION": (0.0, _version),
-        "PROTOCOL_VERSION": (0.0, _protocol),
         "GPS_GLOBAL_ORIGIN": (0.0, _origin),
     }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.middleware.mavlink.autopilot.attitude_helm import AttitudeHelm
+from morse.middleware.mavlink.autopilot.car_helm import CarHelm, ForceHelm
 from morse.middleware.mavlink.autopilot.helms import GoalHelm, TwistHelm
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ _TYPES = {
 
 def helms_of(vehicle: Vehicle, place: Place) -> list[Helm]:
     """What can steer a vehicle, the best first."""
-    helms = []
+    helms: list[Helm] = []
     for name, cls in _HELMS.items():
         for stream in vehicle.streams:
             for bound in stream.kinds:
@@ -41,8 +42,10 @@ def helms_of(vehicle: Vehicle, place: Place) -> list[Helm]:
                 moves_body = component.robot_parent is not None and bound.frame != "none"
                 has_thrust = name != "attitude" or (bound.has("thrust") and hasattr(component, "_thrust_factor"))
                 if bound.kind.name == name and moves_body and has_thrust:
-                    helms.append(cls(stream, bound, place))
-    return helms
+                    of_car = name == "twist" and hasattr(component, "turning_radius")
+                    helms.append((CarHelm if of_car else cls)(stream, bound, place))
+    cars = [stream for stream in vehicle.streams if hasattr(stream.component_instance, "force_for")]
+    return helms + [ForceHelm(stream, stream.kinds[0], place) for stream in cars]
 
 
 def type_of(robot: Any, components: Iterable[Any]) -> int:
