@@ -8,7 +8,21 @@ import sys
 from typing import Any
 
 from component_library.markdown import code, page, prose, section, table
-from morse.core.world import Body, BodyNames, Joints, Linkage, RayBundle, Rays, Wheel, World, WorldPoses
+from morse.core.world import (
+    Body,
+    BodyNames,
+    Fleet,
+    Joints,
+    Linkage,
+    PoseTable,
+    RayBundle,
+    Rays,
+    Snapshot,
+    Snapshots,
+    Wheel,
+    World,
+    WorldPoses,
+)
 
 _INTRODUCTION = (
     "What a component may call of the world. `self.bge_object` and `self.robot_parent.bge_object` are bodies, "
@@ -23,6 +37,10 @@ _PLACES = {
     RayBundle: "`self.add_rays(directions, reach)`",
     World: "`self.context.world`",
     WorldPoses: "`self.context.world`, for observers",
+    PoseTable: "`self.context.world.positions`, `.rotations`",
+    Snapshots: "`self.context.world.snapshots(bodies)`",
+    Snapshot: "`snapshots.now()`",
+    Fleet: "`self.context.world.fleet(bodies)`, `.wheel_fleet(bodies)`",
     Rays: "`self.context.world.rays`",
     Linkage: "`self.context.world.linkage(...)`",
 }

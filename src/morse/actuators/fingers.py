@@ -13,6 +13,8 @@ from morse.scene import Bone, JointKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.world import Body, World
+
 #: parts of the model: the fingers on the left and the right side
 _NAMES = ("finger1", "finger2")
 #: position of the hinge in the frame of a finger, which turns about its X axis, m
@@ -35,7 +37,7 @@ class Fingers:
 
     is_apparatus = True
 
-    def __init__(self, world: Any, gripper: Any) -> None:
+    def __init__(self, world: World, gripper: Any) -> None:
         self._gripper = gripper
         parts = {part.node.plain_name: part for part in gripper.childrenRecursive}
         finger_parts = [parts[name] for name in _NAMES if name in parts]
@@ -58,7 +60,7 @@ class Fingers:
         """The angles at which the fingers meet the held object, or each other, rad, left and right."""
         return [_angle_at(distance) for distance in self._sides(obj)]
 
-    def _sides(self, obj: Any) -> tuple[float, float]:
+    def _sides(self, obj: Body) -> tuple[float, float]:
         """How far an object extends to the left and to the right between the pads, m; 0 if it is not between them."""
         corners = None if obj is None else extent(obj.node.walk(), obj.node)
         if corners is None:

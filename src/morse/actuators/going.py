@@ -10,13 +10,14 @@ from morse.core.limits import POSITION
 from morse.helpers.components import add_data, add_property, add_state
 
 if TYPE_CHECKING:
+    from morse.core.object import Object
     from morse.core.robot import Robot
     from morse.core.world import Body
 
 ARRIVED, TRANSIT, STOP = "Arrived", "Transit", "Stop"
 
 
-def marker(component: Any, name: str) -> Any:
+def marker(component: Object, name: str) -> Any:
     """Return the object of that name, which marks the goal of a robot; None if there is none."""
     return component.context.world.objects_by_name.get(name) if name else None
 

@@ -148,7 +148,7 @@ def _limited(parts: Iterable[float]) -> list[float]:
     return [min(max(part, -_MOST), _MOST) for part in parts]
 
 
-def _bounds(body: Any) -> tuple[list[float], list[float]]:
+def _bounds(body: Body) -> tuple[list[float], list[float]]:
     """Lower and upper corner of the colliding parts, or of all parts if none collides, in the frame of the body, m."""
     parts = list(body.node.walk())
     extents = extent([part for part in parts if part.body.collides], body.node) or extent(parts, body.node)

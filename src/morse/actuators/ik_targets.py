@@ -11,6 +11,7 @@ from morse.mathutils.rotations import product, quaternion_from_rotation, rotatio
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from morse.core.world import Body
     from morse.helpers.chain import Chain
 
 #: prefix of the name of a target, followed by the names of the component and the bone
@@ -72,7 +73,7 @@ class Follower:
         return best.values
 
 
-def targets_of(obj: Any) -> dict[str, Any]:
+def targets_of(obj: Body) -> dict[str, Any]:
     """The targets of an armature by name."""
     return {child.name: child for child in obj.children if BONE in child.properties}
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Collection
+
+    from morse.core.world import Body, World
 
 #: metres
 REACH = 3.0
@@ -28,7 +30,7 @@ class ObstacleRadars:
         obj: the object of the actuator.
     """
 
-    def __init__(self, world: Any, obj: Any) -> None:
+    def __init__(self, world: World, obj: Body) -> None:
         tangent = math.tan(_HALF_ANGLE)
         turns = [2.0 * math.pi * i / _ROUND for i in range(_ROUND)]
         cone = [(1.0, 0.0, 0.0), *((1.0, tangent * math.cos(a), tangent * math.sin(a)) for a in turns)]

@@ -116,7 +116,7 @@ class PA10(Actuator):
         self.local_data.update(zip(_SEGMENTS, map(float, (seg0, seg1, seg2, seg3, seg4, seg5)), strict=True))
 
 
-def _part(obj: Any, name: str) -> Any:
+def _part(obj: Body, name: str) -> Any:
     for part in obj.childrenRecursive:
         if part.node.plain_name == name:
             return part

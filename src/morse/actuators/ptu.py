@@ -163,7 +163,7 @@ def _rest(target: float, angle: float) -> float:
     return 0.0 if angle == target else target - angle
 
 
-def _part(obj: Any, name: str) -> Any:
+def _part(obj: Body, name: str) -> Any:
     for part in obj.childrenRecursive:
         if part.node.plain_name == name:
             return part

@@ -42,7 +42,7 @@ class Actuator(Object):
 
     add_state("command_end", float | None, "Time at which the last command ends", unit="s")
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
         cls.acts_in_rows = bool(lasting_fields(cls))
 

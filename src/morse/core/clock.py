@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.classes.fixed import ReadOnly
 
@@ -74,7 +74,7 @@ class Clock:
             return self._stamped[1]
         return self.stamp_at(seconds, tick)
 
-    def stamp_at(self, seconds: Any, tick: int) -> int:
+    def stamp_at(self, seconds: object, tick: int) -> int:
         """Return a value of `time` in whole nanoseconds.
 
         Args:

@@ -6,7 +6,7 @@ import hashlib
 import logging
 import threading
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 from weakref import WeakSet
 
 from morse.core.classes.fixed import check_class
@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from morse.core.abstractobject import AbstractObject
     from morse.core.clients.network import Network
     from morse.core.clock import Clock
+    from morse.core.interfaces import Carrier, Middleware
     from morse.core.object import Object
+    from morse.core.overlay import MorseOverlay
     from morse.core.request_manager import MorseServices
     from morse.core.world import World
     from morse.scene import Scene
@@ -97,13 +99,13 @@ class Context:
     host: str = "127.0.0.1"
     strict: bool = False
     image_workers: int = 0
-    robots: dict[str, Any] = field(default_factory=dict)
-    external_robots: dict[str, Any] = field(default_factory=dict)
+    robots: dict[str, Carrier] = field(default_factory=dict)
+    external_robots: dict[str, Object] = field(default_factory=dict)
     components: dict[str, Object] = field(default_factory=dict)
-    stream_managers: dict[str, Any] = field(default_factory=dict)
+    stream_managers: dict[str, Middleware] = field(default_factory=dict)
     service_objects: list[AbstractObject] = field(default_factory=list)
     row_taps: list[Callable[[Any], object]] = field(default_factory=list)
-    overlays: dict[str, Any] = field(default_factory=dict)
+    overlays: dict[str, MorseOverlay] = field(default_factory=dict)
     failed: set[str] = field(default_factory=set)
     controls: Controls = _NOTHING_HELD
     journal: Journal = field(init=False)
@@ -115,7 +117,7 @@ class Context:
     paced: Callable[[], bool] = _not_stopping
     complaints: Complaints = field(default_factory=lambda: Complaints(logger))
     time_shares: TimeShares = field(default_factory=TimeShares)
-    _servers: dict[Any, Any] = field(default_factory=dict)
+    _servers: dict[object, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.guard = self.services.guard = Guard(self)
@@ -123,7 +125,7 @@ class Context:
         self.arrivals = Arrivals() if self.network is None else self.network.arrivals
         _alive.add(self)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         # a component that puts None in the place of a part would stop all others
         if name not in _CALLBACKS:
             check_class(self, name, value)
@@ -143,9 +145,9 @@ class Context:
         """The robot, sensor or actuator of that name, or None."""
         # a component of the user may define its truth or its length
         component = self.components.get(name)
-        return self.robots.get(name) if component is None else component
+        return cast("Object | None", self.robots.get(name)) if component is None else component
 
-    def server(self, kind: Callable[[Any], _S]) -> _S:
+    def server(self, kind: Callable[..., _S]) -> _S:
         """Return the server for requests of components (see `morse.core.requests`).
 
         Args:
@@ -154,8 +156,7 @@ class Context:
         """
         if kind not in self._servers:
             self._servers[kind] = kind(self.world)
-        server: _S = self._servers[kind]
-        return server
+        return cast("_S", self._servers[kind])
 
     def close_servers(self) -> None:
         """Release what servers hold besides memory: those with a method ``close``."""

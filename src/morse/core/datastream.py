@@ -105,7 +105,7 @@ class DatastreamManager(Observer):
     by_component: ClassVar[bool] = False
     _mapped: ClassVar[dict[tuple[str, str], str]] = {}
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
         cls._mapped = mapped_kinds(cls)
 
@@ -139,7 +139,7 @@ class DatastreamManager(Observer):
             data = [declaration.manager, declaration.stream, declaration.direction, dict(declaration.options)]
             self.register_component(name, component, data)
 
-    def register_component(self, component_name: str, component_instance: Any, mw_data: list[Any]) -> None:
+    def register_component(self, component_name: str, component_instance: Object, mw_data: list[Any]) -> None:
         """Create a stream and attach it to a component; managers written for MORSE 1.4 override it.
 
         Args:
@@ -158,7 +158,7 @@ class DatastreamManager(Observer):
         functions = component.input_functions if declaration.direction == "IN" else component.output_functions
         functions.append(self._called(stream, declaration))
 
-    def _called(self, stream: Any, declaration: StreamDeclaration) -> Callable[..., Any]:
+    def _called(self, stream: AbstractDatastream, declaration: StreamDeclaration) -> Callable[..., Any]:
         """The function of a stream that its component calls."""
         from morse.core.actuator import Actuator
         from morse.core.streams.command_timeout import CommandTimeout
@@ -214,13 +214,13 @@ class DatastreamManager(Observer):
         for stream in self.streams.pop(name, ()):
             self._close_stream(stream)
 
-    def _close_stream(self, stream: Any) -> None:
+    def _close_stream(self, stream: AbstractDatastream) -> None:
         try:
             stream.finalize()
         finally:
             self.closed(stream)
 
-    def drop(self, stream: Any) -> None:
+    def drop(self, stream: AbstractDatastream) -> None:
         """Close a stream that has failed; the component and its other streams continue."""
         for name, streams in list(self.streams.items()):
             others = [one for one in streams if one is not stream]
@@ -304,7 +304,7 @@ class DatastreamManager(Observer):
             self._close_streams(name)
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 from operator import methodcaller
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from morse.core.reports.faults import (
     ENDINGS,
@@ -27,10 +27,15 @@ from morse.core.reports.faults import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, MutableSequence, Sequence
+    from collections.abc import Callable, Iterable, Mapping, MutableMapping, MutableSequence, Sequence
+
+    from morse.core.interfaces import Component, Middleware, Modifier
+    from morse.core.observer import Observer
 
 _R = TypeVar("_R")
 _P = TypeVar("_P")
+_O = TypeVar("_O", bound="Observer")
+_Call = TypeVar("_Call", bound="Callable[..., object]")
 
 logger = logging.getLogger(__name__)
 
@@ -39,6 +44,26 @@ _AGAIN = "is left as it is"
 _NOTHING = object()
 #: calls the method of an observer
 before_tick, after_tick = methodcaller("before_tick"), methodcaller("after_tick")
+
+
+class Guarded(Protocol):
+    """The parts of a simulation that the guard reads, see `morse.core.context.Context`."""
+
+    @property
+    def failed(self) -> set[str]:
+        """Names of the components that were deactivated."""
+
+    @property
+    def stream_managers(self) -> MutableMapping[str, Middleware]:
+        """The middlewares by class path."""
+
+    @property
+    def robots(self) -> Mapping[str, Component]:
+        """Robots by name."""
+
+    @property
+    def components(self) -> Mapping[str, Component]:
+        """Sensors and actuators by name."""
 
 
 class Guard:
@@ -51,17 +76,17 @@ class Guard:
         remarks: returns texts about a component that has failed, such as the methods that its attributes hide.
     """
 
-    def __init__(self, context: Any) -> None:
+    def __init__(self, context: Guarded) -> None:
         self._context = context
         self.raises: Callable[[BaseException, str], bool] | None = None
         self.managers_off: set[str] = set()
-        self.remarks: Callable[[Any], Iterable[str]] = _no_remarks
+        self.remarks: Callable[[Component], Iterable[str]] = _no_remarks
         #: components that cannot be switched off: they go on raising, and nobody hears of it
-        self._deaf: dict[int, Any] = {}
+        self._deaf: dict[int, Component] = {}
 
     # -- calls -----------------------------------------------------------------------------
 
-    def act(self, components: Iterable[Any]) -> None:
+    def act(self, components: Iterable[Component]) -> None:
         """Let components act; one that raises is deactivated."""
         for component in components:
             try:
@@ -110,11 +135,11 @@ class Guard:
             off(error)
         return None
 
-    def call(self, functions: MutableSequence[Any], *arguments: object) -> None:
+    def call(self, functions: MutableSequence[_Call], *arguments: object) -> None:
         """Call the functions of a list; one that raises is removed from it."""
         self.each(functions, lambda one: one(*arguments), lambda one, error: self.remove(functions, one, error))
 
-    def tell(self, observers: MutableSequence[Any], call: Callable[[Any], object]) -> None:
+    def tell(self, observers: MutableSequence[_O], call: Callable[[_O], object]) -> None:
         """Notify observers; one that raises is removed and closed."""
         self.each(observers, call, lambda observer, error: self.dismiss(observers, observer, error))
 
@@ -142,7 +167,7 @@ class Guard:
             text += f"\n{lines}" if lines and not is_a(error, OSError) else ""
         logger.error("[ERROR][MORSE] %s failed and %s: %s", who, what, text)
 
-    def deactivate(self, component: Any, error: BaseException, culprit: object = None) -> None:
+    def deactivate(self, component: Component, error: BaseException, culprit: object = None) -> None:
         """Switch off a component.
 
         Args:
@@ -164,7 +189,9 @@ class Guard:
         self._context.failed.add(name)
         self.run(lambda: component.switch_off(), lambda _: self._deaf.update({id(component): component}))
 
-    def close(self, component: Any, functions: MutableSequence[Any], function: Any, error: BaseException) -> None:
+    def close(
+        self, component: Component, functions: MutableSequence[_Call], function: _Call, error: BaseException
+    ) -> None:
         """Close a stream of a component, and nothing else; if the component has lost its data, that is the fault."""
         if not is_a(vars(component).get("local_data", {}), dict):
             if component._active:  # each of its streams finds out
@@ -177,18 +204,18 @@ class Guard:
         if drop is not None:
             self.run(lambda: drop(stream), lambda again: self.failed(stream, name_of(stream), _AGAIN, again))
 
-    def remove(self, functions: MutableSequence[Any], function: object, error: BaseException) -> None:
+    def remove(self, functions: MutableSequence[_Call], function: object, error: BaseException) -> None:
         """Remove a callback from its list."""
         self.failed(function, f"the callback {name_of(function)}", "is removed", error)
         functions[:] = [one for one in functions if one is not function]
 
-    def dismiss(self, observers: MutableSequence[Any], observer: Any, error: BaseException) -> None:
+    def dismiss(self, observers: MutableSequence[_O], observer: _O, error: BaseException) -> None:
         """Remove an observer, and close it; of a middleware, also all of its streams."""
         own = attribute(observer, "__dict__", {}).get("classpath")
         who = f"the middleware {own}" if is_a(own, str) else f"the observer {class_name(type(observer))}"
         self.failed(observer, who, "is removed", error)
         observers[:] = [one for one in observers if one is not observer]
-        managers = self._context.stream_managers
+        managers: MutableMapping[str, Any] = self._context.stream_managers
         for path in [path for path, manager in managers.items() if manager is observer]:
             del managers[path]
             self.managers_off.add(path)
@@ -226,7 +253,7 @@ def _without_data(component: object, error: BaseException) -> BaseException:
 # -- calls of components, which are frequent -----------------------------------------------------
 
 
-def publish(component: object, functions: MutableSequence[Any]) -> None:
+def publish(component: Component, functions: MutableSequence[_Call]) -> None:
     """Call the output functions of a component; a stream that raises is closed."""
     failures = None
     for function in functions:
@@ -240,7 +267,7 @@ def publish(component: object, functions: MutableSequence[Any]) -> None:
         _close(component, functions, failures)
 
 
-def read(component: object, functions: MutableSequence[Any]) -> bool:
+def read(component: Component, functions: MutableSequence[_Call]) -> bool:
     """Call the input functions of a component, and return whether data arrived; a stream that raises is closed."""
     has_input, failures = False, None
     for function in functions:
@@ -255,12 +282,14 @@ def read(component: object, functions: MutableSequence[Any]) -> bool:
     return has_input
 
 
-def _close(component: Any, functions: MutableSequence[Any], failures: Sequence[tuple[Any, BaseException]]) -> None:
+def _close(
+    component: Component, functions: MutableSequence[_Call], failures: Sequence[tuple[_Call, BaseException]]
+) -> None:
     for function, failure in failures:
         component.context.guard.close(component, functions, function, failure)
 
 
-def modify(component: Any, modifiers: Sequence[Any]) -> bool:
+def modify(component: Component, modifiers: Sequence[Modifier]) -> bool:
     """Apply modifiers to the data of a component.
 
     Returns:

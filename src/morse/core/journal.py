@@ -59,7 +59,7 @@ class Journal:
         self._clock, self._guard = clock, guard
         self.sinks: list[Callable[[Entry], object]] = []
 
-    def note(self, kind: str, name: str, content: Any, until: float | None = None) -> None:
+    def note(self, kind: str, name: str, content: object, until: float | None = None) -> None:
         """Record an input that takes effect now. The content must not be modified afterwards."""
         if self.sinks:
             entry = Entry(self._clock.tick, kind, name, content, until)

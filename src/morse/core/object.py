@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.declarations import DataField
+    from morse.core.interfaces import Carrier, Entry, Modifier
     from morse.core.parts.moving_parts import MovingPart
-    from morse.core.rows.unread import Entry
     from morse.core.world import Body
 
 logger = logging.getLogger(__name__)
@@ -34,7 +34,7 @@ logger = logging.getLogger(__name__)
 _OF_EACH_TICK = ("action", "update_pose")
 
 
-def _if_active(component: Any, method: Callable[[], object]) -> None:
+def _if_active(component: Object, method: Callable[[], object]) -> None:
     if component._active:
         method()
 
@@ -60,11 +60,11 @@ class Object(Requesting, AbstractObject):
     #: whether the class is the user's, so that its data may have any size
     _is_checked: ClassVar[bool] = False
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
         cls._is_checked = not cls.__module__.startswith("morse.")
 
-    def __new__(cls, *args: Any, **kwargs: Any) -> Any:
+    def __new__(cls, *args: object, **kwargs: object) -> Any:
         """In a scene script, ``Sonar()`` and ``Sonar("name")`` return the builder object of the component."""
         if describing.describe is not None and (isinstance(args[0], str) if args else "obj" not in kwargs):
             described = describing.describe(cls, *args, **kwargs)
@@ -72,11 +72,11 @@ class Object(Requesting, AbstractObject):
                 return described
         return super().__new__(cls)
 
-    def __init__(self, obj: Body, parent: Any = None) -> None:
+    def __init__(self, obj: Body, parent: Carrier | None = None) -> None:
         super().__init__()
         self.bge_object = obj
         #: a `Robot` for sensors and actuators
-        self.robot_parent: Any = parent
+        self.robot_parent: Carrier = parent  # type: ignore[assignment] # only that of a robot is None
         self.context: Context = _context.current()
         self.clock = self.context.clock
         self._active = True
@@ -90,12 +90,12 @@ class Object(Requesting, AbstractObject):
             setattr(self, python_name, obj[prop.name] if prop.name in obj else copy.deepcopy(prop.default))
         self.position_3d = FollowingPose(obj) if self.acts_in_rows else Transformation3d(obj)
         self.initial_position_3d = Transformation3d(obj)
-        self.input_functions: list[Callable[[Any], bool]] = []
-        self.output_functions: list[Callable[[Any], Any]] = []
-        self.input_modifiers: list[Any] = []
-        self.output_modifiers: list[Any] = []
+        self.input_functions: list[Callable[[Object], object]] = []
+        self.output_functions: list[Callable[[Object], object]] = []
+        self.input_modifiers: list[Modifier] = []
+        self.output_modifiers: list[Modifier] = []
 
-    def _chosen_level(self, level_name: Any) -> str | None:
+    def _chosen_level(self, level_name: object) -> str | None:
         choices = levels(type(self))
         if level_name in choices:
             return str(level_name)
@@ -311,7 +311,7 @@ for _name in _NEEDED:
     setattr(Object, _name, OfOneClass(_name))
 
 
-def _nobody(_outcome: Any) -> None:
+def _nobody(_outcome: object) -> None:
     """Completion callback of a service whose client has disconnected."""
 
 

@@ -14,6 +14,7 @@ from morse.core.streams.extent import check_fields
 from morse.core.streams.local_data import LocalData
 
 if TYPE_CHECKING:
+    from morse.core.interfaces import Component
     from morse.core.sensor import Sensor
     from morse.scene.realism import NoiseModel, RealismModel
 
@@ -131,7 +132,7 @@ class Realism:
         publish(self.sensor, self.sensor.output_functions)
 
 
-def copied(value: Any) -> Any:
+def copied(value: object) -> Any:
     """Return a copy that shares no mutable objects with the original."""
     if isinstance(value, (float, int, str, bytes, bool)) or value is None:
         return value
@@ -142,7 +143,7 @@ def copied(value: Any) -> Any:
     return deepcopy(value)
 
 
-def phase_of(component: Any) -> float:
+def phase_of(component: Component) -> float:
     """Return the time of the first action of a component after the start, s."""
     realism = getattr(component, "realism", None)
     return realism.phase if isinstance(realism, Realism) else 0.0

@@ -6,28 +6,18 @@ this tick to the servers, in one call per server. The components then act and fi
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from numpy.typing import ArrayLike
+
     from morse.core.guard import Guard
-    from morse.core.world import Body, RayBundle, World
+    from morse.core.interfaces import Component, Request, Server, Simulated
+    from morse.core.world import Body, RayBundle
 
-
-class Server(Protocol):
-    """Answers requests of one kind."""
-
-    def serve(self, requests: Sequence[Any]) -> None:
-        """Answer requests, all of which belong to this server, for the present state of the world."""
-
-
-class Request(Protocol):
-    """A query that must be answered before each action of a component; the server writes the answer into it."""
-
-    @property
-    def server(self) -> Server:
-        """The server that answers the request."""
+_R = TypeVar("_R", bound="Request")
 
 
 class Requesting:
@@ -41,9 +31,9 @@ class Requesting:
     requests: Sequence[Request] = ()
     rays: RayBundle = None  # type: ignore[assignment] # who reads it has called `add_rays`
     bge_object: Body
-    context: Any
+    context: Simulated
 
-    def add_request(self, request: Any) -> Any:
+    def add_request(self, request: _R) -> _R:
         """Register a request that is answered before each action; call it in ``__init__``.
 
         Returns:
@@ -52,13 +42,15 @@ class Requesting:
         self.requests = [*self.requests, request]
         return request
 
-    def remove_request(self, request: Any) -> None:
+    def remove_request(self, request: object) -> None:
         """Remove a request."""
         self.requests = [one for one in self.requests if one is not request]
         if request is self.rays:
             self.rays = None  # type: ignore[assignment]
 
-    def add_rays(self, directions: Any, reach: float, origins: Any = None, *, upright: bool = False) -> RayBundle:
+    def add_rays(
+        self, directions: ArrayLike, reach: float, origins: ArrayLike | None = None, *, upright: bool = False
+    ) -> RayBundle:
         """Cast a bundle of rays before each action; call it in ``__init__``, once for each bundle.
 
         The rays are cast together with those of all other components before ``default_action``, which reads the results
@@ -79,15 +71,14 @@ class Requesting:
             ValueError: an array has another shape, a number is not finite, a direction has length 0, or the reach is
                 not positive.
         """
-        world: World = self.context.world
-        bundle = world.rays.bundle(self.bge_object, directions, reach, origins, upright=upright)
+        bundle = self.context.world.rays.bundle(self.bge_object, directions, reach, origins, upright=upright)
         if self.rays is None:
             self.rays = bundle
         self.add_request(bundle)
         return bundle
 
 
-def serve(components: Sequence[Any], guard: Guard) -> None:
+def serve(components: Sequence[Component], guard: Guard) -> None:
     """Answer the requests of the active components, with one call per server.
 
     If a server fails, or a component cannot tell its requests, each component is served alone: those whose requests
@@ -96,19 +87,19 @@ def serve(components: Sequence[Any], guard: Guard) -> None:
     guard.run(lambda: _serve(components), lambda _: guard.each(components, _serve_one, guard.deactivate))
 
 
-def prepare(components: Iterable[Any]) -> None:
+def prepare(components: Iterable[Component]) -> None:
     """Let the servers do now what would delay the first tick; a server may have a method ``prepare`` for this."""
     for server, requests in _by_server(components).items():
         if (do := getattr(server, "prepare", None)) is not None:
             do(requests)
 
 
-def _serve(components: Iterable[Any]) -> None:
+def _serve(components: Iterable[Component]) -> None:
     for server, requests in _by_server(components).items():
         server.serve(requests)
 
 
-def _by_server(components: Iterable[Any]) -> dict[Server, list[Request]]:
+def _by_server(components: Iterable[Component]) -> dict[Server, list[Request]]:
     by_server: dict[Server, list[Request]] = {}
     for component in components:
         if component.active:
@@ -117,5 +108,5 @@ def _by_server(components: Iterable[Any]) -> dict[Server, list[Request]]:
     return by_server
 
 
-def _serve_one(component: Any) -> None:
+def _serve_one(component: Component) -> None:
     _serve((component,))

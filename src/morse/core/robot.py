@@ -115,7 +115,7 @@ class Robot(Object):
         """
         self.bge_object.drive(linear_speed, angular_speed, position=kind == "Position", ground=self._is_ground_robot)
 
-    def force_pose(self, position: Sequence[float] | None, orientation: Any | None) -> None:
+    def force_pose(self, position: Sequence[float] | None, orientation: Sequence[Sequence[float]] | None) -> None:
         """Place the robot at a pose, at rest.
 
         Args:

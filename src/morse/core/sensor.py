@@ -56,7 +56,7 @@ class Sensor(Object):
     #: what `observe` has returned at the time of a measurement that is computed later
     observed: Any = None
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
         cls._reports = cls.report is not Sensor.report
         cls.acts_in_rows = is_on_read(cls)
@@ -91,6 +91,9 @@ class Sensor(Object):
         It is called after noise was added to the measured fields.
         """
 
+    def remember(self) -> None:
+        """Take note of the pose of a measurement, for a sensor whose next one depends on it (`morse.core.rows`)."""
+
     def look_again(self) -> None:
         """Called before a further measurement in the same tick, such as after the robot was placed elsewhere."""
 
@@ -124,8 +127,7 @@ class Sensor(Object):
 
     def measured_from(self) -> Pose:
         """Return position (3,) in m and rotation (9,), row by row, of the sensor in the world at its measurement."""
-        pose: Pose = self.bge_object.world_pose()
-        return pose
+        return self.bge_object.world_pose()
 
     def make_realism(self, model: RealismModel) -> Realism:
         """Return the delay and the noise that the script declares."""
@@ -140,7 +142,7 @@ class Sensor(Object):
         follow = {name for name, field in data_fields(type(self)).items() if field.follows} | {"timestamp"}
         return tuple(name for name, value in self.local_data.items() if name not in follow and is_numeric(value))
 
-    def add_noise(self, field: str, noise: Noise, before: Any) -> None:
+    def add_noise(self, field: str, noise: Noise, before: object) -> None:
         """Add errors to a field, within its declared range. A lost value keeps the previous value.
 
         Args:

@@ -120,7 +120,7 @@ class _Caller(Protocol):
 
 def _asynchronous(fn: Callable[..., object]) -> Callable[..., Any]:
     @functools.wraps(fn)
-    def call(self: _Caller, callback: Callable[[Any], None] | None, *args: Any, **kwargs: Any) -> Any:
+    def call(self: _Caller, callback: Callable[[Any], None] | None, *args: object, **kwargs: object) -> Any:
         if self.on_completion is not None:
             if not getattr(call, "_morse_interruptible", False):
                 raise MorseServiceAlreadyRunningError(

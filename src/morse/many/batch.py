@@ -28,11 +28,17 @@ if TYPE_CHECKING:
 
     from morse.many.commands import Command
     from morse.many.readings import Contacts
+    from morse.scene import Scene
     from morse.simulation.simulation import Simulation
 
 
 def batch(
-    scene: Any, rows: int | None = None, *, seed: int | Sequence[int] = 0, arguments: Sequence[Any] = (), **options: Any
+    scene: Scene,
+    rows: int | None = None,
+    *,
+    seed: int | Sequence[int] = 0,
+    arguments: Sequence[object] = (),
+    **options: object,
 ) -> Batch:
     """Load many simulations, the rows of a batch.
 
@@ -63,7 +69,7 @@ class Batch:
 
     def __init__(
         self,
-        scene: Any,
+        scene: Scene,
         rows: int | None = None,
         *,
         seed: int | Sequence[int] = 0,
@@ -209,9 +215,8 @@ class Batch:
             with self._scenes.load(0, self.seeds[0]) as probe:
                 probe.step(1, measure=True)
                 context = probe.context
-                self._samples = {
-                    name: dict(present_data(part)) for name, part in {**context.robots, **context.components}.items()
-                }
+                parts: dict[str, Any] = {**context.robots, **context.components}
+                self._samples = {name: dict(present_data(part)) for name, part in parts.items()}
         # what was spawned is not there
         sample = self._samples.get(handle.fqn, data)
         return Layout(component, fields or tuple(sample), sample)
@@ -258,7 +263,7 @@ class Batch:
                     if isinstance(reading, ContactColumn):
                         reading.begin(np.flatnonzero(ran == ticks))
 
-    def measure(self, rows: Any = None, sensors: Sequence[str] | None = None) -> None:
+    def measure(self, rows: object = None, sensors: Sequence[str] | None = None) -> None:
         """Let sensors measure now, between two ticks, as after `place`; see `Simulation.measure`.
 
         Args:
@@ -272,7 +277,7 @@ class Batch:
 
     # -- episodes --------------------------------------------------------------------------
 
-    def restart(self, rows: Any = None, seeds: int | Sequence[int] | None = None) -> None:
+    def restart(self, rows: object = None, seeds: int | Sequence[int] | None = None) -> None:
         """Restart some rows, as after loading them with these seeds; the others are not touched.
 
         Args:
@@ -287,7 +292,7 @@ class Batch:
         self._each(chosen, lambda row: self._simulations[row].restart(self.seeds[row]))
         self._begin(chosen)
 
-    def place(self, rows: Any, name: str, poses: Any) -> None:
+    def place(self, rows: object, name: str, poses: object) -> None:
         """Place a robot or an object at rest, in some rows.
 
         Args:
@@ -309,11 +314,11 @@ class Batch:
         self,
         name: str,
         *,
-        rows: Any = None,
-        mass: Any = None,
-        friction: Any = None,
-        light: Any = None,
-        color: Any = None,
+        rows: object = None,
+        mass: object = None,
+        friction: object = None,
+        light: object = None,
+        color: object = None,
     ) -> None:
         """Change parameters of a robot or an object, one value for each row; `restart` restores those of the scene.
 
@@ -346,11 +351,11 @@ class Batch:
         for what, row, value in changes:
             getattr(self._simulations[row], f"set_{what}")(name, value)
 
-    def save(self, rows: Any = None) -> list[State]:
+    def save(self, rows: object = None) -> list[State]:
         """Return the states of some rows; see `Simulation.save`."""
         return [self._simulations[row].save() for row in self._rows(rows)]
 
-    def restore(self, rows: Any, states: Sequence[State] | State) -> None:
+    def restore(self, rows: object, states: Sequence[State] | State) -> None:
         """Restore states in some rows, one for each, or one state in all of them; see `Simulation.restore`.
 
         Raises:
@@ -397,7 +402,7 @@ class Batch:
 
     # -- the end ---------------------------------------------------------------------------
 
-    def _rows(self, rows: Any) -> list[int]:
+    def _rows(self, rows: object) -> list[int]:
         """The numbers of rows, whose simulations are then up to date."""
         self._check_open()
         chosen = rows_of(rows, len(self))

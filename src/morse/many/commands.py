@@ -27,7 +27,7 @@ class Command(np.ndarray):
 
     written: NDArray[np.bool_] | None = None
 
-    def __array_finalize__(self, other: Any) -> None:
+    def __array_finalize__(self, other: object) -> None:
         """Notes belong to the array itself, not to arrays that are computed from it."""
         self.written = None
 
@@ -141,5 +141,5 @@ class CommandColumn:
         return message
 
 
-def _item(value: Any) -> Any:
+def _item(value: object) -> Any:
     return value.item() if isinstance(value, np.generic) else value

@@ -69,7 +69,7 @@ class Layout:
         first = sum(math.prod(shape) for shape in self.shapes[:field])
         return slice(first, first + math.prod(self.shapes[field]))
 
-    def fill(self, array: NDArray[Any], row: int, data: Mapping[str, Any]) -> None:
+    def fill(self, array: NDArray[Any], row: int, data: Mapping[str, object]) -> None:
         """Copy the fields of a component into a row.
 
         Raises:
@@ -130,7 +130,7 @@ class Layout:
         )
 
 
-def _array(value: Any) -> NDArray[Any]:
+def _array(value: object) -> NDArray[Any]:
     """Return numbers as an array of their type, everything else as an array of one object."""
     try:
         array = np.asarray(value)

@@ -85,7 +85,7 @@ def _checked(samples: int) -> int:
     return int(samples)
 
 
-def axis(name: str, values: Any) -> list[Any]:
+def axis(name: str, values: object) -> list[Any]:
     """Return the values of a parameter of a study: of a list, a range, a distribution, or a single value.
 
     Raises:
@@ -102,7 +102,7 @@ def axis(name: str, values: Any) -> list[Any]:
     return chosen
 
 
-def combinations(axes: Mapping[str, Sequence[Any]], seeds: Iterable[int]) -> Iterator[tuple[dict[str, Any], int]]:
+def combinations(axes: Mapping[str, Sequence[object]], seeds: Iterable[int]) -> Iterator[tuple[dict[str, Any], int]]:
     """Each combination of the values of all parameters, with each seed."""
     every = list(seeds)
     for values in itertools.product(*axes.values()):

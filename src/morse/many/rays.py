@@ -43,7 +43,7 @@ class RayExecutor(Executor):
         self.workers = max(1, int(resources().get("CPU", 1)))
         self._functions: dict[Any, Any] = {}
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+    def submit(self, fn: Callable[..., object], /, *args: object, **kwargs: object) -> Future[Any]:
         """Run a function on the cluster."""
         if fn not in self._functions:
             environment = {"env_vars": ONE_THREAD}

@@ -48,7 +48,7 @@ class DataColumn:
         for row in rows:
             fill(values, row, self._data_of(row))
 
-    def put(self, rows: NDArray[np.intp], data: Mapping[str, Sequence[Any]]) -> None:
+    def put(self, rows: NDArray[np.intp], data: Mapping[str, Sequence[object]]) -> None:
         """Take data of some rows, by field; see `Layout.fill_rows`."""
         self.layout.fill_rows(self._values, rows, data)
 
@@ -67,7 +67,7 @@ class Contacts(np.ndarray):
 
     impulse: NDArray[np.float64] | None = None
 
-    def __array_finalize__(self, other: Any) -> None:
+    def __array_finalize__(self, other: object) -> None:
         """Impulses belong to the array itself, not to arrays that are computed from it."""
         self.impulse = None
 

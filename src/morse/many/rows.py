@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def rows_of(rows: Any, count: int) -> list[int]:
+def rows_of(rows: object, count: int) -> list[int]:
     """Return row numbers.
 
     Args:
@@ -51,7 +51,7 @@ def rows_of(rows: Any, count: int) -> list[int]:
     return chosen
 
 
-def only_row_of(row: Any, count: int) -> int:
+def only_row_of(row: object, count: int) -> int:
     """Return the number of one row.
 
     Raises:
@@ -84,7 +84,7 @@ def seeds_of(seeds: Any, rows: Sequence[int]) -> list[int]:
     return [int(value) for value in values]
 
 
-def values_of(values: Any, rows: Sequence[int], what: str) -> list[float]:
+def values_of(values: object, rows: Sequence[int], what: str) -> list[float]:
     """Return one number for each row; a number stands for all rows.
 
     Raises:
@@ -98,7 +98,7 @@ def values_of(values: Any, rows: Sequence[int], what: str) -> list[float]:
     return [float(value) for value in array]
 
 
-def vectors_of(values: Any, rows: Sequence[int], what: str) -> NDArray[np.float64]:
+def vectors_of(values: object, rows: Sequence[int], what: str) -> NDArray[np.float64]:
     """Return (M, K) one vector for each row; a single vector stands for all rows.
 
     Raises:
@@ -114,7 +114,7 @@ def vectors_of(values: Any, rows: Sequence[int], what: str) -> NDArray[np.float6
     return array
 
 
-def _floats(values: Any, what: str) -> NDArray[np.float64]:
+def _floats(values: object, what: str) -> NDArray[np.float64]:
     try:
         return np.asarray(values, np.float64)
     except (TypeError, ValueError):

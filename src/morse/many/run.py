@@ -64,7 +64,7 @@ class Runs(Protocol):
     def arguments_of(self, run: Run) -> list[str]:
         """Return the arguments of the scene script for a run."""
 
-    def call(self, simulation: Any, run: Run) -> Any:
+    def call(self, simulation: object, run: Run) -> Any:
         """Call the function of the study."""
 
     def description(self) -> dict[str, Any] | None:
@@ -113,7 +113,7 @@ def _failure(error: BaseException) -> dict[str, str]:
     return {"error": summary(error), "where": place(error).strip()}
 
 
-def _results(returned: Any, row: dict[str, Any]) -> dict[str, Any]:
+def _results(returned: object, row: dict[str, Any]) -> dict[str, Any]:
     """The results of a run.
 
     Raises:
@@ -138,7 +138,7 @@ _FACTS: dict[str, tuple[type, ...]] = {
 }  # fmt: skip
 
 
-def is_row(row: Any) -> bool:
+def is_row(row: object) -> bool:
     """Whether a value from a file is a row of `run_once`.
 
     The name of the run and the recording become paths and addresses.

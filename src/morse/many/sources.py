@@ -41,7 +41,7 @@ class Reference(NamedTuple):
         return found
 
 
-def reference_of(function: Callable[..., Any]) -> Reference | None:
+def reference_of(function: Callable[..., object]) -> Reference | None:
     """Return the reference of a function, or None if only this process has it: a function within a function."""
     module = sys.modules.get(getattr(function, "__module__", None) or "")
     name = getattr(function, "__qualname__", "")
@@ -100,7 +100,7 @@ def imported(file: str, module: str = "") -> Any:
     return found
 
 
-def code_of(parts: Iterable[Any]) -> str:
+def code_of(parts: Iterable[object]) -> str:
     """Return the SHA-256 of the code of functions and scripts, with the modules beside them that they import."""
     files: dict[Path, None] = {}
     digest = hashlib.sha256()
@@ -115,7 +115,7 @@ def code_of(parts: Iterable[Any]) -> str:
     return digest.hexdigest()
 
 
-def _file_of(part: Any) -> Path | None:
+def _file_of(part: object) -> Path | None:
     if isinstance(part, (str, os.PathLike)):
         return Path(part).resolve()
     file = getattr(getattr(part, "__code__", None), "co_filename", "")

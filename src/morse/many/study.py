@@ -45,7 +45,7 @@ class Study:
 
     def __init__(
         self,
-        scene: Any,
+        scene: Scene,
         run: Callable[..., Any],
         *,
         seeds: int | Sequence[int] = 1,
@@ -144,7 +144,9 @@ class Study:
 
         return sweep(self, folder, workers=workers, executor=executor, progress=progress, attempts=attempts)
 
-    def once(self, seed: int = 0, *, record: str | os.PathLike[str] | None = None, **parameters: Any) -> dict[str, Any]:
+    def once(
+        self, seed: int = 0, *, record: str | os.PathLike[str] | None = None, **parameters: object
+    ) -> dict[str, Any]:
         """Do one run in this process, with any values, and return its row.
 
         Args:
@@ -191,7 +193,7 @@ class Study:
         """Return the arguments of the scene script for a run."""
         return [word.format(**run.parameters) for word in self.arguments]
 
-    def call(self, simulation: Any, run: Run) -> Any:
+    def call(self, simulation: object, run: Run) -> Any:
         """Call the function of the study."""
         return self.run_function(simulation, **self._chosen(self.run_function, run))
 

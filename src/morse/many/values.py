@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 
-def plain(value: Any, what: str) -> Any:
+def plain(value: object, what: str) -> Any:
     """Return a value as plain data: numbers, booleans, strings, None, and lists and dictionaries of them.
 
     Raises:

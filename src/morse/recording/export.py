@@ -66,13 +66,13 @@ class _Csv:
         self._file.close()
 
 
-def _cell(value: Any) -> Any:
+def _cell(value: object) -> Any:
     if isinstance(value, (list, dict)) or hasattr(value, "tolist"):
         return json.dumps(_plain(value))
     return value
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     if isinstance(value, dict):
         return {key: _plain(inner) for key, inner in value.items()}
     if isinstance(value, list):

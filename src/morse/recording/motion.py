@@ -14,6 +14,7 @@ from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
     from morse.core.context import Context
+    from morse.core.world import Body
     from morse.rosmsgs.topics.backend import Backend
 
 POSES, NODES, LOOKS = "/morse/poses", "/morse/nodes", "/morse/appearance"
@@ -124,7 +125,7 @@ class Motion:
             self._looks.publish(encode(TEXT_TYPE, {"data": json.dumps(changed)}))
 
 
-def look_of(obj: Any) -> dict[str, Any]:
+def look_of(obj: Body) -> dict[str, Any]:
     """The appearance of an object that can change while the simulation runs."""
     node, light = obj.node, obj.node.light
     return {

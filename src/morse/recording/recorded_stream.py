@@ -234,7 +234,7 @@ def _tuple_getter(names: tuple[str, ...]) -> Callable[[Any], tuple[Any, ...]]:
     return get if len(names) > 1 else lambda component: (get(component),)
 
 
-def _own(value: Any) -> Any:
+def _own(value: object) -> Any:
     """Arrays that nobody else changes."""
     return value.copy() if isinstance(value, np.ndarray) else value
 

@@ -99,5 +99,5 @@ class Table:
             yield first + [get(row) for get in self._getters]
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     return value.item() if hasattr(value, "item") else value

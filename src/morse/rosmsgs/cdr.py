@@ -89,7 +89,7 @@ def _stamped(type_name: str, frame_id: str, child_frame_id: str | None) -> tuple
     return struct.Struct(form + _padding(letters, begin)).pack, texts
 
 
-def encode_rows(type_name: str, message: Mapping[str, Any], count: int) -> NDArray[np.uint8]:
+def encode_rows(type_name: str, message: Mapping[str, object], count: int) -> NDArray[np.uint8]:
     """Encode many messages of the same size at once.
 
     Args:
@@ -133,7 +133,7 @@ def _struct_writer(type_name: str) -> Write:
     parts = [(field.name, _writer(field)) for field in fields_of(type_name)]
     known = frozenset(name for name, _ in parts)
 
-    def write(buffer: bytearray, value: Mapping[str, Any]) -> None:
+    def write(buffer: bytearray, value: Mapping[str, object]) -> None:
         for name, write_field in parts:
             write_field(buffer, value.get(name))
         _check_names(type_name, known, value)
@@ -164,7 +164,7 @@ def _string_bytes(text: str) -> bytes:
     return (len(data) + 1).to_bytes(4, "little") + data + b"\0"
 
 
-def _check_names(type_name: str, known: frozenset[str], value: Mapping[str, Any]) -> None:
+def _check_names(type_name: str, known: frozenset[str], value: Mapping[str, object]) -> None:
     if not known.issuperset(value):
         raise ValueError(f"{type_name} has no field {sorted(value.keys() - known)}")
 
@@ -188,7 +188,7 @@ def _plain_writer(type_name: str) -> Write:
     # the padding between the numbers depends on the offset of the message
     packers = [_padded(letters, begin) for begin in range(_LARGEST)]
 
-    def write(buffer: bytearray, value: Mapping[str, Any]) -> None:
+    def write(buffer: bytearray, value: Mapping[str, object]) -> None:
         numbers: list[Any] = []
         collect(value, numbers)
         buffer += packers[(len(buffer) - len(_HEADER)) % _LARGEST](*numbers)
@@ -240,7 +240,7 @@ def _collector(type_name: str) -> Callable[[Mapping[str, Any], list[Any]], None]
         return collect
     all_of = itemgetter(*(field.name for field in fields))
 
-    def collect_all(value: Mapping[str, Any], numbers: list[Any]) -> None:
+    def collect_all(value: Mapping[str, object], numbers: list[Any]) -> None:
         """Vectors and quaternions, which usually contain all their numbers."""
         if len(value) != len(fields):
             collect(value, numbers)
@@ -290,7 +290,7 @@ def _single_writer(field: MessageField) -> Write:
     packer = struct.Struct("<" + letter)
     size, pack, default = packer.size, packer.pack, _default(field)
 
-    def write(buffer: bytearray, value: Any) -> None:
+    def write(buffer: bytearray, value: object) -> None:
         _align(buffer, size)
         buffer += pack(default if value is None else value)
 
@@ -300,7 +300,7 @@ def _single_writer(field: MessageField) -> Write:
 def _numbers_writer(field: MessageField) -> Write:
     dtype = np.dtype("<" + PRIMITIVES[field.type])
 
-    def write(buffer: bytearray, value: Any) -> None:
+    def write(buffer: bytearray, value: object) -> None:
         if value is None:
             value = np.zeros(field.size)
         if isinstance(value, (bytes, bytearray, memoryview)):
@@ -361,7 +361,7 @@ class _Rows:
                 found[:, begin : begin + size] = column
         return found
 
-    def put_struct(self, type_name: str, value: Mapping[str, Any]) -> None:
+    def put_struct(self, type_name: str, value: Mapping[str, object]) -> None:
         fields = fields_of(type_name)
         _check_names(type_name, frozenset(field.name for field in fields), value)
         for field in fields:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
+    from morse.core.robot import Robot
     from morse.core.world.body import Mounting
     from morse.rosmsgs.outlets import Outlet
     from morse.rosmsgs.poses import Motion
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 _UNKNOWN = (0.0,) * 36
 
 
-def kinds_of(component: Object, options: Mapping[str, Any]) -> tuple[BoundKind, ...]:
+def kinds_of(component: Object, options: Mapping[str, object]) -> tuple[BoundKind, ...]:
     """The message kinds of a component, with the cloud of a laser scanner if the option ``points`` asks for it.
 
     Raises:
@@ -76,7 +77,7 @@ class ComponentMessages:
     def name_frames(self, names: Names) -> None:
         """Begin with these names of topics and frames."""
         self.names = names
-        self.robot: Any = robot_of(self.component_instance)
+        self.robot: Robot = robot_of(self.component_instance)
         self._frame_ids: dict[str, str] = {}
         self._known_motion: tuple[Message | None, Any] = None, None
 
@@ -221,7 +222,7 @@ class ComponentMessages:
         }
 
 
-def _numbers(matrix: Any) -> Sequence[float]:
+def _numbers(matrix: object) -> Sequence[float]:
     """The 36 numbers of a covariance; None becomes all zeros, which means unknown."""
     if matrix is None:
         return _UNKNOWN

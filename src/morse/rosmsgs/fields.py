@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from morse.core.kinds import BoundKind, Message
+    from morse.core.object import Object
 
 _SINGLE = ((bool, "Bool"), (int, "Int64"), (float, "Float64"), (str, "String"))
 
@@ -23,7 +24,7 @@ def unsaid(kinds: Iterable[BoundKind]) -> list[str]:
     return [name for name in (rests[0] if rests else ()) if all(name in rest for rest in rests)]
 
 
-def field_outlet(component: Any, name: str) -> Outlet:
+def field_outlet(component: Object, name: str) -> Outlet:
     """The topic of a field; the type of the message is that of its initial value."""
     value = component.local_data[name]
     for kind, message in _SINGLE:
@@ -34,7 +35,7 @@ def field_outlet(component: Any, name: str) -> Outlet:
     return Outlet("std_msgs/msg/String", lambda m, f: {"data": as_json(component.local_data[name])}, name)
 
 
-def _are_numbers(value: Any) -> bool:
+def _are_numbers(value: object) -> bool:
     try:
         array = np.asarray(value)
     except ValueError:  # lists of different lengths
@@ -42,11 +43,11 @@ def _are_numbers(value: Any) -> bool:
     return array.ndim > 0 and array.dtype.kind in "biuf"
 
 
-def _single(component: Any, name: str) -> Callable[[Message, str], dict[str, Any]]:
+def _single(component: Object, name: str) -> Callable[[Message, str], dict[str, Any]]:
     return lambda m, f: {"data": component.local_data[name]}
 
 
-def _array(component: Any, name: str) -> Callable[[Message, str], dict[str, Any]]:
+def _array(component: Object, name: str) -> Callable[[Message, str], dict[str, Any]]:
     def make(message: Message, frame: str) -> dict[str, Any]:
         array = np.asarray(component.local_data[name], dtype=np.float64)
         strides = [int(np.prod(array.shape[axis:])) for axis in range(array.ndim)]

@@ -9,7 +9,7 @@ import msgspec
 from morse.core.streams.extent import listed
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     if hasattr(value, "tolist"):  # numpy
         return listed(value)
     if isinstance(value, (set, frozenset)):

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from morse.core.parts.moving_parts import MovingPart
+    from morse.core.robot import Robot
+    from morse.core.sensor import Sensor
+    from morse.core.world import Body
     from morse.rosmsgs.names import Names
 
 #: m and rad
@@ -94,7 +97,7 @@ class MovingFrame(NamedTuple):
         return (self.start or Transformation3d(self.against)).transformation3d_with(present)
 
 
-def placed(obj: Any, offset: Sequence[float]) -> Transformation3d:
+def placed(obj: Body, offset: Sequence[float]) -> Transformation3d:
     """The pose of an object in the world, with its origin moved by an offset (3,) in its axes."""
     found = Transformation3d(obj)
     if any(offset):
@@ -104,7 +107,7 @@ def placed(obj: Any, offset: Sequence[float]) -> Transformation3d:
     return found
 
 
-def joints_of(robot: Any, names: Names) -> list[Joint]:
+def joints_of(robot: Robot, names: Names) -> list[Joint]:
     """All joints of a robot and its components; joints of two components with the same name contain the component."""
     carried = [one for one in robot.context.components.values() if one.robot_parent is robot]
     owners = [(owner, list(owner.moving_parts())) for owner in (robot, *carried)]
@@ -146,7 +149,7 @@ def _name(owner: Any, joint: str, *, single: bool) -> str:
     return joint if single or owner.robot_parent is None else f"{relative_name(owner)}/{joint}".replace(".", "/")
 
 
-def name_of(joints: list[Joint], sensor: Any, joint: str) -> str:
+def name_of(joints: list[Joint], sensor: Sensor, joint: str) -> str:
     """The name of the joint that a sensor measures: of several joints of that name, the one that carries the sensor."""
     alike = [one for one in joints if one.part.joint == joint]
     over = [one for one in alike if sensor.name().startswith(f"{one.owner.name()}.")]

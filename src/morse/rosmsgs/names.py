@@ -12,6 +12,9 @@ from morse.core.reports.quoting import shown
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.interfaces import Carrier
+    from morse.core.object import Object
+    from morse.core.robot import Robot
     from morse.scene import Node
 
 MAP = "map"
@@ -71,14 +74,14 @@ class Names:
         """Whether the names do not contain the robot."""
         return self._namespace is not None or self._prefix is not None
 
-    def namespace(self, robot: Any, given: str | None = None) -> str:
+    def namespace(self, robot: Robot, given: str | None = None) -> str:
         """``/robot``, or an empty string for none."""
         chosen = self._namespace if given is None else given
         if given:
             checked_topic(given, f"{robot.name()}: the option 'namespace'")
         return "/" + chosen.strip("/") if chosen else "" if chosen == "" else "/" + _part(robot.name())
 
-    def topic(self, component: Any, options: Mapping[str, Any]) -> str:
+    def topic(self, component: Object, options: Mapping[str, Any]) -> str:
         """The topic of a component: from the options of its stream, or its name."""
         robot = robot_of(component)
         base = self.namespace(robot, options["namespace"])
@@ -88,11 +91,11 @@ class Names:
         checked_topic(given, f"{component.name()}: the option 'topic'")
         return str(given) if given.startswith("/") else f"{base}/{given}"
 
-    def prefix(self, robot: Any) -> str:
+    def prefix(self, robot: Carrier) -> str:
         """The prefix of the frames of a robot."""
         return f"{_part(robot.name())}/" if self._prefix is None else str(self._prefix)
 
-    def base(self, robot: Any) -> str:
+    def base(self, robot: Robot) -> str:
         """The frame of a robot: ``base_link``, or the first link of its file if another link is called so."""
         node = robot.bge_object.node
         name = self._roots.get(node)
@@ -100,11 +103,11 @@ class Names:
             name = self._roots[node] = _root_link(node)
         return f"{self.prefix(robot)}{_part(name)}"
 
-    def odom(self, robot: Any) -> str:
+    def odom(self, robot: Robot) -> str:
         """The frame of the initial pose of a robot."""
         return f"{self.prefix(robot)}odom"
 
-    def own(self, component: Any) -> str:
+    def own(self, component: Object) -> str:
         """The frame of a component."""
         if component.robot_parent is None:
             return self.base(component)
@@ -118,11 +121,11 @@ class Names:
             return f"{self.prefix(owner)}{_part(joint)}"
         return f"{self.own(owner)}_{_part(joint)}"
 
-    def link(self, robot: Any, link: str) -> str:
+    def link(self, robot: Robot, link: str) -> str:
         """The frame of a link that the file of a robot or of an arm names."""
         return f"{self.prefix(robot)}{_part(link)}"
 
-    def frame(self, component: Any, frame: str) -> str:
+    def frame(self, component: Object, frame: str) -> str:
         """A frame of a component, by its name in `morse.core.declarations.FRAMES`."""
         if frame in OF_WORLD:
             return OF_WORLD[frame]
@@ -132,7 +135,7 @@ class Names:
             return self.odom(robot_of(component))
         return f"{self.own(component)}_{frame}" if frame in ("optical", "frd", "down") else self.own(component)
 
-    def frame_of(self, component: Any, frame_id: str) -> str | None:
+    def frame_of(self, component: Object, frame_id: str) -> str | None:
         """The frame of a command; empty for the frame of the fields, None if it is unknown."""
         if not frame_id:
             return ""
@@ -140,7 +143,7 @@ class Names:
         return known.get(frame_id.lstrip("/"))
 
 
-def relative_name(component: Any) -> str:
+def relative_name(component: Object) -> str:
     """The name of a component on its robot."""
     name: str = component.name()
     robot = component.robot_parent

@@ -28,7 +28,7 @@ def time(stamp: Any) -> dict[str, int]:
     return {"sec": stamp // _SECOND, "nanosec": stamp % _SECOND}
 
 
-def header_at(stamp: Any, frame: str) -> dict[str, Any]:
+def header_at(stamp: object, frame: str) -> dict[str, Any]:
     """``std_msgs/Header`` from whole ns."""
     return {"stamp": time(stamp), "frame_id": frame}
 
@@ -92,7 +92,7 @@ def three(vector: Sequence[float] | None) -> tuple[float, ...]:
     return (0.0, 0.0, 0.0) if vector is None else tuple(floats(vector))
 
 
-def covariance(matrix: Any) -> Any:
+def covariance(matrix: object) -> Any:
     """Row by row; None becomes all zeros, which means unknown."""
     if matrix is None:
         return None

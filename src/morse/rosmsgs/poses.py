@@ -76,7 +76,7 @@ def quaternion_of(pose: Transformation3d) -> tuple[float, ...]:
     return quaternion_from_rotation(tuple(pose.get_pose()[1]))  # type: ignore[arg-type]
 
 
-def motion_of_robot(sensor: Transformation3d, linear: Any, angular: Any, mounting: Transformation3d) -> Motion:
+def motion_of_robot(sensor: Transformation3d, linear: object, angular: object, mounting: Transformation3d) -> Motion:
     """The motion of the robot, from the motion of a sensor on it.
 
     Args:

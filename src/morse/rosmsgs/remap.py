@@ -96,7 +96,7 @@ def _path(name: str, folders: Iterable[str]) -> Path:
     raise MorseMiddlewareError(f"option 'remap': there is no file {shown(name)} in {places}")
 
 
-def _of_script(entries: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
+def _of_script(entries: Mapping[str, object]) -> Iterator[tuple[str, Any, str]]:
     for topic, value in entries.items():
         where = f"option 'remap', {shown(topic)}"
         inner = {key: (one, where) for key, one in value.items()} if isinstance(value, dict) else value
@@ -141,13 +141,13 @@ def _plain(text: str) -> str:
     return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'" else text
 
 
-def _checked(topic: Any, where: str) -> str:
+def _checked(topic: object, where: str) -> str:
     if not isinstance(topic, str):
         raise MorseMiddlewareError(f"{where}: {shown(topic)}, expected the name of a topic")
     return checked_topic(topic, f"{where}: the topic")
 
 
-def _remap(value: Any, where: str) -> Remap:
+def _remap(value: object, where: str) -> Remap:
     if not isinstance(value, dict):
         return Remap(where, "/" + _checked(value, where).lstrip("/"))
     if not value:

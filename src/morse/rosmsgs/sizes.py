@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cache
 from struct import calcsize
-from typing import Any
 
 from morse.rosmsgs.cdr import CdrError
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, fields_of
@@ -24,7 +23,7 @@ def largest(type_name: str) -> int:
     return _LARGEST if usual is None else min(_LARGEST, max(_LEAST, _MULTIPLE * usual))
 
 
-def check_size(type_name: str, data: Any) -> None:
+def check_size(type_name: str, data: object) -> None:
     """Refuse a message that is too large for its type.
 
     Raises:

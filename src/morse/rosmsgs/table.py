@@ -55,7 +55,7 @@ class TopicTable:
 
     _methods: ClassVar[dict[tuple[str, str], str]] = {}
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
         cls._methods = mapped_kinds(cls, _MARK, needs_general=False)
 

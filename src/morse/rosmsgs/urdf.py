@@ -18,6 +18,7 @@ from morse.scene.shapes import CollisionShape, ShapeKind
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+    from morse.core.world import Body
     from morse.rosmsgs.moving import Joint
 
 _ONE_AXIS = ("continuous", "revolute", "prismatic")
@@ -105,7 +106,7 @@ def _add_link(model: Any, frame: str, obj: Any, owners: Mapping[int, str], place
                     ElementTree.SubElement(material, "color", rgba=_numbers(_color(part.node)))
 
 
-def _own_parts(obj: Any, frame: str, owners: Mapping[int, str]) -> Iterator[Any]:
+def _own_parts(obj: Body, frame: str, owners: Mapping[int, str]) -> Iterator[Any]:
     """The object and its descendants, except for those with their own link."""
     yield obj
     for child in obj.children:

@@ -41,14 +41,14 @@ def _is_deep(scanner: LaserScanner) -> bool:
     return not _is_flat(scanner)
 
 
-def _once_round(values: Any, scan_window: float) -> NDArray[np.float64]:
+def _once_round(values: object, scan_window: float) -> NDArray[np.float64]:
     """Return the values (..., N) of all rays of a flat fan, without the last ray if it equals the first."""
     array = np.asarray(values)
     return array[..., :-1] if scan_window == 360.0 and array.shape[-1] > 1 else array
 
 
 def _ranges(
-    data: Mapping[str, Any], laser_range: float, scan_window: float, range_min: float = 0.0
+    data: Mapping[str, object], laser_range: float, scan_window: float, range_min: float = 0.0
 ) -> NDArray[np.float64]:
     """Return the distances (..., N), m; infinite for no hit, negative infinite for one that is too near (REP 117)."""
     ranges = _once_round(data["range_list"], scan_window)
@@ -56,7 +56,7 @@ def _ranges(
     return np.where(ranges < range_min, -np.inf, far) if np.any(range_min) else far
 
 
-def _remissions(data: Mapping[str, Any], scan_window: float) -> NDArray[np.float64] | None:
+def _remissions(data: Mapping[str, object], scan_window: float) -> NDArray[np.float64] | None:
     """Return the remissions (..., N) of all rays; None if they are not measured."""
     return _once_round(data["remission_list"], scan_window) if "remission_list" in data else None
 
@@ -96,7 +96,7 @@ def _seen(sight: Any) -> NDArray[np.float64]:
     return ranges
 
 
-def _ranges_at(_snapshots: Any, kept: Sequence[Sequence[NDArray[np.float64]]]) -> dict[str, Sequence[Any]]:
+def _ranges_at(_snapshots: object, kept: Sequence[Sequence[NDArray[np.float64]]]) -> dict[str, Sequence[Any]]:
     """The distances of many casts, from which the points follow."""
     return {"range_list": arrays_of(kept)}
 
@@ -315,7 +315,7 @@ class LaserScanner(Sensor):
         """Return the fields with noise: distances, from which the points are computed."""
         return ("range_list",)
 
-    def add_noise(self, field: str, noise: Noise, before: Any) -> None:
+    def add_noise(self, field: str, noise: Noise, before: object) -> None:
         """Add errors to distances or remissions; a lost echo is reported as no hit."""
         rays, data = self.rays, self.local_data
         met = rays.hit >= 0

@@ -189,7 +189,7 @@ class SearchAndRescue(Sensor):
             self.completed(status.SUCCESS, victim.name)
 
 
-def _numbers(text: Any) -> list[int]:
+def _numbers(text: object) -> list[int]:
     """Parse integers joined by commas; other parts are ignored."""
     words = str("" if text is None else text).replace("[", "").replace("]", "").split(",")
     return [int(word) for word in map(str.strip, words) if word.lstrip("+-").isdecimal()]

@@ -16,6 +16,7 @@ from morse.sensors.camera import Camera
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from morse.core.world import Body
     from morse.rendering import Picture
 
 #: minimum number of visible pixels of an object
@@ -143,7 +144,7 @@ class SemanticCamera(Camera):
             if (obj.get(self.tag) or obj.get(_TYPE) == self.tag) and obj.node is not self.bge_object.node:
                 yield obj
 
-    def _is_in_sight(self, obj: Any) -> bool:
+    def _is_in_sight(self, obj: Body) -> bool:
         """Whether a part of the bounding box of an object is in the field of view."""
         points = [np.zeros((1, 3))]
         position, rotation = self.bge_object.world_pose()
@@ -161,12 +162,12 @@ class SemanticCamera(Camera):
             points = [(matmul(np.array(obj.world_pose()[0]) - position, turn))[None]]
         return _may_show(np.concatenate(points[1:] or points), self.lens)
 
-    def _is_first_on_ray(self, obj: Any) -> bool:
+    def _is_first_on_ray(self, obj: Body) -> bool:
         """Whether the ray to the origin of an object hits it, a part of it, or the body that it is a part of, first."""
         obstacle = self.bge_object.rayCastTo(obj)
         return obstacle is not None and (obstacle.node in obj.node.walk() or obstacle.node in obj.node.ancestors())
 
-    def _described(self, obj: Any) -> dict[str, Any]:
+    def _described(self, obj: Body) -> dict[str, Any]:
         position, rotation = obj.world_pose()
         if self.relative:
             here, camera_rotation = self.bge_object.world_pose()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
@@ -74,7 +74,7 @@ class Thermometer(Sensor):
                 temperature += self._heat_of(obj.properties[tag]) * math.exp(-self._alpha * distance)
         self.local_data["temperature"] = temperature
 
-    def _heat_of(self, value: Any) -> float:
+    def _heat_of(self, value: object) -> float:
         # 1 is a truth value: custom properties of .blend files have no booleans
         is_truth = isinstance(value, bool) or (isinstance(value, int) and value == 1)
         if isinstance(value, (int, float)) and not is_truth and math.isfinite(value):

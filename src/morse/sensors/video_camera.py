@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -205,7 +205,7 @@ class VideoCamera(Camera):
         """Return no fields, because properties of the camera determine the noise of its sensor."""
         return ()
 
-    def add_noise(self, field: str, noise: Noise, before: Any) -> None:
+    def add_noise(self, field: str, noise: Noise, before: object) -> None:
         """Add errors to the colours of an image, but not to its opacity."""
         super().add_noise(field, noise, before)
         image = self.local_data[field]

@@ -10,12 +10,13 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.context import Context
+    from morse.core.world import Body
 
 #: largest energy of a lamp
 _BRIGHTEST = 1e6
 
 
-def set_color(context: Context, obj: Any, color: Sequence[float]) -> None:
+def set_color(context: Context, obj: Body, color: Sequence[float]) -> None:
     """Set the colour of the surfaces of an object and its parts; of its light, if it is a lamp.
 
     Raises:
@@ -31,7 +32,7 @@ def set_color(context: Context, obj: Any, color: Sequence[float]) -> None:
         context.world.appearance_changed(part)
 
 
-def set_light(context: Context, obj: Any, energy: float) -> None:
+def set_light(context: Context, obj: Body, energy: float) -> None:
     """Set the energy of the lamps of an object and its parts.
 
     Raises:
@@ -43,7 +44,7 @@ def set_light(context: Context, obj: Any, energy: float) -> None:
         context.world.appearance_changed(part)
 
 
-def check(obj: Any, what: str, value: Any) -> None:
+def check(obj: Body, what: str, value: Any) -> None:
     """Raise the ValueError of `set_color` or `set_light`; ``what`` is ``color`` or ``light``."""
     if what == "color":
         if len(value) not in (3, 4) or not all(0.0 <= number <= 1.0 for number in value):
@@ -58,7 +59,7 @@ def check(obj: Any, what: str, value: Any) -> None:
         raise ValueError(f"'{obj.name}' has {expected}: it has no {what} to set")
 
 
-def _parts(obj: Any, what: str) -> list[Any]:
+def _parts(obj: Body, what: str) -> list[Any]:
     everything = [obj, *obj.childrenRecursive]
     lamps = [part for part in everything if part.node.light is not None]
     surfaces = [part for part in everything if part.node.mesh is not None]

@@ -210,7 +210,7 @@ class Supervision(AbstractObject):
         """
         self._vary(partial(looks.set_light, self.context), object_name, energy)
 
-    def _vary(self, change: Callable[[Any, Any], None], name: str, value: Any) -> None:
+    def _vary(self, change: Callable[[Any, Any], None], name: str, value: object) -> None:
         try:
             change(self._object(name), value)
         except ValueError as error:

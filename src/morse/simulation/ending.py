@@ -12,7 +12,7 @@ import traceback
 from concurrent.futures import thread as executors
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.reports.faults import is_users, name_of
 
@@ -135,7 +135,7 @@ def _is_library(filename: str) -> bool:
     return filename.startswith("<") or (path.is_relative_to(_LIBRARY) and "site-packages" not in path.parts)
 
 
-def threads_left(status: int, leave: Callable[[int], Any], limit: float = LIMIT) -> None:
+def threads_left(status: int, leave: Callable[[int], object], limit: float = LIMIT) -> None:
     """Wait for the threads that components have left behind; name those that do not end, and leave them.
 
     Args:

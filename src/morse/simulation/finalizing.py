@@ -36,7 +36,7 @@ class Finalizing:
             self._finalize(part)
         self.ending.rest()
 
-    def finalize_one(self, part: Any) -> None:
+    def finalize_one(self, part: object) -> None:
         """Finalize a component, a modifier or an overlay."""
         self._finalize(part)
         self.ending.rest()
@@ -44,7 +44,7 @@ class Finalizing:
     def _finalize(self, part: Any) -> None:
         self._end_part(part, name_of(part), lambda: part.finalize())
 
-    def _end_part(self, part: Any, who: str, end: Callable[[], object]) -> None:
+    def _end_part(self, part: object, who: str, end: Callable[[], object]) -> None:
         guard = self.context.guard
         guard.run(lambda: self.ending.run(who, end), lambda error: guard.failed(part, who, "ended", error))
 

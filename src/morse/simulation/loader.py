@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.world import Body
     from morse.scene import ComponentDeclaration
 
 logger = logging.getLogger(__name__)
@@ -147,14 +148,14 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
         raise LoadError(f"{_where(declaration)} could not be created: {describe(error)}") from error
 
 
-def _check_methods(component: Any, declaration: ComponentDeclaration) -> None:
+def _check_methods(component: Object, declaration: ComponentDeclaration) -> None:
     for text, is_essential in hidden_methods(component):
         if is_essential:
             raise LoadError(text)
         logger.warning("%s: %s", _where(declaration), text)
 
 
-def _instance(cls: type[Any], obj: Any, robot: Robot | None) -> Any:
+def _instance(cls: type[Any], obj: Body, robot: Robot | None) -> Any:
     try:
         return cls(obj, robot)
     except TypeError:
@@ -182,7 +183,7 @@ def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDe
         declarations: declarations of the components to connect; None for all components of the scene.
     """
     declarations = context.scene.components if declarations is None else declarations
-    everything: dict[str, Object] = {**context.robots, **context.components}
+    everything: dict[str, Any] = {**context.robots, **context.components}
     present = [(d, everything[d.name]) for d in declarations if d.name in everything]
     with Unclaimed(component for _, component in present):
         for declaration, component in present:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import signal
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,7 +63,7 @@ class Ownership:
         if self.interrupted and kind is None:
             raise KeyboardInterrupt
 
-    def _note(self, _signal: int, _frame: Any) -> None:
+    def _note(self, _signal: int, _frame: object) -> None:
         self.interrupted = True
         self._stop()
 

@@ -73,7 +73,7 @@ class Population:
     def spawn(
         self,
         name: str,
-        kind: str | Callable[[], Any],
+        kind: str | Callable[[], object],
         position: Sequence[float],
         rotation: Sequence[float],
     ) -> None:
@@ -109,7 +109,7 @@ class Population:
         self._changed()
 
     def _describe(
-        self, name: str, kind: str | Callable[[], Any], position: Sequence[float], rotation: Sequence[float]
+        self, name: str, kind: str | Callable[[], object], position: Sequence[float], rotation: Sequence[float]
     ) -> Newcomer:
         simulation = self._simulation
         scene = simulation.scene

@@ -108,7 +108,7 @@ class Running(Protocol):
     def components_changed(self) -> None:
         """Called when robots were added or removed."""
 
-    def finalize_one(self, part: Any) -> None:
+    def finalize_one(self, part: object) -> None:
         """Finalize a component."""
 
     def viewpoint_changed(self) -> None:
@@ -135,7 +135,7 @@ class Running(Protocol):
     def request_steps(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = ...) -> Callable[[], None]:
         """Let `run` execute a number of ticks and then pause."""
 
-    def call(self, component: str, service: str, *arguments: Any) -> LocalFuture:
+    def call(self, component: str, service: str, *arguments: object) -> LocalFuture:
         """Call a service."""
 
     def set_controls(self, keys: frozenset[str], axes: tuple[float, ...] = (), robot: str | None = None) -> None:
@@ -165,7 +165,7 @@ class Running(Protocol):
     def spawn(
         self,
         name: str,
-        kind: str | Callable[[], Any],
+        kind: str | Callable[[], object],
         position: Sequence[float] = (0.0, 0.0, 0.0),
         rotation: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> Any:

@@ -7,7 +7,7 @@ import math
 import os
 from operator import methodcaller
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from morse.core import status
 from morse.core.clock import Clock
@@ -38,7 +38,7 @@ from morse.simulation.ticks.ticking import Ticker
 from morse.simulation.watching.edits import Edits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
     from types import TracebackType
 
     from morse.core.journal import Journal
@@ -136,7 +136,7 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
                         self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
         finally:
             # also if a stream is refused: the streams that are open are then closed
-            self.observers[:0] = self.context.stream_managers.values()
+            self.observers[:0] = cast("Iterable[Observer]", self.context.stream_managers.values())
         self._join_nodes()
 
     def _join_nodes(self) -> None:

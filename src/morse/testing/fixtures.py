@@ -72,7 +72,7 @@ def simulate(tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest
         number = 0
 
         def start(
-            scene: Callable[[], Any] | str | Path,
+            scene: Callable[[], object] | str | Path,
             *options: str,
             sockets: bool = True,
             seed: int | None = None,
@@ -123,7 +123,7 @@ def _end(process: SimulationProcess, simu: Morse, errors: list[str]) -> None:
 
 
 def _load(
-    scene: Callable[[], Any] | str | Path,
+    scene: Callable[[], object] | str | Path,
     options: tuple[str, ...],
     strict: bool,
     on_failure: str,

@@ -35,7 +35,7 @@ class MorseSwitchTimeMode(unittest.TestSuite):
             MorseTestCase.time_mode = before
 
 
-def _mode_name(mode: Any) -> str:
+def _mode_name(mode: object) -> str:
     names = (BEST_EFFORT, FIXED_STEP)
     name = getattr(mode, "name", mode)
     if isinstance(name, int) and 0 <= name < len(names):
@@ -63,7 +63,7 @@ class MorseTestRunner(unittest.TextTestRunner):
         return super().run(test)
 
 
-def main(*test_cases: type[MorseTestCase], time_modes: Sequence[Any] = (BEST_EFFORT, FIXED_STEP)) -> None:
+def main(*test_cases: type[MorseTestCase], time_modes: Sequence[object] = (BEST_EFFORT, FIXED_STEP)) -> None:
     """Run test cases, in every time mode, and end the process with status 0 if all pass, otherwise 1.
 
     A test file can also be given to ``morse run``, which shows the scene of its first case.

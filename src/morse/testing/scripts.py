@@ -7,7 +7,7 @@ import inspect
 import sys
 import textwrap
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.testing.exceptions import MorseTestingError
 
@@ -24,7 +24,7 @@ class MyEnv():
 """
 
 
-def script_of_method(method: Callable[..., Any], time_strategy: str, *, physics_of_1_4: bool = False) -> str:
+def script_of_method(method: Callable[..., object], time_strategy: str, *, physics_of_1_4: bool = False) -> str:
     """Return a scene script from a method that builds a scene with the names of ``morse.builder``.
 
     The source of the method is copied verbatim: it can use the names of the builder, but no names of its own module. It
@@ -53,7 +53,7 @@ def script_of_method(method: Callable[..., Any], time_strategy: str, *, physics_
     return f"{text}{lines}\n{_instance(method)}\n"
 
 
-def _instance(method: Callable[..., Any]) -> str:
+def _instance(method: Callable[..., object]) -> str:
     return f"MyEnv().{method.__name__}()"
 
 
@@ -70,7 +70,7 @@ def _indentation(text: str) -> str:
     return blanks
 
 
-def script_of_function(function: Callable[[], Any]) -> str:
+def script_of_function(function: Callable[[], object]) -> str:
     """Return a scene script that imports the module of a function and calls the function.
 
     Raises:

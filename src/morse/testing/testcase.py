@@ -11,7 +11,7 @@ import tempfile
 import threading
 import unittest
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.testing.exceptions import MorseTestingError
 from morse.testing.process import PORT_VARIABLE, SimulationProcess, preferred_port
@@ -118,7 +118,7 @@ class MorseTestCase(unittest.TestCase):
                 # the test may be waiting for an answer that will not arrive
                 _interrupt_main_thread()
 
-    def _callTestMethod(self, method: Callable[[], Any]) -> None:  # noqa: N802 (of unittest)
+    def _callTestMethod(self, method: Callable[[], object]) -> None:  # noqa: N802 (of unittest)
         self._interruptible = True
         try:
             try:

@@ -17,7 +17,7 @@ from morse.helpers.transformation import Transformation3d
 from morse.mathutils import Euler, Matrix, Quaternion, Vector
 
 
-def plain(value: Any) -> Any:
+def plain(value: object) -> Any:
     """Convert a value without a JSON representation to a value with one.
 
     Vectors become lists, matrices lists of rows, quaternions ``{x, y, z, w}``, Euler angles
@@ -67,7 +67,7 @@ def _are_simple(keys: tuple[object, ...]) -> bool:
     return all(isinstance(key, str) and key.isidentifier() and key.isascii() and "null" not in key for key in keys)
 
 
-def to_json(value: Any) -> bytes:
+def to_json(value: object) -> bytes:
     """Encode a value as one line of JSON, without the line end.
 
     Raises:
@@ -96,7 +96,7 @@ def to_json(value: Any) -> bytes:
     return text.replace(b",", b", ").replace(b":", b": ")
 
 
-def _slowly(value: Any) -> bytes:
+def _slowly(value: object) -> bytes:
     try:
         return json.dumps(value, default=plain).encode("ascii")
     except RecursionError:

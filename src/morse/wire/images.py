@@ -27,7 +27,7 @@ class PictureFields(dict[str, Any]):
         return to_json({name: as_bytes(value) if _is_packed(name, value) else value for name, value in self.items()})
 
 
-def _is_packed(name: str, value: Any) -> bool:
+def _is_packed(name: str, value: object) -> bool:
     return isinstance(value, np.ndarray) and name not in _NOT_OTHERS
 
 
@@ -55,7 +55,7 @@ def image_fields(camera: Any, data: Mapping[str, Any]) -> PictureFields:
     return fields
 
 
-def cloud_fields(camera: Any, data: Mapping[str, Any]) -> Mapping[str, Any]:
+def cloud_fields(camera: object, data: Mapping[str, object]) -> Mapping[str, Any]:
     """``{timestamp, height, width, points, intrinsic_matrix}``; points are x, y, z in float32.
 
     Data of other components than cameras are returned unchanged.
@@ -100,7 +100,7 @@ def as_bytes(value: Any) -> bytes:
     return value.tobytes() if hasattr(value, "tobytes") else bytes(value)
 
 
-def grey(image: Any) -> bytes:
+def grey(image: object) -> bytes:
     """The luminance of each pixel of an RGBA image, 8 bits."""
     rgba = np.frombuffer(as_bytes(image), dtype=np.uint8).reshape(-1, 4)
     return bytes((matmul(rgba[:, :3], np.array(_LUMA))).astype(np.uint8).tobytes())

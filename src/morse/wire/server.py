@@ -77,7 +77,7 @@ class LineServer:
         assert self._network is not None
         self._network.on_readable(listener, accept, comes_first=self._comes_first)
 
-    def _join(self, sock: socket.socket, address: Any) -> None:
+    def _join(self, sock: socket.socket, address: object) -> None:
         assert self._network is not None
         with contextlib.suppress(OSError):  # it may have disconnected
             _probe_when_silent(sock)

@@ -46,13 +46,13 @@ class Displaying:
                 raise ScriptError(str(error), [Step(where)] if where else []) from None
         return display
 
-    def _rays(self, display: Display, value: Any) -> None:
+    def _rays(self, display: Display, value: object) -> None:
         if isinstance(value, bool):
             display.overlays = tuple(dict.fromkeys((*display.overlays, *(("rays",) if value else ()))))
         else:
             display.rays = tuple(self._component(one, "env.show(rays=[...])") for one in _items(value, "rays"))
 
-    def _images(self, display: Display, value: Any) -> None:
+    def _images(self, display: Display, value: object) -> None:
         what = "env.show(images=[...])"
         names = [name for one in _items(value, "images") for name in self._cameras(one, what)]
         display.images = tuple(dict.fromkeys((*display.images, *names)))
@@ -60,22 +60,22 @@ class Displaying:
     def _display_camera(self, display: Display, camera: Any) -> None:
         display.images = tuple(dict.fromkeys((*display.images, camera.name)))
 
-    def _plots(self, display: Display, value: Any) -> None:
+    def _plots(self, display: Display, value: object) -> None:
         diagrams = [[one] if isinstance(one, str) else _items(one, "plots") for one in _items(value, "plots")]
         display.plots = tuple(tuple(self._curve(curve) for curve in curves) for curves in diagrams)
 
-    def _follow(self, display: Display, value: Any) -> None:
+    def _follow(self, display: Display, value: object) -> None:
         names = {node.name: None for node in self._workspace.nodes()}
         display.follow = _name_of(value, names, "env.show(follow=...)", "object")
 
-    def _select(self, display: Display, value: Any) -> None:
+    def _select(self, display: Display, value: object) -> None:
         display.select = self._component(value, "env.show(select=...)")
 
-    def _overlays(self, display: Display, value: Any) -> None:
+    def _overlays(self, display: Display, value: object) -> None:
         words = [_word(one, get_args(Overlay), "overlays") for one in _items(value, "overlays")]
         display.overlays = tuple(dict.fromkeys((*display.overlays, *words)))
 
-    def _layout(self, display: Display, value: Any) -> None:
+    def _layout(self, display: Display, value: object) -> None:
         display.panels = tuple(_word(one, get_args(PanelPlace), "layout") for one in _items(value, "layout"))
 
     def _component(self, value: object, what: str) -> str:

@@ -43,7 +43,7 @@ class _Materials(list[Any]):
     def _store(self) -> None:
         self._node.materials[:] = [None if item is None else item.read() for item in self]
 
-    def append(self, material: Any) -> None:
+    def append(self, material: object) -> None:
         _check(material)
         super().append(material)
         self._store()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from datetime import UTC, datetime
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.legacy import values
 from morse.core.reports.hints import closest as closest
@@ -27,7 +27,7 @@ def suggestion(word: str, candidates: Iterable[str], *, limit: int = 12) -> str:
 
 
 def number(
-    value: Any,
+    value: object,
     what: str,
     *,
     minimum: float | None = None,

@@ -20,7 +20,7 @@ def quoted(text: str, new: str) -> tuple[str, str]:
     return (f"'{text}'|\"{text}\"", new)
 
 
-def number(value: Any, what: str) -> Any:
+def number(value: object, what: str) -> Any:
     """The number that a text contains; anything else unchanged."""
     value = scalar(value)
     if not isinstance(value, str):

@@ -142,7 +142,7 @@ class Network:
             if not self._loop.is_closed():
                 raise
 
-    def call(self, coroutine: Coroutine[Any, Any, _T], timeout: float = 10.0) -> _T:
+    def call(self, coroutine: Coroutine[object, object, _T], timeout: float = 10.0) -> _T:
         """Run a coroutine in the network thread and wait for its result.
 
         Raises:

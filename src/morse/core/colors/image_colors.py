@@ -14,6 +14,8 @@ from morse.core.declarations import fields_of_component
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.object import Object
+
 FARTHEST_LEVEL = 32
 """The grey value of the largest depth in an image: JPEG compression does not mix it with the black of no depth."""
 
@@ -99,7 +101,7 @@ def is_temperature(component: object) -> bool:
     return unit_of(component) in _OF_TEMPERATURE
 
 
-def png_of(component: Any) -> bytes | None:
+def png_of(component: Object) -> bytes | None:
     """Return the present image of a camera as a PNG file, in the colours of `as_pixels` and `as_heat`.
 
     Returns:

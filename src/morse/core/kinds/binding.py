@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField, KindUse
     from morse.core.kinds.kind import Kind, Slot
     from morse.core.kinds.sources import Source
+    from morse.core.object import Object
 
 
 #: parts of the declaration of a field that a modifier can change
@@ -139,7 +140,7 @@ class BoundKind:
         """The slots with a source, in the order of `values`."""
         return self._sources
 
-    def values(self, component: Any) -> list[Any]:
+    def values(self, component: Object) -> list[Any]:
         """Return the present value of each slot with a source, None if there is none, in the order of `message_of`.
 
         Args:
@@ -286,7 +287,7 @@ def fields_of(component: Any) -> dict[str, DataField]:
     return fields
 
 
-def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
+def bind(component: Object, *, on_request: bool = False) -> tuple[BoundKind, ...]:
     """Return the message kinds of a component; ``general`` if it declares none, and none if it has no data.
 
     Args:
@@ -323,7 +324,7 @@ def general_kind(component: object) -> BoundKind:
     return BoundKind(component, KindUse(GENERAL, {}), fields_of(component), {})
 
 
-def _of_members(component: Any, on_request: bool) -> Iterator[BoundKind]:
+def _of_members(component: Object, on_request: bool) -> Iterator[BoundKind]:
     """Iterate over the kinds of the components in `Object.kind_members`, each with its sub-topic."""
     for name, member in component.kind_members.items():
         for one in bind(member, on_request=on_request):
@@ -331,7 +332,7 @@ def _of_members(component: Any, on_request: bool) -> Iterator[BoundKind]:
             yield one
 
 
-def _uses(component: Any, on_request: bool) -> Iterable[KindUse]:
+def _uses(component: Object, on_request: bool) -> Iterable[KindUse]:
     for use in kinds(type(component)):
         applies = use.on_level(component.level) and (on_request or not use.on_request)
         if applies and (use.when is None or use.when(component)):

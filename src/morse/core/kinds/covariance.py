@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import DataField
     from morse.core.kinds.kind import Kind, Slot
+    from morse.core.object import Object
 
 _NOTHING = (0.0, 0.0, 0.0)
 
@@ -59,7 +60,7 @@ _EXACT = _Spread()
 
 
 def covariances(
-    component: Any, kind: Kind, sources: Iterable[tuple[Slot, Source]], fields: Mapping[str, DataField]
+    component: Object, kind: Kind, sources: Iterable[tuple[Slot, Source]], fields: Mapping[str, DataField]
 ) -> tuple[dict[str, Any], list[tuple[Slot, Source]]]:
     """Return the covariance slots that the component does not fill itself; none if no noise is declared.
 
@@ -92,7 +93,7 @@ def covariances(
     return constant, changing
 
 
-def _spreads(component: Any) -> dict[str, _Spread]:
+def _spreads(component: Object) -> dict[str, _Spread]:
     realism = getattr(component, "realism", None)
     declared = [realism.changes()] if realism is not None else []
     declared += [component.field_changes]

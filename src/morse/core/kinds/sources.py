@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import DataField
     from morse.core.kinds.kind import Slot
+    from morse.core.object import Object
 
 #: what the conversion between frames leaves of a zero
 _ROUNDING = 1e-9
@@ -224,7 +225,7 @@ class Among(Source):
         attribute: name of the attribute that lists the fields to which the slot applies.
     """
 
-    def __init__(self, stack: Source, component: Any, attribute: str) -> None:
+    def __init__(self, stack: Source, component: Object, attribute: str) -> None:
         self.fields, self.frame = stack.fields, stack.frame
         self._stack, self._component, self._attribute = stack, component, attribute
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from morse.core.robot import Robot
 
 #: largest steering angle; beyond it a wheel is almost perpendicular to the direction of travel
 _MOST = math.radians(80.0)
@@ -31,7 +33,7 @@ class AckermannSteering:
         ValueError: the robot has no front and rear wheels.
     """
 
-    def __init__(self, robot: Any) -> None:
+    def __init__(self, robot: Robot) -> None:
         self._body = body = robot.bge_object
         wheels = []
         for part in body.childrenRecursive:

@@ -14,6 +14,8 @@ from morse.core.sensor import Sensor
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from morse.core.object import Object
+
 #: without these methods and attributes no component works; MORSE 1.4 had the same
 _ESSENTIAL = ("action", "clock", "completed", "context", "default_action", "interrupt", "name")
 #: names of the methods that every component has
@@ -29,7 +31,7 @@ _METHODS = frozenset(
 _ATTRIBUTES = {"clock": Clock, "context": Context}
 
 
-def hidden_methods(component: Any) -> list[tuple[str, bool]]:
+def hidden_methods(component: Object) -> list[tuple[str, bool]]:
     """Return a line for each attribute that hides a method of all components.
 
     Args:
@@ -59,7 +61,7 @@ def uncover(component: Any) -> list[str]:
     return lines
 
 
-def _hidden(component: Any) -> Iterator[tuple[str, Any]]:
+def _hidden(component: Object) -> Iterator[tuple[str, Any]]:
     own = vars(component)
     visited = set()
     for base in type(component).__mro__:

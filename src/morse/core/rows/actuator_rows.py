@@ -9,10 +9,12 @@ from morse.core.rows.marks import lasting_fields
 from morse.core.rows.rows import Rows, waiting
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
+
+    from morse.core.actuator import Actuator
 
 
-class ActuatorRows(Rows):
+class ActuatorRows(Rows["Actuator"]):
     """Actuators of one class whose action is marked by `morse.core.rows.marks.while_same`.
 
     The action of a row is called when its fields have changed. The speed at which it drives the robot lasts, and all of
@@ -21,18 +23,18 @@ class ActuatorRows(Rows):
 
     functions, modifiers = "input_functions", "input_modifiers"
 
-    def __init__(self, members: Sequence[Any], act: Any) -> None:
+    def __init__(self, members: Sequence[Actuator], act: Callable[[Sequence[Any]], None]) -> None:
         self._fields = lasting_fields(type(members[0]))
         #: members whose actions do not drive their robots at speeds that last
         self._others: set[int] = set()
         super().__init__(members, act)
 
-    def is_row(self, member: Any) -> bool:
+    def is_row(self, member: Actuator) -> bool:
         """Whether the speed lasts."""
         return super().is_row(member) and id(member) not in self._others and not member.input_modifiers
 
     def _take(self) -> None:
-        self._values: list[list[Any]] = []
+        self._values: list[list[object]] = []
         robots = [member.robot_parent.bge_object for member in self._rows]
         world = self._context.world
         self._fleet = world.wheel_fleet(robots) if type(self.members[0]).turns_wheels else world.fleet(robots)
@@ -102,7 +104,7 @@ class ActuatorRows(Rows):
         self._fleet.drive()
         return True
 
-    def _renew(self, values: list[list[Any]]) -> None:
+    def _renew(self, values: list[list[object]]) -> None:
         """Call the actions of the rows whose fields have changed."""
         rows: Sequence[int] = range(len(self._rows))
         if values and self._values:

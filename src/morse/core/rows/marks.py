@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.interfaces import Component
+
 _F = TypeVar("_F", bound="Callable[..., Any]")
 
 #: the methods that may be marked
@@ -56,7 +58,7 @@ def lasting_fields(cls: type[Any]) -> tuple[str, ...]:
     return fields
 
 
-def is_overridden(component: Any) -> bool:
+def is_overridden(component: Component) -> bool:
     """Whether an attribute of a component hides a method of its class."""
     cls = type(component)
     return any(isinstance(getattr(cls, name, None), FunctionType) for name in vars(component))
@@ -74,5 +76,5 @@ def mark_of(cls: type[Any], mark: str) -> Any:
     return None
 
 
-def _is_behaviour(value: Any) -> bool:
+def _is_behaviour(value: object) -> bool:
     return isinstance(value, (FunctionType, property, classmethod, staticmethod))

@@ -7,20 +7,25 @@ its ``default_action`` is called, which is the only definition of what the compo
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, cast
 
 from morse.core.realism import phase_of
 from morse.core.rows.marks import is_overridden
 from morse.helpers.transformation import FollowingPose
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Callable, Sequence, Sized
+
+    from morse.core.interfaces import Component
+    from morse.core.world.body import Mounting
+
+_M = TypeVar("_M", bound="Component")
 
 #: number of ticks after which components that act in each tick may become rows
 _LOOK = 64
 
 
-class Rows:
+class Rows(Generic[_M]):
     """Components of one class with the same rate, phase and level.
 
     Args:
@@ -39,7 +44,7 @@ class Rows:
     functions: ClassVar[str]
     modifiers: ClassVar[str]
 
-    def __init__(self, members: Sequence[Any], act: Callable[[Sequence[Any]], None]) -> None:
+    def __init__(self, members: Sequence[_M], act: Callable[[Sequence[Any]], None]) -> None:
         self.members = tuple(members)
         self.frequency = members[0].frequency
         self.stamp = 0
@@ -48,8 +53,8 @@ class Rows:
         self._act = act
         self._context = members[0].context
         self._guard = self._context.guard
-        self._rows: list[Any] = []
-        self._each: Sequence[Any] = ()
+        self._rows: list[_M] = []
+        self._each: Sequence[_M] = ()
         self.form()
 
     @property
@@ -63,7 +68,7 @@ class Rows:
 
     # -- who is a row ------------------------------------------------------------------------
 
-    def is_row(self, member: Any) -> bool:
+    def is_row(self, member: _M) -> bool:
         """Whether nothing has to be called for a member in most ticks."""
         return (
             member.active
@@ -101,7 +106,7 @@ class Rows:
         self._poses = self._snapshots.now()
         for row, member in enumerate(rows):
             member._in_rows = self
-            member.position_3d.follow(self, row)
+            cast("FollowingPose", member.position_3d).follow(self, row)
         self._take()
         self._size = sum(map(len, self._attributes))
         self.is_changed = False
@@ -119,8 +124,8 @@ class Rows:
         """Called after an error that no member has raised: all of them act in each tick from now on."""
         self._is_off = self.is_changed = True
 
-    def _release(self, member: Any) -> None:
-        member.position_3d.stay()
+    def _release(self, member: _M) -> None:
+        cast("FollowingPose", member.position_3d).stay()
         member._in_rows = None
 
     def _look(self) -> None:
@@ -137,25 +142,23 @@ class Rows:
 
     def pose_of(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
         """Return the pose of a row at its last action: the arguments of `Transformation3d.set_pose`."""
-        pose: tuple[Sequence[float], Sequence[float]] = self._poses.pose(row)
-        return pose
+        return self._poses.pose(row)
 
-    def place_of(self, member: Any) -> tuple[int, Any]:
+    def place_of(self, member: _M) -> tuple[int, Mounting]:
         """Return the rigid group of a row, and its pose in the group, at its last action."""
-        place: tuple[int, Any] = self._snapshots.place(self._row_of[id(member)])
-        return place
+        return self._snapshots.place(self._row_of[id(member)])
 
-    def data_of(self, member: Any) -> dict[str, Any]:
+    def data_of(self, member: Component) -> dict[str, Any]:
         """Return the data of a row."""
         data: dict[str, Any] = vars(member)["local_data"]
         return data
 
 
-def waiting(function: Any) -> Collection[Any] | None:
+def waiting(function: object) -> Sized | None:
     """Return a collection that is empty while a function of a stream has nothing to do; None if it is not known."""
-    found: Collection[Any] | None = getattr(getattr(function, "__self__", None), "waiting", None)
-    return found
+    collection: Sized | None = getattr(getattr(function, "__self__", None), "waiting", None)
+    return collection
 
 
-def _nothing(_member: Any, _error: BaseException) -> None:
+def _nothing(_member: object, _error: BaseException) -> None:
     """A member that cannot tell stays as it is; its own action shows the error."""

@@ -11,8 +11,11 @@ from morse.core.sensor import Sensor
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.interfaces import Component
+    from morse.core.world import Snapshot
 
-class SensorRows(Rows):
+
+class SensorRows(Rows[Sensor]):
     """Sensors of one class whose action is marked by `morse.core.rows.marks.on_read`.
 
     An action of the rows stores the time and the poses of all rigid bodies, once for all of them. The measurement of a
@@ -23,7 +26,7 @@ class SensorRows(Rows):
 
     functions, modifiers = "output_functions", "output_modifiers"
 
-    def is_row(self, member: Any) -> bool:
+    def is_row(self, member: Sensor) -> bool:
         """Whether the sensor may measure later, because nobody can have a reference to its data."""
         return (
             super().is_row(member)
@@ -34,13 +37,13 @@ class SensorRows(Rows):
         )
 
     @property
-    def sensors(self) -> Sequence[Any]:
+    def sensors(self) -> Sequence[Sensor]:
         """The sensors that measure later; another list whenever they change."""
         return self._rows
 
     @property
-    def poses(self) -> Any:
-        """The poses of these sensors at their last action; see `morse.physics.poses.snapshot.Snapshot`."""
+    def poses(self) -> Snapshot:
+        """The poses of these sensors at their last action; see `morse.core.world.Snapshot`."""
         return self._poses
 
     @property
@@ -51,7 +54,7 @@ class SensorRows(Rows):
     @property
     def remembers(self) -> bool:
         """Whether the sensors need the poses of the previous measurement."""
-        return hasattr(type(self.members[0]), "remember")
+        return type(self.members[0]).remember is not Sensor.remember
 
     def may_skip(self) -> bool:
         """Whether a measurement may be left out, if the sensors measure again before anybody reads their data."""
@@ -72,7 +75,7 @@ class SensorRows(Rows):
         self._remembers = self.remembers
         self._observes = type(self.members[0]).observe is not Sensor.observe
 
-    def _release(self, member: Any) -> None:
+    def _release(self, member: Sensor) -> None:
         own = vars(member)
         if "local_data" in own:
             member._is_read = True  # somebody has assigned another dictionary, and may keep it
@@ -110,7 +113,7 @@ class SensorRows(Rows):
 
     # -- reading -----------------------------------------------------------------------------
 
-    def data_of(self, member: Any) -> dict[str, Any]:
+    def data_of(self, member: Component) -> dict[str, Any]:
         """Return the data of a row, which are valid until its next action."""
         row = self._row_of[id(member)]
         data = self._datas[row]
@@ -137,5 +140,5 @@ class SensorRows(Rows):
             member.report()
 
 
-def _observe(member: Any) -> None:
+def _observe(member: Sensor) -> None:
     member.observed = member.observe()

@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from typing import Self
 
-
-class Entry(Protocol):
-    """An entry of the schedule with several components; see `morse.core.rows.rows.Rows`.
-
-    Attributes:
-        is_changed: whether a component has changed.
-    """
-
-    is_changed: bool
-
-    def data_of(self, member: Any) -> dict[str, Any]:
-        """Return the data of a component."""
-
-    def release(self) -> None:
-        """Let all components act in each tick."""
+    from morse.core.interfaces import Component
 
 
 class Unread:
@@ -51,19 +37,19 @@ class Unclaimed:
 
     is_changed = False
 
-    def __init__(self, components: Iterable[Any] = ()) -> None:
-        self._data: dict[int, tuple[Any, dict[str, Any]]] = {}
+    def __init__(self, components: Iterable[Component] = ()) -> None:
+        self._data: dict[int, tuple[Component, dict[str, Any]]] = {}
         for component in components:
             self.add(component)
 
-    def add(self, component: Any) -> None:
+    def add(self, component: Component) -> None:
         """Hold the data of a component, if it is a sensor that measures on read and acts in each tick at present."""
         own, cls = vars(component), type(component)
         if component._in_rows is None and cls.acts_in_rows and isinstance(getattr(cls, "local_data", None), Unread):
             self._data[id(component)] = component, own.pop("local_data")
             component._in_rows = self
 
-    def data_of(self, member: Any) -> dict[str, Any]:
+    def data_of(self, member: Component) -> dict[str, Any]:
         """See `Entry`."""
         return self._data[id(member)][1]
 
@@ -82,7 +68,7 @@ class Unclaimed:
         self.release()
 
 
-def present_data(component: Any) -> dict[str, Any]:
+def present_data(component: Component) -> dict[str, Any]:
     """Return ``local_data`` of a component for readers that do not keep it: it is valid until the next action."""
     rows = getattr(component, "_in_rows", None)  # streams also carry objects that are no components
     data: dict[str, Any] = component.local_data if rows is None else rows.data_of(component)

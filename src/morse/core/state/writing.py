@@ -238,7 +238,7 @@ class Writer:
     def _items(self, value: dict[Any, Any]) -> list[list[Any]]:
         return [[self.value(key), self.value(item)] for key, item in value.items()]
 
-    def _sorted(self, values: Iterable[Any]) -> list[Any]:
+    def _sorted(self, values: Iterable[object]) -> list[Any]:
         met = len(self._met)
         entries = [self.value(value) for value in values]
         # sets are unordered, but objects are numbered in the order in which they are restored
@@ -300,7 +300,7 @@ def is_made_of_attributes(cls: type[Any], base: type[Any] = object) -> bool:
     return True
 
 
-def _factory(value: defaultdict[Any, Any]) -> str | None:
+def _factory(value: defaultdict[object, object]) -> str | None:
     name = getattr(value.default_factory, "__name__", None)
     return name if name is not None and FACTORIES.get(name) is value.default_factory else None
 

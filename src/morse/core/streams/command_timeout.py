@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.datastream import AbstractDatastream
 
@@ -21,7 +21,7 @@ class CommandTimeout(AbstractDatastream):
 
     component_instance: Actuator
 
-    def __init__(self, stream: Any, seconds: float) -> None:
+    def __init__(self, stream: AbstractDatastream, seconds: float) -> None:
         super().__init__(stream.component_instance, stream.kwargs)
         self.stream, self._seconds = stream, seconds
 

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections import deque
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from morse.core.reports.faults import class_name, is_a
 from morse.core.reports.quoting import escaped
+
+if TYPE_CHECKING:
+    from morse.core.interfaces import Component
 
 #: largest number of items of a field, those of the lists in its lists included
 MOST_ITEMS = 500_000
@@ -69,7 +72,7 @@ def check_fields(component: Any) -> None:
             _refuse(component, f"the data field '{escaped(str(name)[:80])}' is {text}: it is not published")
 
 
-def _refuse(component: Any, text: str) -> None:
+def _refuse(component: Component, text: str) -> None:
     text = f"{component.name()} ({class_name(type(component))}): {text}"
     component.context.complaints.warn(text, text)
 

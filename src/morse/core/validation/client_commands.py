@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clients.arrivals import Sender
+    from morse.core.interfaces import Component
 
 #: number of letters of a message in the log
 _SHOWN = 80
@@ -31,7 +32,7 @@ class ClientCommands:
         complaints: the log of refused messages.
     """
 
-    def __init__(self, component: Any, logger: logging.Logger, what: str = "message") -> None:
+    def __init__(self, component: Component, logger: logging.Logger, what: str = "message") -> None:
         self._component, self._logger, self._what = component, logger, what
         self._commands = Commands(component)
         self.complaints = Complaints(logger)
@@ -42,7 +43,7 @@ class ClientCommands:
         """Whether messages have to wait, because earlier ones took more than their share of the time."""
         return self._sender.rests
 
-    def take(self, decode: Callable[[Any], Any], message: Any) -> bool:
+    def take(self, decode: Callable[[Any], object], message: object) -> bool:
         """Write the fields of a message into the data of the component; whether that was possible.
 
         If the simulation is not paced by the wall clock, its clients wait for it, and messages never wait.
@@ -59,7 +60,7 @@ class ClientCommands:
         self._sender.rest_if_due()
         return command
 
-    def _take(self, decode: Callable[[Any], Any], message: Any) -> bool:
+    def _take(self, decode: Callable[[Any], object], message: object) -> bool:
         try:
             fields = decode(message)
         except CommandError as error:

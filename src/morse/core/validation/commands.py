@@ -14,7 +14,7 @@ from morse.core.validation.plain import check_plain, size_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.core.validation.component import Checked
+    from morse.core.interfaces import Component
 
 #: largest number of undeclared fields that a component keeps
 _MOST_EXTRA = 64
@@ -35,7 +35,7 @@ class Commands:
         component: the component whose ``local_data`` receives the messages.
     """
 
-    def __init__(self, component: Checked) -> None:
+    def __init__(self, component: Component) -> None:
         self._component = component
         fields = fields_of_component(component)
         self._checks: dict[str, Callable[[Any], Any]] = {
@@ -44,7 +44,7 @@ class Commands:
         self._extra: dict[str, int] = {}
         self._is_full = False
 
-    def fitting(self, message: Any) -> dict[str, Any]:
+    def fitting(self, message: object) -> dict[str, Any]:
         """Return the fields of a message as they would be stored; undeclared fields are refused.
 
         Raises:
@@ -55,7 +55,7 @@ class Commands:
             self._refuse(unknown)
         return accepted
 
-    def take(self, message: Any) -> str | None:
+    def take(self, message: object) -> str | None:
         """Store the fields of a message; other fields stay unchanged.
 
         Returns:
@@ -70,7 +70,7 @@ class Commands:
         self._component.local_data.update(accepted)
         return remark
 
-    def checked(self, message: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    def checked(self, message: object) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the fields of a message as they would be stored, and the undeclared fields.
 
         Raises:
@@ -120,7 +120,7 @@ class Commands:
         self._component.local_data.update(values)
         return "; ".join(remarks) or None
 
-    def _size(self, name: Any, value: Any) -> int:
+    def _size(self, name: object, value: object) -> int:
         if not isinstance(name, str) or len(name) > _LONGEST_NAME:
             raise CommandError(
                 shown(name), f"{shown(name)} is not the name of a field: expected a string of up to {_LONGEST_NAME}"
@@ -132,5 +132,5 @@ class Commands:
             raise CommandError(shown(name), f"{shown(name)} is {shown(value)}, expected {error}") from None
         return len(name) + size_of(value)
 
-    def _remark(self, name: Any) -> str:
+    def _remark(self, name: object) -> str:
         return f"it declares no field {shown(name)}{nearest(name, self._checks)}"

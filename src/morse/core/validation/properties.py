@@ -12,7 +12,7 @@ from morse.core.validation.fields import spec_of_property
 
 if TYPE_CHECKING:
     from morse.core.declarations import Property
-    from morse.core.validation.component import Checked
+    from morse.core.interfaces import Component
 
 
 def checked_value(owner: str, prop: Property, value: object, *, script: bool = False) -> Any:
@@ -31,7 +31,7 @@ def checked_value(owner: str, prop: Property, value: object, *, script: bool = F
         raise PropertyError(f"property '{prop.name}' of {owner} is {shown(value)}, expected {error}") from None
 
 
-def checked_property(component: Checked, name: object, value: object) -> tuple[str, Any]:
+def checked_property(component: Component, name: object, value: object) -> tuple[str, Any]:
     """The name of a property in Python, and the value as it is to be stored.
 
     Raises:

@@ -9,18 +9,23 @@ from morse.core.world.joints import Joints
 from morse.core.world.linkage import Hanging, Linkage
 from morse.core.world.poses import WorldPoses
 from morse.core.world.rays import RayBundle, Rays
+from morse.core.world.snapshots import Fleet, PoseTable, Snapshot, Snapshots
 from morse.core.world.world import World
 
 __all__ = [
     "Bodies",
     "Body",
     "BodyNames",
+    "Fleet",
     "Hanging",
     "Joints",
     "Linkage",
     "Pose",
+    "PoseTable",
     "RayBundle",
     "Rays",
+    "Snapshot",
+    "Snapshots",
     "Wheel",
     "World",
     "WorldPoses",

@@ -115,7 +115,7 @@ class Body(BodyNames, Protocol):
     def __getitem__(self, name: str) -> Any:
         """Return a property."""
 
-    def __setitem__(self, name: str, value: Any) -> None:
+    def __setitem__(self, name: str, value: object) -> None:
         """Set a property."""
 
     def __contains__(self, name: object) -> bool:

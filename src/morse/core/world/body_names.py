@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.mathutils import Matrix, Vector
 
 
@@ -20,7 +22,7 @@ class BodyNames(Protocol):
         """Position in the world, m."""
 
     @worldPosition.setter
-    def worldPosition(self, value: Any) -> None:  # noqa: N802
+    def worldPosition(self, value: Sequence[float]) -> None:  # noqa: N802
         ...
 
     @property
@@ -28,7 +30,7 @@ class BodyNames(Protocol):
         """3x3 rotation from its axes to those of the world."""
 
     @worldOrientation.setter
-    def worldOrientation(self, value: Any) -> None:  # noqa: N802
+    def worldOrientation(self, value: Sequence[Sequence[float]]) -> None:  # noqa: N802
         ...
 
     @property
@@ -36,7 +38,7 @@ class BodyNames(Protocol):
         """Position in the frame of its parent, m."""
 
     @localPosition.setter
-    def localPosition(self, value: Any) -> None:  # noqa: N802
+    def localPosition(self, value: Sequence[float]) -> None:  # noqa: N802
         ...
 
     @property
@@ -44,7 +46,7 @@ class BodyNames(Protocol):
         """3x3 rotation from its axes to those of its parent."""
 
     @localOrientation.setter
-    def localOrientation(self, value: Any) -> None:  # noqa: N802
+    def localOrientation(self, value: Sequence[Sequence[float]]) -> None:  # noqa: N802
         ...
 
     @property
@@ -52,7 +54,7 @@ class BodyNames(Protocol):
         """4x4 pose in the world."""
 
     @worldTransform.setter
-    def worldTransform(self, value: Any) -> None:  # noqa: N802
+    def worldTransform(self, value: Sequence[Sequence[float]]) -> None:  # noqa: N802
         ...
 
     @property
@@ -60,7 +62,7 @@ class BodyNames(Protocol):
         """Velocity of its origin in world axes, m/s."""
 
     @worldLinearVelocity.setter
-    def worldLinearVelocity(self, value: Any) -> None:  # noqa: N802
+    def worldLinearVelocity(self, value: Sequence[float]) -> None:  # noqa: N802
         ...
 
     @property
@@ -68,7 +70,7 @@ class BodyNames(Protocol):
         """Angular velocity in world axes, rad/s."""
 
     @worldAngularVelocity.setter
-    def worldAngularVelocity(self, value: Any) -> None:  # noqa: N802
+    def worldAngularVelocity(self, value: Sequence[float]) -> None:  # noqa: N802
         ...
 
     @property
@@ -76,7 +78,7 @@ class BodyNames(Protocol):
         """Velocity of its origin in its own axes, m/s."""
 
     @localLinearVelocity.setter
-    def localLinearVelocity(self, value: Any) -> None:  # noqa: N802
+    def localLinearVelocity(self, value: Sequence[float]) -> None:  # noqa: N802
         ...
 
     @property
@@ -84,29 +86,29 @@ class BodyNames(Protocol):
         """Angular velocity in its own axes, rad/s."""
 
     @localAngularVelocity.setter
-    def localAngularVelocity(self, value: Any) -> None:  # noqa: N802
+    def localAngularVelocity(self, value: Sequence[float]) -> None:  # noqa: N802
         ...
 
     def getLinearVelocity(self, local: bool = False) -> Vector:  # noqa: N802
         """Velocity of its origin, m/s."""
 
-    def setLinearVelocity(self, velocity: Any, local: bool = False) -> None:  # noqa: N802
+    def setLinearVelocity(self, velocity: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Set the velocity of its origin, m/s."""
 
     def getAngularVelocity(self, local: bool = False) -> Vector:  # noqa: N802
         """Angular velocity, rad/s."""
 
-    def setAngularVelocity(self, velocity: Any, local: bool = False) -> None:  # noqa: N802
+    def setAngularVelocity(self, velocity: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Set the angular velocity, rad/s."""
 
-    def applyForce(self, force: Any, local: bool = False) -> None:  # noqa: N802
+    def applyForce(self, force: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Apply a force at the centre of mass during the next tick, N."""
 
-    def applyTorque(self, torque: Any, local: bool = False) -> None:  # noqa: N802
+    def applyTorque(self, torque: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Apply a torque during the next tick, N m."""
 
-    def applyMovement(self, movement: Any, local: bool = False) -> None:  # noqa: N802
+    def applyMovement(self, movement: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Move the object immediately, m."""
 
-    def applyRotation(self, rotation: Any, local: bool = False) -> None:  # noqa: N802
+    def applyRotation(self, rotation: Sequence[float] | Sequence[Sequence[float]], local: bool = False) -> None:  # noqa: N802
         """Rotate the object immediately, rad about each axis."""

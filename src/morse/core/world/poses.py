@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.core.world.body import Body
+    from morse.core.world.snapshots import PoseTable, Snapshots
     from morse.scene import Node
 
 
@@ -24,14 +25,14 @@ class WorldPoses(Protocol):
     stamp: int
     displacements: int
     relocated: set[int]
-    repaint_sinks: list[Callable[[Any], object]]
+    repaint_sinks: list[Callable[[Body], object]]
 
     @property
-    def positions(self) -> Any:
+    def positions(self) -> PoseTable:
         """The positions (K, 3) of the rigid groups, m: rows that are replaced, not changed."""
 
     @property
-    def rotations(self) -> Any:
+    def rotations(self) -> PoseTable:
         """The rotations (K, 9) of the rigid groups: rows that are replaced, not changed."""
 
     @property
@@ -44,5 +45,5 @@ class WorldPoses(Protocol):
     def displaced_slots(self) -> list[int]:
         """Return the static groups that are not at their places in the scene."""
 
-    def snapshots(self, objects: Sequence[Body]) -> Any:
+    def snapshots(self, objects: Sequence[Body]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
@@ -93,6 +91,3 @@ class Rays(Protocol):
             ValueError: an array has the wrong shape or contains a value that is not finite, or the reach is not
                 positive.
         """
-
-    def cast(self, bundles: Sequence[Any]) -> None:
-        """Cast the rays of some sensors, from their present poses."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from morse.core.world.poses import WorldPoses
 
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from morse.core.world.body import Bodies, Body
     from morse.core.world.linkage import Hanging, Linkage
     from morse.core.world.rays import Rays
+    from morse.core.world.snapshots import Fleet
     from morse.scene import Bone, ComponentDeclaration, Node, Zone
 
 
@@ -80,6 +81,12 @@ class World(WorldPoses, Protocol):
             The number of ticks, with the bits of as many calls of `step`; 0 if the next tick needs more than that.
         """
 
+    def fleet(self, objects: Sequence[Body]) -> Fleet:
+        """Create a fleet of objects that are driven as bodies by one call."""
+
+    def wheel_fleet(self, objects: Sequence[Body]) -> Fleet:
+        """Create a fleet of robots whose wheels are turned by one call."""
+
     def linkage(self, armature: Body, bones: Sequence[Bone], hanging: Sequence[Hanging]) -> Linkage:
         """Create a linkage: objects on bones that joints move."""
 
@@ -128,7 +135,7 @@ class World(WorldPoses, Protocol):
     def appearance_changed(self, obj: Body) -> None:
         """Notify the view that the appearance of an object changed."""
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> dict[str, object]:
         """Return the state that determines the future of the physics, as plain data that shares nothing with the world.
 
         Two worlds of the same scene with equal states continue identically, bit for bit, with the same inputs.

@@ -75,7 +75,7 @@ class FoxgloveClient(HubClient):
             self._advertise_topics(list(self.hub.topics.offered.values()))
         self.services_changed()
 
-    def _say(self, **message: Any) -> None:
+    def _say(self, **message: object) -> None:
         self.tell(msgspec.json.encode(message).decode())
 
     def _status(self, level: int, text: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -66,7 +66,7 @@ class Axes:
         """Roll, pitch and yaw of a rotation matrix of MORSE, rad."""
         return both_eulers(product(self._world, product(rotation, self._body)), "XYZ")[0]
 
-    def covariance(self, matrix: Any, *, of_body: bool = False) -> list[float]:
+    def covariance(self, matrix: object, *, of_body: bool = False) -> list[float]:
         """The upper triangle (21) of a covariance (6, 6) of two vectors; NaN first, which means unknown, for None.
 
         Args:

@@ -111,7 +111,7 @@ class UdpLink(Link):
             del self._peers[leaving]
         self._peers[peer] = valid
 
-    def understood(self, sender: Any) -> None:
+    def understood(self, sender: object) -> None:
         """See `Link.understood`."""
         if sender in self._peers:
             self._peers[sender] = time.monotonic()
@@ -206,7 +206,7 @@ class TcpLink(Link):
                 listener.close()
                 raise _refused(device, error) from None
 
-    def _join(self, sock: socket.socket, address: Any) -> None:
+    def _join(self, sock: socket.socket, address: object) -> None:
         assert self._acceptor is not None
         one = _Connection(sock, address, self._acceptor.leave)
         self._acceptor.join(one)

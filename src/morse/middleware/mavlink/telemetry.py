@@ -249,7 +249,7 @@ def _looks(stream: MavlinkStream) -> int:
     return max(_LOOKS, key=lambda name: sum(a * b for a, b in zip(_LOOKS[name], ahead, strict=True)))
 
 
-def _numbers(value: Any) -> list[float] | None:
+def _numbers(value: object) -> list[float] | None:
     """58 numbers of a list of numbers; None for other values."""
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
         return None

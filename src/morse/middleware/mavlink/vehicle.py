@@ -50,7 +50,7 @@ class Pilot(Protocol):
     def steer(self, stamp: int) -> None:
         """Steer the vehicle in a tick, whose time is in ns."""
 
-    def take(self, message: Any) -> bool:
+    def take(self, message: object) -> bool:
         """Answer a message; False if it is for the streams of the actuators."""
 
 
@@ -121,7 +121,7 @@ class Vehicle:
         self._mav.seq = (self._mav.seq + 1) % 256
         self.link.send(bytes(data))
 
-    def measure(self, name: str, *values: Any) -> None:
+    def measure(self, name: str, *values: object) -> None:
         """Send a message of a sensor; the autopilot does not send it any more."""
         self.measured.add(name)
         self.send(name, *values)

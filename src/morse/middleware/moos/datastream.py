@@ -41,7 +41,7 @@ class MOOSDatastreamManager(DatastreamManager):
         self._takers: dict[tuple[Database, str], list[Callable[[str, float | str], object]]] = {}
         self._owners: dict[tuple[Database, str], str] = {}
 
-    def database_of(self, options: Mapping[str, Any]) -> Database:
+    def database_of(self, options: Mapping[str, object]) -> Database:
         """The connection of a stream with these options."""
         given = {name: options[name] for name in _PLACE if options[name] is not None}
         chosen = {**self.options, **given}

@@ -7,7 +7,7 @@ import socket
 import struct
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pymoos2.core import constants
 from pymoos2.core.MOOSCommPkt import pack, unpack
@@ -92,7 +92,7 @@ class Exchange:
         self._end()
         self._thread.join(_TIMEOUT + _PAUSE)
 
-    def _message(self, kind: int, key: str, **values: Any) -> MOOSMsg:
+    def _message(self, kind: int, key: str, **values: object) -> MOOSMsg:
         return MOOSMsg(kind, key, src=self._name, **values)
 
     def _put(self, message: MOOSMsg) -> None:

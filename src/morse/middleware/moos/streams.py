@@ -108,7 +108,7 @@ class MoosReader(MoosStream):
         except ValueError as error:
             self.complain(variable, f"{variable} is refused: {error}: {shown(value)}")
 
-    def _read_value(self, field: str, value: Any) -> Any:
+    def _read_value(self, field: str, value: object) -> Any:
         known = self.data.get(field)
         if isinstance(value, bytes) or (isinstance(value, str) and len(value) > _LONGEST):
             raise ValueError("expected a number or a short string")

@@ -9,6 +9,9 @@ from morse.middleware.text.values import written
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from morse.core.object import Object
+    from morse.core.sensor import Sensor
+
     Value = float | str
     Variables = Iterator[tuple[str, Value]]
 
@@ -30,7 +33,7 @@ _OF_ACTUATORS = {
 }
 
 
-def form_of(component: Any) -> Callable[[Any], Variables]:
+def form_of(component: Object) -> Callable[[Any], Variables]:
     """Return the function that gives the variables of a sensor, without their prefix."""
     for cls in type(component).__mro__:
         if cls.__name__ in _OF_SENSORS and _OF_SENSORS[cls.__name__].keys() <= component.local_data.keys():
@@ -43,7 +46,7 @@ def form_of(component: Any) -> Callable[[Any], Variables]:
     return _general
 
 
-def commands_of(component: Any) -> dict[str, str]:
+def commands_of(component: Object) -> dict[str, str]:
     """Return the fields of an actuator by the names of their variables, without the prefix."""
     fields = component.local_data
     for cls in type(component).__mro__:
@@ -52,17 +55,17 @@ def commands_of(component: Any) -> dict[str, str]:
     return {_general_name(component, field): field for field in fields if field != "timestamp"}
 
 
-def _general_name(component: Any, field: str) -> str:
+def _general_name(component: Object, field: str) -> str:
     return f"{component.name()}_{field}".replace(".", "_").upper()
 
 
-def _general(sensor: Any) -> Variables:
+def _general(sensor: Sensor) -> Variables:
     """All fields as strings."""
     for field, value in sensor.local_data.items():
         yield _general_name(sensor, field), value if isinstance(value, str) else written(value)
 
 
-def _imu(sensor: Any) -> Variables:
+def _imu(sensor: Sensor) -> Variables:
     for field, word in (("angular_velocity", "GYRO"), ("linear_acceleration", "ACCEL")):
         for axis, value in zip(_AXES, sensor.local_data[field], strict=True):
             yield f"IMU_{word}_{axis.upper()}", float(value)

@@ -164,7 +164,7 @@ class Broker:
         # a broker may break every connection
         self._complaints.log(logging.INFO, "connected", f"mqtt: connected to the broker {self.place}")
 
-    def _on_connect_fail(self, client: Any, userdata: Any) -> None:
+    def _on_connect_fail(self, client: object, userdata: object) -> None:
         self._complaints.warn(
             "absent", f"mqtt: there is no broker at {self.place}; the simulation continues without it"
         )
@@ -189,5 +189,5 @@ class Broker:
         self._arrivals.received()
 
 
-def _nothing(*_arguments: Any) -> None:
+def _nothing(*_arguments: object) -> None:
     """The loop finds by itself what there is to write."""

@@ -71,7 +71,7 @@ class MqttReader(MqttStream):
         self.manager.claim(self.topic, self.component_name)
         self.manager.broker.listen(self.topic, self.kwargs["qos"], self.receive)
 
-    def receive(self, data: bytes, slots: Any = None, frame: str = "") -> None:
+    def receive(self, data: bytes, slots: object = None, frame: str = "") -> None:
         """Queue a message; called in the thread of the connection."""
         if len(data) > _LONGEST:
             self.complain("large", f"a message is refused: {len(data)} bytes are more than {_LONGEST}")

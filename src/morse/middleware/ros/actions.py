@@ -128,7 +128,7 @@ class ActionServer:
             if everything or goal.id.id == given.id or (before and goal.id.stamp.to_sec() <= before):
                 self._manager.abort_request(goal.call)
 
-    def _ended(self, goal: _Goal, outcome: tuple[str, Any]) -> None:
+    def _ended(self, goal: _Goal, outcome: tuple[str, object]) -> None:
         state, value = outcome
         goal.status = _SUCCEEDED if state == SUCCESS else _PREEMPTED if state == PREEMPTED else _ABORTED
         made = self._result_class()

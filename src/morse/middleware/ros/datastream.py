@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from morse.core.context import Context
+    from morse.core.datastream import AbstractDatastream
     from morse.core.object import Object
     from morse.middleware.ros.own_classes import ROSPublisher, ROSSubscriber
     from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
@@ -95,7 +96,7 @@ class ROSDatastreamManager(TopicManager):
         self._subscriptions[key].take()  # discard messages to a former component
         return topic, self._subscriptions[key]
 
-    def _topic_of(self, stream: Any) -> str:
+    def _topic_of(self, stream: AbstractDatastream) -> str:
         return self.names.topic(stream.component_instance, {"namespace": None, "topic": None, **stream.kwargs})
 
     def send_transform(self, transform: dict[str, Any]) -> None:

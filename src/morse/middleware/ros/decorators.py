@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 
 def ros_service(
-    fn: Callable[..., Any] | None = None,
-    type: Any = None,
+    fn: Callable[..., object] | None = None,
+    type: object = None,
     component: str | None = None,
     name: str | None = None,
     asynchronous: bool = False,
@@ -37,8 +37,8 @@ def ros_service(
 
 
 def ros_action(
-    fn: Callable[..., Any] | None = None,
-    type: Any = None,
+    fn: Callable[..., object] | None = None,
+    type: object = None,
     component: str | None = None,
     name: str | None = None,
     feedback: str | None = None,

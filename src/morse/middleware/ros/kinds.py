@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from morse.core.kinds import BoundKind, Message
+    from morse.core.object import Object
     from morse.rosmsgs.table import Carrier
 
 logger = logging.getLogger(__name__)
@@ -29,11 +30,11 @@ _AS_REPR = ("Proximity", "Gyroscope")
 _NEAREST = 0.3
 
 
-def _is_a(component: Any, *names: str) -> bool:
+def _is_a(component: Object, *names: str) -> bool:
     return any(cls.__name__ in names for cls in type(component).__mro__)
 
 
-def _text_of(component: Any) -> Outlet:
+def _text_of(component: Object) -> Outlet:
     return Outlet(_STRING, lambda m, f: {"data": repr(dict(component.local_data))})
 
 

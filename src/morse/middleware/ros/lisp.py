@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 _SYMBOL = re.compile(r"(?![+-]?[.\d])[\w.+*/<>=!?&$%^~-]+")
 
 
-def as_lisp(objects: Iterable[Mapping[str, Any]]) -> str:
+def as_lisp(objects: Iterable[Mapping[str, object]]) -> str:
     """Return ``((name description x y z qx qy qz qw) ...)``.
 
     An empty description is ``-``. Texts that are no symbols are strings in quotation marks.

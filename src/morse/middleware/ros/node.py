@@ -115,7 +115,7 @@ class _Subscription(Subscription):
         self._arrivals = arrivals
         self._subscriber = rospy.Subscriber(topic, kind, self._arrive, queue_size=_WAITING)
 
-    def _arrive(self, message: Any) -> None:
+    def _arrive(self, message: object) -> None:
         """Queue a message; in the thread of rospy that receives from its publisher."""
         self._arrived.append(message)
         self._arrivals.received()
@@ -147,7 +147,7 @@ class RospyBackend(Backend):
         """See `Backend.encode`."""
         return message(type_name, fields)
 
-    def decode(self, type_name: str, data: Any) -> dict[str, Any]:
+    def decode(self, type_name: str, data: object) -> dict[str, Any]:
         """See `Backend.decode`."""
         made: dict[str, Any] = plain(data)
         return made
@@ -157,7 +157,7 @@ class RospyBackend(Backend):
         kind = message_class(type_name)
         return None if kind is None else self.publisher_of(topic, kind, qos)
 
-    def publisher_of(self, topic: str, kind: Any, qos: Qos) -> Publisher:
+    def publisher_of(self, topic: str, kind: object, qos: Qos) -> Publisher:
         """A topic with messages of a class of rospy."""
         made = self._rospy.Publisher(topic, kind, queue_size=qos.depth, latch=qos.latched)
         return _Latched(made) if qos.latched else _Publisher(made)
@@ -167,7 +167,7 @@ class RospyBackend(Backend):
         kind = message_class(type_name)
         return None if kind is None else self.subscription_of(topic, kind)
 
-    def subscription_of(self, topic: str, kind: Any) -> Subscription:
+    def subscription_of(self, topic: str, kind: object) -> Subscription:
         """Receives messages of a class of rospy."""
         return _Subscription(self._rospy, topic, kind, self._arrivals)
 

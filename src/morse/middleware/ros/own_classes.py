@@ -135,7 +135,7 @@ class ROSPublisherTF(ROSPublisher):
         w, x, y, z = quaternion_of(pose)
         return [pose.x, pose.y, pose.z], [x, y, z, w]
 
-    def send_transform_robot(self, time: Any = None, child: str | None = None, parent: str | None = None) -> None:
+    def send_transform_robot(self, time: object = None, child: str | None = None, parent: str | None = None) -> None:
         """Publish the transform from the robot, ``parent_frame_id`` or ``/base_link``, to the component."""
         translation, rotation = self.get_robot_transform()
         above = parent or str(self.kwargs.get("parent_frame_id") or _BASE)
@@ -160,7 +160,7 @@ class ROSSubscriber(_OwnClass):
         kind = self._checked_class()
         self.topic_name, self._subscription = self._opened(kind)
 
-    def _opened(self, kind: Any) -> tuple[str, Subscription]:
+    def _opened(self, kind: object) -> tuple[str, Subscription]:
         found: tuple[str, Subscription] = self.manager.subscription_of(self, kind)
         return found
 

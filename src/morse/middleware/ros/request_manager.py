@@ -84,7 +84,7 @@ class RosRequestManager(AnsweredRequests):
 
     # -- services ----------------------------------------------------------------------------
 
-    def _register(self, component: str, callback: Callable[..., Any], name: str, *, is_async: bool) -> None:
+    def _register(self, component: str, callback: Callable[..., object], name: str, *, is_async: bool) -> None:
         super()._register(component, callback, name, is_async=is_async)
         key, path = (component, name), f"/{cleaned(component)}/{cleaned(name)}"
         self._withdraw(key)
@@ -103,7 +103,7 @@ class RosRequestManager(AnsweredRequests):
         answer = _declared(kind) if declared is not None else _standard(kind, call)
         arguments = _fields if declared is not None else lambda request: [request.data] if call.type == SET_BOOL else []
 
-        def serve(request: Any) -> Any:
+        def serve(request: object) -> Any:
             begin = self._begin(component, name)
             waiting = _Waiting(lambda ended: begin(arguments(request), ended))
             self._queue.append(waiting)
@@ -154,7 +154,7 @@ def _declared(kind: Any) -> Callable[[str, Any], Any]:
     """The response of a service with a declared type; an exception makes rospy report a failure to the caller."""
     response = kind._response_class
 
-    def answer(state: str, result: Any) -> Any:
+    def answer(state: str, result: object) -> Any:
         if state != SUCCESS:
             raise RuntimeError(f"{state}: {result}" if result else state)
         if result is None:

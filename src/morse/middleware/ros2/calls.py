@@ -102,7 +102,7 @@ class Call:
                 return given
         return given
 
-    def answer(self, state: str, result: Any) -> dict[str, Any]:
+    def answer(self, state: str, result: object) -> dict[str, Any]:
         """The response: the result as JSON, or an error message."""
         good = state == status.SUCCESS
         text = "" if result is None else result if isinstance(result, str) and not good else as_json(result)

@@ -84,7 +84,7 @@ class Feedback:
         name = f"the feedback of {self._owner.name()}"
         self._complaints.log(logging.ERROR, name, f"{name} failed: {type(error).__name__}: {error}")
 
-    def _checked(self, message: Any) -> Any:
+    def _checked(self, message: object) -> Any:
         if message is not None and not isinstance(message, self._kind):
             raise TypeError(f"{self._method} returned a {type(message).__name__}, expected a {self._kind.__name__}")
         return message

@@ -188,7 +188,7 @@ class Parameters(Served):
             return f"{name}: {error}"
         return one.component.name(), one.declaration.name, value
 
-    def _done(self, change: tuple[str, str, Any] | str) -> dict[str, Any]:
+    def _done(self, change: tuple[str, str, object] | str) -> dict[str, Any]:
         if isinstance(change, str):
             return {"successful": not change, "reason": change}
         component, name, value = change

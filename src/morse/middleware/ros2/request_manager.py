@@ -104,7 +104,7 @@ class Ros2RequestManager(AnsweredRequests):
         """See `RequestManager.post_registration`: whether the backend has services."""
         return self._backend is not None and self._backend.has_services
 
-    def _register(self, component: str, callback: Callable[..., Any], name: str, *, is_async: bool) -> None:
+    def _register(self, component: str, callback: Callable[..., object], name: str, *, is_async: bool) -> None:
         super()._register(component, callback, name, is_async=is_async)
         if (component, name) not in self._services or self._backend is None:
             return
@@ -235,7 +235,7 @@ class Ros2RequestManager(AnsweredRequests):
         """The components whose properties may be set."""
         return [component for component, name in self._services if name == "set_property"]
 
-    def _handle(self, component: str, service: str, offer: _Offer, caller: Any, request: dict[str, Any]) -> None:
+    def _handle(self, component: str, service: str, offer: _Offer, caller: object, request: dict[str, Any]) -> None:
         def answer(outcome: Outcome) -> None:
             state, result = outcome
             try:

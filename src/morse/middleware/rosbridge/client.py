@@ -216,7 +216,7 @@ class RosbridgeClient(HubClient):
             self.tell(msgspec.json.encode(message).decode())
 
 
-def _size(name: str, number: Any) -> int:
+def _size(name: str, number: object) -> int:
     """The size of a subscription to a topic."""
     return len(name) + len(str(number))
 

@@ -52,7 +52,7 @@ def decode(type_name: str, data: bytes) -> dict[str, Any]:
 # -- writing -----------------------------------------------------------------------------------
 
 
-def _plain(type_name: str, message: Mapping[str, Any]) -> dict[str, Any]:
+def _plain(type_name: str, message: Mapping[str, object]) -> dict[str, Any]:
     known = _writers(type_name)
     if not known.keys() >= message.keys():
         raise ValueError(f"{type_name} has no field {sorted(message.keys() - known.keys())}")
@@ -102,7 +102,7 @@ def _list_writer(field: MessageField) -> Callable[[Any], list[Any]]:
 # -- reading -----------------------------------------------------------------------------------
 
 
-def _message(type_name: str, value: Any, where: str) -> dict[str, Any]:
+def _message(type_name: str, value: object, where: str) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise ValueError(f"{where or 'the message'} is {shown(value)}, expected an object of {type_name}")
     known = _readers(type_name)
@@ -127,7 +127,7 @@ def _reader(field: MessageField) -> Callable[[Any, str], Any]:
     return _number_reader(field)
 
 
-def _string(value: Any, where: str) -> str:
+def _string(value: object, where: str) -> str:
     if value is None:
         return ""
     if not isinstance(value, str):

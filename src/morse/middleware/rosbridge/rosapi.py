@@ -117,7 +117,7 @@ _ANSWERS: dict[str, tuple[str, Callable[[Hub, str], dict[str, Any]]]] = {
 SERVICES = tuple(_ANSWERS)
 
 
-def answer(hub: Hub, service: str, args: Any) -> dict[str, Any] | None:
+def answer(hub: Hub, service: str, args: object) -> dict[str, Any] | None:
     """The response of a service; None if there is no such service.
 
     Args:

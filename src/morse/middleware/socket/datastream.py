@@ -122,7 +122,7 @@ class SocketDatastreamManager(DatastreamManager):
                 self.context.network.post(self._binary.end, server.binary)
             self.context.network.call(server.close())
 
-    def _server(self, name: str, hint: Any) -> StreamServer:
+    def _server(self, name: str, hint: object) -> StreamServer:
         if name in self._servers:
             return self._servers[name]
         first = self._next_port if hint is None else _port(hint, f"the option 'port' of {name}")
@@ -273,7 +273,7 @@ def _line(payload: PictureFields | bytes | str) -> bytes:
     return line if line.endswith(b"\n") else line + b"\n"
 
 
-def _port(value: Any, what: str) -> int:
+def _port(value: object, what: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= LAST_PORT:
         raise MorseMiddlewareError(f"{what} is a port number from 1 to {LAST_PORT} (0: any free one), not {value!r}")
     return value

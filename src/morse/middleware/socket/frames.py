@@ -75,12 +75,12 @@ def _prepared(number: int, names: tuple[str, ...]) -> tuple[bytes, struct.Struct
 
 
 @functools.lru_cache(maxsize=4096)
-def _described(numbers: tuple[str, ...], arrays: tuple[Any, ...]) -> bytes:
+def _described(numbers: tuple[str, ...], arrays: tuple[object, ...]) -> bytes:
     """The text of messages without other fields."""
     return _compact({"numbers": numbers, "arrays": arrays, "fields": {}})
 
 
-def _mixed_frame(number: int, fields: Mapping[str, Any], values: dict[str, Any]) -> bytes:
+def _mixed_frame(number: int, fields: Mapping[str, object], values: dict[str, Any]) -> bytes:
     numbers: list[float] = []
     names: list[str] = []
     arrays: list[tuple[str, str, tuple[int, ...]]] = []
@@ -127,7 +127,7 @@ def line_frame(number: int, line: bytes) -> bytes:
     return _beginning(number, line, 0, LINE)
 
 
-def notice_frame(notice: Mapping[str, Any]) -> bytes:
+def notice_frame(notice: Mapping[str, object]) -> bytes:
     """The frame of a notice."""
     return _beginning(0, _compact(notice), 0, NOTICE)
 
@@ -140,7 +140,7 @@ def _beginning(number: int, text: bytes, size: int, kind: int = DATA) -> bytes:
     return b"".join((_HEAD.pack(b"MF", VERSION, kind, number, len(text) + len(filling), size), text, filling))
 
 
-def _compact(value: Mapping[str, Any]) -> bytes:
+def _compact(value: Mapping[str, object]) -> bytes:
     try:
         text = _encoder.encode(value)
     except (TypeError, ValueError, OverflowError, RecursionError):
@@ -149,7 +149,7 @@ def _compact(value: Mapping[str, Any]) -> bytes:
     return _slowly(value) if b"null" in text else text
 
 
-def _slowly(value: Mapping[str, Any]) -> bytes:
+def _slowly(value: Mapping[str, object]) -> bytes:
     try:
         return json.dumps(value, default=plain, separators=(",", ":")).encode("ascii")
     except RecursionError:

@@ -64,7 +64,7 @@ def parse_request(line: bytes) -> Request | None:
     return Request(request, words[1], words[2], arguments)
 
 
-def format_reply(request: str, outcome: str, value: Any) -> bytes:
+def format_reply(request: str, outcome: str, value: object) -> bytes:
     """Format a reply, with the line end.
 
     If the value cannot be encoded, the reply is a failure with the reason.

@@ -7,7 +7,7 @@ from typing import Any
 from morse.core.streams.extent import listed
 
 
-def written(value: Any) -> str:
+def written(value: object) -> str:
     """The value on one line; arrays as lists, a set in a fixed order."""
     return repr(_plain(value)).replace("\n", " ")
 

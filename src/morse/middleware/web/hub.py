@@ -29,7 +29,7 @@ class HubClient(WebClient):
         #: active service calls
         self.calls = 0
 
-    def show(self, topic: WebTopic, frame: Any) -> None:
+    def show(self, topic: WebTopic, frame: object) -> None:
         """A message of a topic to which the client has subscribed."""
         raise NotImplementedError
 
@@ -45,7 +45,7 @@ class HubClient(WebClient):
     def tick(self, stamp: int) -> None:
         """Simulated time is now ``stamp`` ns."""
 
-    def answer(self, call: Any, error: str | None, value: bytes) -> None:
+    def answer(self, call: object, error: str | None, value: bytes) -> None:
         """A call of a service has ended.
 
         Args:

@@ -93,7 +93,7 @@ class WebRequestManager(RequestManager):
         for client in list(self._hub.server.clients):
             client.services_changed()
 
-    def call(self, client: HubClient, call: Any, path: str, arguments: bytes) -> None:
+    def call(self, client: HubClient, call: object, path: str, arguments: bytes) -> None:
         """Call a service for a client; `HubClient.answer` will be called.
 
         Args:
@@ -116,7 +116,7 @@ class WebRequestManager(RequestManager):
         self._inbox.extend([(client, ((call, size), path, arguments))])
         self._context.wake()
 
-    def cancel(self, client: HubClient, call: Any) -> None:
+    def cancel(self, client: HubClient, call: object) -> None:
         """Cancel a call of a client."""
         self._cancelled.append((client, call))
         self._context.wake()
@@ -160,7 +160,7 @@ class WebRequestManager(RequestManager):
                 if caller is client:
                     self.abandon(number)
 
-    def _handle(self, client: HubClient, call: Any, path: str, arguments: bytes) -> None:
+    def _handle(self, client: HubClient, call: object, path: str, arguments: bytes) -> None:
         component, service = self.paths.get(path, ("", ""))
         try:
             if not service:
@@ -177,7 +177,7 @@ class WebRequestManager(RequestManager):
             else:
                 self._calls[outcome] = (client, call)
 
-    def _listed(self, component: str, service: str, arguments: Any) -> list[Any]:
+    def _listed(self, component: str, service: str, arguments: object) -> list[Any]:
         """The arguments in the order of the service."""
         if arguments is None:
             return []
@@ -203,7 +203,7 @@ class WebRequestManager(RequestManager):
         """See `RequestManager.on_service_completion`."""
         self._answer(*self._calls.pop(request_id), result)
 
-    def _answer(self, client: HubClient, call: Any, outcome: Outcome) -> None:
+    def _answer(self, client: HubClient, call: object, outcome: Outcome) -> None:
         state, value = outcome
         error, data = None, b""
         if state == status.SUCCESS:

@@ -23,7 +23,7 @@ def to_text(values: list[Any]) -> str:
     return " ".join(map(_text, values))
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, Vocab):

@@ -101,7 +101,7 @@ def bottle(stream: YarpStream, values: Any) -> bytes | None:
         return None
 
 
-def _value(present: Any, value: Any) -> Any:
+def _value(present: object, value: object) -> Any:
     if isinstance(present, bool) and type(value) is int and value in (0, 1):
         return bool(value)  # a bottle of 1.4 has no booleans
     if isinstance(present, dict) and isinstance(value, list):

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.world import Body
+
 #: smallest half length of a side of a floor with a plane, m: robots on smaller floors are close to the edges
 _SMALLEST = 2.0
 
@@ -31,7 +33,7 @@ class PlaneBuilder:
         self._tops: list[tuple[float, int, Any, Any, NDArray[np.float64], Callable[[Any], None]]] = []
         self.pairs: list[tuple[Any, Any]] = []
 
-    def note(self, body: Any, geom: Any, rotation: NDArray[np.float64], set_surface: Callable[[Any], None]) -> None:
+    def note(self, body: Body, geom: Any, rotation: NDArray[np.float64], set_surface: Callable[[Any], None]) -> None:
         """Record a shape of a static body.
 
         Args:

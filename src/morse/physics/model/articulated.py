@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.world import Body
     from morse.physics.model.layout import Frame
     from morse.scene import Bone, Node
     from morse.scene.frames import RigidFrame
@@ -88,7 +89,7 @@ class Group:
     """A frame with its body in the engine, its mass (kg), centre of mass (3, world, m), largest moment and joints."""
 
     frame: Frame
-    body: Any
+    body: Body
     mass: float
     centre: NDArray[np.float64]
     moment: float = 0.0

@@ -36,6 +36,7 @@ from morse.scene.mjcf import DEFAULT_CONTACT
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.world import Body
     from morse.physics.model.file_motors import FileMotor
     from morse.scene import CollisionShape, Node, Scene
 
@@ -288,7 +289,7 @@ class _Builder:
                 body.inertia = _UNTURNABLE * np.asarray(body.inertia)
             self._add_feet(frame, slot, body, stand)
 
-    def _add_feelers(self, node: Node, slot: Slot, body: Any, pose: RigidFrame) -> None:
+    def _add_feelers(self, node: Node, slot: Slot, body: Body, pose: RigidFrame) -> None:
         """Add shapes that only detect contacts: they have no mass and exert no forces."""
         position, rotation = relative_pose(node, pose)
         for shape in node.shapes or ():

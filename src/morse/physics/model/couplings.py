@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.world import Body
     from morse.physics.model.layout import Frame
     from morse.physics.model.slot import Slot
     from morse.scene import Node
@@ -40,7 +41,7 @@ class _Place:
     """A link: its body in the engine, and its pose there."""
 
     slot: Slot
-    body: Any
+    body: Body
     position: NDArray[np.float64]
     rotation: NDArray[np.float64]
 

@@ -152,7 +152,7 @@ class Files:
         name = None if part is None else part.model.shapes.get(node.source_name or node.name)
         return None if part is None or name is None else self._spec.geom(part.prefix + name)
 
-    def set_contact(self, frame: Frame, node: Node, geom: Any) -> None:
+    def set_contact(self, frame: Frame, node: Node, geom: object) -> None:
         """Give a shape of the world of a file, which the scene has as a static object, the parameters of the file."""
         settings = frame.node.articulation
         if settings is None or settings.model is None or frame in self._parts:
@@ -224,7 +224,7 @@ def _reduce(spec: Any, model: MjcfModel) -> None:
         spec.delete(mesh)
 
 
-def copy_of(option: Any) -> dict[str, Any]:
+def copy_of(option: object) -> dict[str, Any]:
     """Return the options of a model."""
     names = (name for name in dir(option) if not name.startswith("_"))
     values = {name: getattr(option, name) for name in names}

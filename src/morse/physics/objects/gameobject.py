@@ -461,7 +461,7 @@ def _flat(matrix: Matrix) -> tuple[float, ...]:
     return tuple(value for row in matrix for value in row)
 
 
-def _point(place: Any) -> tuple[float, float, float]:
+def _point(place: object) -> tuple[float, float, float]:
     if isinstance(place, GameObject):
         x, y, z = place.world_pose()[0]
         return x, y, z

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.physics.objects.gameobject import GameObject
 
@@ -63,7 +63,7 @@ class LedObject(GameObject):
         self._take_offset(self._carried_offset())
         self._stamp = -1
 
-    def _change(self, name: str, value: Any) -> None:
+    def _change(self, name: str, value: object) -> None:
         """Notify the linkage that the object was moved in another way, so that it reads the pose again."""
         self._linkage.settle()
         self._linkage.is_outdated = True

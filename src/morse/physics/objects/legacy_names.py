@@ -56,7 +56,7 @@ class LegacyNames:
         return Vector(self.world_pose()[0])
 
     @worldPosition.setter
-    def worldPosition(self, value: Any) -> None:
+    def worldPosition(self, value: object) -> None:
         self.set_pose(floats3(value, POSITION), self.world_pose()[1])
 
     @property
@@ -65,7 +65,7 @@ class LegacyNames:
         return _matrix(self.world_pose()[1])
 
     @worldOrientation.setter
-    def worldOrientation(self, value: Any) -> None:
+    def worldOrientation(self, value: object) -> None:
         self.set_pose(self.world_pose()[0], rotation_of(value))
 
     @property
@@ -74,7 +74,7 @@ class LegacyNames:
         return Vector(self.local_pose()[0])
 
     @localPosition.setter
-    def localPosition(self, value: Any) -> None:
+    def localPosition(self, value: object) -> None:
         self.set_local_pose(floats3(value, POSITION), self.local_pose()[1])
 
     @property
@@ -83,7 +83,7 @@ class LegacyNames:
         return _matrix(self.local_pose()[1])
 
     @localOrientation.setter
-    def localOrientation(self, value: Any) -> None:
+    def localOrientation(self, value: object) -> None:
         self.set_local_pose(self.local_pose()[0], rotation_of(value))
 
     # 1.4 read these in the world frame and wrote them in the frame of the parent; scripts rely on both
@@ -108,7 +108,7 @@ class LegacyNames:
         return Vector(self.velocity()[0])
 
     @worldLinearVelocity.setter
-    def worldLinearVelocity(self, value: Any) -> None:
+    def worldLinearVelocity(self, value: object) -> None:
         self.set_velocity(floats3(value, VELOCITY), None)
 
     @property
@@ -117,7 +117,7 @@ class LegacyNames:
         return Vector(self.velocity()[1])
 
     @worldAngularVelocity.setter
-    def worldAngularVelocity(self, value: Any) -> None:
+    def worldAngularVelocity(self, value: object) -> None:
         self.set_velocity(None, floats3(value, ANGULAR_VELOCITY))
 
     @property
@@ -126,7 +126,7 @@ class LegacyNames:
         return Vector(rigid.turn_back(self.world_pose()[1], self.velocity()[0]))
 
     @localLinearVelocity.setter
-    def localLinearVelocity(self, value: Any) -> None:
+    def localLinearVelocity(self, value: object) -> None:
         self.set_velocity(rigid.turn(self.world_pose()[1], floats3(value, VELOCITY)), None)
 
     @property
@@ -135,7 +135,7 @@ class LegacyNames:
         return Vector(rigid.turn_back(self.world_pose()[1], self.velocity()[1]))
 
     @localAngularVelocity.setter
-    def localAngularVelocity(self, value: Any) -> None:
+    def localAngularVelocity(self, value: object) -> None:
         self.set_velocity(None, rigid.turn(self.world_pose()[1], floats3(value, ANGULAR_VELOCITY)))
 
     linearVelocity = property(
@@ -149,7 +149,7 @@ class LegacyNames:
         """Velocity of its origin, m/s."""
         return self.localLinearVelocity if local else self.worldLinearVelocity
 
-    def setLinearVelocity(self, velocity: Any, local: bool = False) -> None:
+    def setLinearVelocity(self, velocity: object, local: bool = False) -> None:
         """Set the velocity of its origin, m/s."""
         if local:
             self.localLinearVelocity = velocity
@@ -160,7 +160,7 @@ class LegacyNames:
         """Angular velocity, rad/s."""
         return self.localAngularVelocity if local else self.worldAngularVelocity
 
-    def setAngularVelocity(self, velocity: Any, local: bool = False) -> None:
+    def setAngularVelocity(self, velocity: object, local: bool = False) -> None:
         """Set the angular velocity, rad/s."""
         if local:
             self.localAngularVelocity = velocity
@@ -175,14 +175,14 @@ class LegacyNames:
         """Apply a torque during the next tick, N m."""
         self.wrench((0.0, 0.0, 0.0), torque, local)
 
-    def applyMovement(self, movement: Any, local: bool = False) -> None:
+    def applyMovement(self, movement: object, local: bool = False) -> None:
         """Move the object immediately, m."""
         p, r = self.world_pose()
         m = floats3(movement, MOVEMENT)
         x, y, z = rigid.turn(r, m) if local else m
         self.set_pose((p[0] + x, p[1] + y, p[2] + z), r)
 
-    def applyRotation(self, rotation: Any, local: bool = False) -> None:
+    def applyRotation(self, rotation: object, local: bool = False) -> None:
         """Rotate the object immediately, rad about each axis."""
         p, r = self.world_pose()
         matrix = rotation_of(list(floats3(rotation, ROTATION)))

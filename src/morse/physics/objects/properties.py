@@ -71,7 +71,7 @@ def keep_unsaved(present: dict[str, Any], target: dict[str, Any]) -> None:
             target[name] = value
 
 
-def _is_plain(value: Any) -> bool:
+def _is_plain(value: object) -> bool:
     try:
         plain_copy(value)
     except NotPlainError:
@@ -79,7 +79,7 @@ def _is_plain(value: Any) -> bool:
     return True
 
 
-def _copy(value: Any) -> Any:
+def _copy(value: object) -> Any:
     try:
         return plain_copy(value)
     except NotPlainError:

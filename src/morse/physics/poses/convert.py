@@ -37,7 +37,7 @@ def floats3(value: Any, what: Quantity) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _short(value: Any) -> str:
+def _short(value: object) -> str:
     text = repr(value)
     return text if len(text) <= _LONGEST else text[:_LONGEST] + "..."
 

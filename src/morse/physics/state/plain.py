@@ -13,7 +13,7 @@ class NotPlainError(ValueError):
     """A saved state cannot contain values of this type; the message names the type."""
 
 
-def plain_copy(value: Any) -> Any:
+def plain_copy(value: object) -> Any:
     """Return a copy that shares no mutable objects with the original.
 
     Raises:

@@ -195,14 +195,14 @@ def checked(state: object) -> SavedWorld:
     return world
 
 
-def _array(_kind: type, value: Any) -> Any:
+def _array(_kind: type, value: object) -> Any:
     # arrays are the only type that msgspec does not support
     if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
         return value
     raise ValueError(f"expected an array of numbers, got {type(value).__name__}")
 
 
-def _demand_finite(value: Any, path: str) -> None:
+def _demand_finite(value: object, path: str) -> None:
     if isinstance(value, dict):
         for key, item in value.items():
             _demand_finite(item, f"{path}.{key}")

@@ -69,7 +69,7 @@ _decoder = msgspec.msgpack.Decoder(Block)
 
 
 def encode_block(
-    ticks: Sequence[int] | NDArray[np.int64], times: NDArray[np.int64], columns: Mapping[str, Any]
+    ticks: Sequence[int] | NDArray[np.int64], times: NDArray[np.int64], columns: Mapping[str, object]
 ) -> bytes:
     """Encode the fields of some ticks.
 
@@ -84,7 +84,7 @@ def encode_block(
     )
 
 
-def _integers(values: Any) -> bytes:
+def _integers(values: object) -> bytes:
     return np.ascontiguousarray(values, dtype="<i8").tobytes()
 
 
@@ -105,11 +105,11 @@ def _column(values: Any) -> Column:
     return Column(_OTHER, "", [], [_packed(value) for value in values])
 
 
-def _alike(first: NDArray[Any], value: Any) -> bool:
+def _alike(first: NDArray[Any], value: object) -> bool:
     return isinstance(value, np.ndarray) and value.shape == first.shape and value.dtype == first.dtype
 
 
-def _is_list(value: Any, length: int) -> bool:
+def _is_list(value: object, length: int) -> bool:
     return type(value) is list and len(value) == length and set(map(type, value)) == {float}
 
 
@@ -117,7 +117,7 @@ def _little(numbers: NDArray[Any]) -> bytes:
     return numbers.astype(numbers.dtype.newbyteorder("<"), copy=False).tobytes()
 
 
-def _packed(value: Any) -> bytes:
+def _packed(value: object) -> bytes:
     return _encoder.encode((value if type(value) is Written else _keeper.written(value)).data)
 
 

@@ -87,7 +87,7 @@ class Columns:
         # each operation on a list is atomic: the simulation appends, and only the thread of the recording removes
         self._rows: list[Any] = []
 
-    def keep(self, tick: int, values: Sequence[Any]) -> int:
+    def keep(self, tick: int, values: Sequence[object]) -> int:
         """Keep the values of a tick, and return their approximate size, bytes.
 
         Raises:
@@ -132,7 +132,7 @@ def _getter(indices: Sequence[int]) -> Callable[[Sequence[Any]], Sequence[Any]]:
     return lambda values: [values[index] for index in indices]
 
 
-def _size(value: Any) -> int:
+def _size(value: object) -> int:
     if isinstance(value, np.ndarray):
         return int(value.nbytes)
     return 100 if isinstance(value, Written) else 16

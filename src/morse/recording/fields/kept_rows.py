@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.context import Context
+    from morse.core.object import Object
     from morse.core.rows.columns import Columns
     from morse.core.rows.sensor_rows import SensorRows
     from morse.recording.fields.messages import Batch, Line
@@ -35,7 +36,7 @@ class RowStream(Protocol):
         form: its messages, and functions that return what does not follow from the fields.
     """
 
-    component_instance: Any
+    component_instance: Object
     form: tuple[Sequence[Line], Sequence[Callable[[], Any]]]
 
     def take_over(self, rows: Rows) -> None:
@@ -110,7 +111,7 @@ class KeptRows:
         self._rows += (self._context.clock.tick, plan, rows.time, rows.poses, kept, live)
         self._tape.held += size
 
-    def _plan(self, sensors: Sequence[Any]) -> _Plan | None:
+    def _plan(self, sensors: Sequence[object]) -> _Plan | None:
         streams = [(self._streams[one], place) for place, one in enumerate(sensors) if one in self._streams]
         if not streams:
             return None

@@ -39,7 +39,7 @@ class Keeper:
             Later: self._made,
         }
 
-    def kept(self, value: Any) -> Any:
+    def kept(self, value: object) -> Any:
         """Return a copy: of numbers, words, arrays and flat lists of these as they are, of others as `Written`."""
         way = self._ways.get(type(value))
         return self.written(value) if way is None else way(value)
@@ -49,7 +49,7 @@ class Keeper:
         way = self._ways.get(kind, self.written)
         return None if way is _itself else way
 
-    def written(self, value: Any) -> Written:
+    def written(self, value: object) -> Written:
         """Return a value as plain data; None in place of an object that cannot be written."""
         data = self._writer.value(value)
         self._writer.release()
@@ -63,7 +63,7 @@ class Keeper:
         copy.flags.writeable = False
         return copy
 
-    def _made(self, value: Any) -> Any:
+    def _made(self, value: object) -> Any:
         """A value that was made for the recording."""
         return value if type(value) is np.ndarray and value.dtype.kind in "biuf" else self.kept(value)
 
@@ -71,5 +71,5 @@ class Keeper:
         return value[:] if _CONSTANT.issuperset(map(type, value)) else self.written(value)
 
 
-def _itself(value: Any) -> Any:
+def _itself(value: object) -> Any:
     return value

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.object import Object
     from morse.scene import CollisionShape, ComponentDeclaration, Image, Material, Mesh, Node, Scene
 
 _encoder = msgspec.msgpack.Encoder()
@@ -86,7 +87,7 @@ class Packing:
             self._packed[id(source)] = source, pack()
         return self._packed[id(source)][1]
 
-    def _arrays(self, source: Any, kinds: dict[str, str]) -> str:
+    def _arrays(self, source: object, kinds: dict[str, str]) -> str:
         found: dict[str, Any] = {}
         for name, kind in kinds.items():
             values: NDArray[Any] | None = getattr(source, name)
@@ -196,7 +197,7 @@ def scene_to_bytes(scene: Scene) -> bytes:
     )
 
 
-def _panel(component: Any) -> form.PanelForm | None:
+def _panel(component: Object) -> form.PanelForm | None:
     """The panel of a component of a class that only a project has."""
     cls = type(component)
     if f"{cls.__module__}.".startswith(OWN):
@@ -215,7 +216,7 @@ def _bound(value: Any) -> float | None:
     return value if type(value) in (int, float) else None
 
 
-def _classes(classpath: str, component: Any) -> list[str]:
+def _classes(classpath: str, component: object) -> list[str]:
     """The class path of a component, and those of its base classes: another machine may not have all of them."""
     try:
         bases = (load_class(classpath) if component is None else type(component)).__mro__
@@ -239,7 +240,7 @@ def _plain_items(values: Any) -> dict[str, Any]:
     return found
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     """A value of numbers, texts, lists and dictionaries; None for other values."""
     if isinstance(value, np.generic):
         value = value.item()

@@ -242,7 +242,7 @@ def _check_properties(node: Node, classpath: str) -> None:
                 raise ValueError(str(error)) from None
 
 
-def _numbers(value: Any) -> Iterator[float]:
+def _numbers(value: object) -> Iterator[float]:
     if isinstance(value, float):
         yield value
     elif isinstance(value, (dict, list, tuple)):
@@ -250,7 +250,7 @@ def _numbers(value: Any) -> Iterator[float]:
             yield from _numbers(one)
 
 
-def _own(node: Node, name: str, value: Any) -> Any:
+def _own(node: Node, name: str, value: object) -> Any:
     """The property of a node if it equals a value: objects know by identity which properties have changed."""
     given = node.properties.get(name)
     return given if type(given) is type(value) and given == value else value

@@ -96,7 +96,7 @@ def _inverse(depth: NDArray[np.float32]) -> tuple[NDArray[np.uint16], tuple[floa
     return numbers, (a, b)
 
 
-def _file(pixels: Any, kind: str, **options: int) -> bytes:
+def _file(pixels: object, kind: str, **options: int) -> bytes:
     from PIL import Image
 
     file = io.BytesIO()

@@ -60,7 +60,7 @@ class ServiceServer(ABC):
         """The received calls, oldest first, up to a maximum number: the caller, and the request; non-blocking."""
 
     @abstractmethod
-    def answer(self, caller: Any, response: Mapping[str, Any]) -> None:
+    def answer(self, caller: object, response: Mapping[str, object]) -> None:
         """Answer a call.
 
         Raises:
@@ -143,15 +143,15 @@ class Backend(ABC):
         """
         return None
 
-    def typed_service(self, name: str, kind: Any) -> Any:
+    def typed_service(self, name: str, kind: object) -> Any:
         """Offer a service with a ROS class, whose messages are objects; None if this backend has no services."""
         return None
 
-    def typed_publisher(self, topic: str, kind: Any, qos: Qos) -> Any:
+    def typed_publisher(self, topic: str, kind: object, qos: Qos) -> Any:
         """Offer a topic with a ROS class, whose messages are objects; None if this backend has no services."""
         return None
 
-    def filled(self, message: Any, fields: Mapping[str, Any]) -> Any:
+    def filled(self, message: object, fields: Mapping[str, object]) -> Any:
         """A message object of `typed_publisher` with some fields, for backends with services.
 
         Raises:

@@ -93,10 +93,10 @@ class TopicManager(DatastreamManager):
     def _own(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         topic, qos = self._remaps.apply(topic, qos)
         self._claims[topic] = (type_name, "the simulation")
-        made = self.backend.publisher(topic, type_name, qos)
-        if made is None:
+        publisher: Publisher | None = self.backend.publisher(topic, type_name, qos)
+        if publisher is None:
             logger.warning("%s: %s is not published: %s", self.title, topic, self._lacks(type_name))
-        return made
+        return publisher
 
     def own(self, topic: str, type_name: str, qos: Qos, owner: str) -> Publisher | None:
         """A topic without a component; None if a component publishes it, or the backend does not have the message."""
@@ -213,7 +213,7 @@ class TopicManager(DatastreamManager):
         self._claims[topic] = (kind, stream.component_name)
         return kind, self._subscriptions[key[0], kind, key[2]]
 
-    def _made(self, made: Any, stream: TopicStream, type_name: str) -> Any:
+    def _made(self, made: object, stream: TopicStream, type_name: str) -> Any:
         if made is None:
             raise MorseMiddlewareError(f"{stream.component_name}: {self._lacks(type_name)}")
         return made

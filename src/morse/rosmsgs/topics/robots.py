@@ -17,6 +17,7 @@ from morse.rosmsgs.urdf_of_file import describe_file
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
+    from morse.core.robot import Robot
     from morse.rosmsgs.component import ComponentMessages
     from morse.rosmsgs.moving import Joint
     from morse.rosmsgs.topics.backend import Publisher
@@ -30,7 +31,7 @@ _QUANTITIES = ("position", "velocity", "effort")
 class _Robot:
     """The topics of one robot."""
 
-    def __init__(self, robot: Any) -> None:
+    def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.streams: list[ComponentMessages] = []
         self.measured: list[tuple[Any, BoundKind]] = []

@@ -37,7 +37,7 @@ class Sender:
         self._queue: queue.Queue[tuple[Callable[[], object], Any] | None] = queue.Queue(_MOST)
         self._thread: threading.Thread | None = None
 
-    def do(self, work: Callable[[], object], stream: Any = None) -> None:
+    def do(self, work: Callable[[], object], stream: object = None) -> None:
         """Do some work, at once or soon.
 
         Args:

@@ -17,6 +17,8 @@ from morse.rosmsgs.poses import OPTICAL_TURN, between, inverse, pose_of, product
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from morse.core.robot import Robot
+
     _Send = Callable[[dict[str, Any]], object]
 
     from morse.rosmsgs.component import ComponentMessages
@@ -40,7 +42,7 @@ class RobotFrames:
         moved: pose of the robot in the frame odom, from the last message of that sensor.
     """
 
-    def __init__(self, robot: Any, odom: str, base: str) -> None:
+    def __init__(self, robot: Robot, odom: str, base: str) -> None:
         self.robot, self.odom, self.base = robot, odom, base
         self.source: str | None = None
         self.moved = Transformation3d()
@@ -211,7 +213,8 @@ class Transforms:
     def _origin_of_grid(self) -> tuple[float, float, float] | None:
         """The origin of the frame ``utm`` in the world, m, of the first stream with such coordinates."""
         for stream in (one for frames in self._robots.values() for one in frames.streams if "utm" in one.frames()):
-            for modifier in stream.component_instance.output_modifiers:
+            modifiers: Sequence[Any] = stream.component_instance.output_modifiers
+            for modifier in modifiers:
                 origin: tuple[float, float, float] | None = modifier.origin()
                 if origin is not None:
                     return origin

@@ -226,7 +226,7 @@ class ComponentHandle:
             return self.parts[name]
         if name in self._services():
 
-            def call(*arguments: Any) -> LocalFuture:
+            def call(*arguments: object) -> LocalFuture:
                 return self._simulation.call(self.fqn, name, *arguments)
 
             return call

@@ -110,16 +110,16 @@ class LocalFuture:
     def __ne__(self, other: object) -> bool:
         return bool(self.result() != _value(other))
 
-    def __lt__(self, other: Any) -> bool:
+    def __lt__(self, other: object) -> bool:
         return bool(self.result() < _value(other))
 
-    def __le__(self, other: Any) -> bool:
+    def __le__(self, other: object) -> bool:
         return bool(self.result() <= _value(other))
 
-    def __gt__(self, other: Any) -> bool:
+    def __gt__(self, other: object) -> bool:
         return bool(self.result() > _value(other))
 
-    def __ge__(self, other: Any) -> bool:
+    def __ge__(self, other: object) -> bool:
         return bool(self.result() >= _value(other))
 
     # comparison uses the result, but sets and dictionaries use the identity of the future
@@ -129,5 +129,5 @@ class LocalFuture:
         return repr(self.result()) if self.done() else "<a service that is running>"
 
 
-def _value(other: Any) -> Any:
+def _value(other: object) -> Any:
     return other.result() if isinstance(other, LocalFuture) else other

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.context import acting
 from morse.core.exceptions import MorseError, MorseRPCNbArgsError
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
+    from morse.core.interfaces import Offering
 
 
 class LocalRequests(RequestManager):
@@ -45,7 +46,7 @@ class LocalRequests(RequestManager):
     def main(self) -> None:
         """Do nothing: requests are executed when they are made."""
 
-    def call(self, component: str, service: str, *arguments: Any) -> LocalFuture:
+    def call(self, component: str, service: str, *arguments: object) -> LocalFuture:
         """Call a service.
 
         Raises:
@@ -76,7 +77,7 @@ class LocalRequests(RequestManager):
             self.abort_request(request_id)
             self.answer()
 
-    def _ended(self, request_id: uuid.UUID, outcome: Any) -> None:
+    def _ended(self, request_id: uuid.UUID, outcome: object) -> None:
         super()._ended(request_id, outcome)
         if request_id in self._futures:
             self.answer()
@@ -110,7 +111,7 @@ class LocalRequests(RequestManager):
         """The services by component."""
         context = self._context
         listing: dict[str, list[str]] = {}
-        everything = [*context.robots.items(), *context.components.items(), *context.overlays.items()]
-        for name, obj in [*everything, *((o.name(), o) for o in context.service_objects)]:
+        everything: dict[str, Offering] = {**context.robots, **context.components, **context.overlays}
+        for name, obj in [*everything.items(), *((o.name(), o) for o in context.service_objects)]:
             listing.setdefault(name, []).extend(declaration.name for declaration in obj.services())
         return listing

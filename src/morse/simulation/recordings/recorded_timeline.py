@@ -269,7 +269,7 @@ def _rotation(turn: list[float]) -> tuple[float, ...]:
     return tuple(value for row in Quaternion(turn).to_matrix() for value in row)
 
 
-def _is_look(change: Any) -> bool:
+def _is_look(change: object) -> bool:
     return (
         isinstance(change, dict)
         and isinstance(change.get("name"), str)
@@ -279,7 +279,7 @@ def _is_look(change: Any) -> bool:
     )
 
 
-def _is_lamp(lamp: Any) -> bool:
+def _is_lamp(lamp: object) -> bool:
     return (
         isinstance(lamp, dict)
         and _are_numbers(lamp.get("color"), (3,))
@@ -287,7 +287,7 @@ def _is_lamp(lamp: Any) -> bool:
     )
 
 
-def _are_numbers(values: Any, sizes: tuple[int, ...]) -> bool:
+def _are_numbers(values: object, sizes: tuple[int, ...]) -> bool:
     return (
         isinstance(values, list)
         and len(values) in sizes

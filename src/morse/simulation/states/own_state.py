@@ -38,7 +38,7 @@ class _Population(msgspec.Struct, forbid_unknown_fields=True):
     gone: list[str]
 
 
-def _converted(name: str, state: Any, kind: type[Any]) -> Any:
+def _converted(name: str, state: object, kind: type[Any]) -> Any:
     try:
         return msgspec.convert(state, kind)
     except msgspec.ValidationError as error:
@@ -70,7 +70,7 @@ class ClockState:
             state["robots"] = dict(context.robot_seeds)
         return state
 
-    def check(self, state: Any) -> None:
+    def check(self, state: object) -> None:
         """Raise `StateError` if the state is not the state of a clock."""
         found: _Clock = _converted("clock", state, _Clock)
         if not 0 <= found.tick <= _LAST_TICK or type(found.seed) is not int:
@@ -96,7 +96,7 @@ class ControlsState:
         keys, axes, robot = self._simulation.context.controls
         return {"keys": sorted(keys), "axes": list(axes), "robot": robot}
 
-    def check(self, state: Any) -> None:
+    def check(self, state: object) -> None:
         """Raise `StateError` if the state is not a state of controls."""
         _converted("controls", state, _Controls)
 
@@ -123,7 +123,7 @@ class InputsState:
                 found[actuator.name()] = fields
         return found
 
-    def check(self, state: Any) -> None:
+    def check(self, state: object) -> None:
         """Raise `StateError` if the state does not contain commands."""
         found = _converted("inputs", state, dict[str, dict[str, Any]])
         actuators = {actuator.name(): actuator for actuator in self._simulation.loaded.actuators}

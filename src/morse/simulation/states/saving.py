@@ -20,6 +20,7 @@ from morse.simulation.states.state_parts import StateParts
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from morse.core.world import World
     from morse.simulation.running import Running
 
 logger = logging.getLogger(__name__)
@@ -217,7 +218,7 @@ def _with_attributes(holder: Any) -> Any:
     return holder if isinstance(holder, (Object, AbstractModifier, MorseOverlay)) else None
 
 
-def _check_physics(world: Any, state: Any) -> None:
+def _check_physics(world: World, state: Any) -> None:
     try:
         world.check_state(state)
     except ValueError as error:

@@ -47,7 +47,7 @@ class StateParts:
             "services": context.services,
         }
 
-    def name_of(self, value: Any) -> str | None:
+    def name_of(self, value: object) -> str | None:
         """Return the name of a part, or None."""
         if isinstance(value, GameObject):
             return f"object {value.name}"
@@ -76,7 +76,7 @@ class StateParts:
         """Record a class whose objects are in the simulation."""
         self._classes[f"{cls.__module__}:{cls.__qualname__}"] = cls
 
-    def global_name(self, value: Any) -> str | None:
+    def global_name(self, value: object) -> str | None:
         """Return ``module:NAME``, or ``module:Class.NAME``, if the object is the value of a variable of the project."""
         return self._globals.get(id(value))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from morse.core.actuator import Actuator
 from morse.core.realism import phase_of
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.core.object import Object
+    from morse.core.sensor import Sensor
 
 
 def arranged(components: Sequence[Object], act: Callable[[Sequence[Object]], None]) -> list[Any]:
@@ -38,4 +39,6 @@ def arranged(components: Sequence[Object], act: Callable[[Sequence[Object]], Non
 
 
 def _rows(members: Sequence[Object], act: Callable[[Sequence[Object]], None]) -> ActuatorRows | SensorRows:
-    return (ActuatorRows if isinstance(members[0], Actuator) else SensorRows)(members, act)
+    if isinstance(members[0], Actuator):
+        return ActuatorRows(cast("Sequence[Actuator]", members), act)
+    return SensorRows(cast("Sequence[Sensor]", members), act)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
+    from morse.core.object import Object
     from morse.core.observer import Observer
     from morse.core.robot import Robot
     from morse.core.rows.sensor_rows import SensorRows
@@ -54,7 +55,7 @@ class Ticker:
         self.before_physics: list[Callable[[], object]] = []
         self.reviews: list[Callable[[int, bool], int]] = []
         self._acting = acting(context)
-        self._rows: list[Rows] = []
+        self._rows: list[Rows[Any]] = []
         self._served: list[AbstractObject] = []
         self._offered = 0
 
@@ -359,16 +360,16 @@ class Ticker:
             profile.component(component.name(), begin, end)
 
 
-def _look_again(sensor: Any) -> None:
+def _look_again(sensor: Sensor) -> None:
     if isinstance(sensor, Sensor):
         sensor.look_again()
 
 
-def _members(units: Sequence[Any]) -> list[Any]:
+def _members(units: Sequence[object]) -> list[Any]:
     return [one for unit in units for one in (unit.members if isinstance(unit, Rows) else (unit,))]
 
 
-def _has_work(function: Any) -> bool:
+def _has_work(function: object) -> bool:
     waits_for = waiting(function)
     return waits_for is None or bool(waits_for)
 
@@ -381,7 +382,7 @@ def _update_pose(robot: Robot) -> None:
     robot.update_pose()
 
 
-def _phase(component: Any) -> float:
+def _phase(component: Object) -> float:
     return component.phase if isinstance(component, Rows) else phase_of(component)
 
 

@@ -134,7 +134,7 @@ class _Exchange:
         for components in kept:
             components[:] = [new if one is old else one for one in components]
         for carried in context.components.values():
-            if carried.robot_parent is old:
+            if cast("object", carried.robot_parent) is old:
                 carried.robot_parent = cast("Robot", new)
         new.input_modifiers, new.output_modifiers = old.input_modifiers, old.output_modifiers
         for modifier in [*new.input_modifiers, *new.output_modifiers]:

@@ -26,7 +26,7 @@ class _Replaced:
         self._parts = parts
         self._components = components
 
-    def name_of(self, value: Any) -> str | None:
+    def name_of(self, value: object) -> str | None:
         return self._parts.name_of(value)
 
     def find(self, name: str) -> Any:
@@ -40,7 +40,7 @@ class _Replaced:
     def met_class(self, cls: type[Any]) -> None:
         self._parts.met_class(cls)
 
-    def global_name(self, value: Any) -> str | None:
+    def global_name(self, value: object) -> str | None:
         return self._parts.global_name(value)
 
     def find_global(self, name: str) -> Any:

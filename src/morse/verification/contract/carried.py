@@ -17,6 +17,7 @@ from morse.wire.encoding import to_json
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from morse.core.context import Context
     from morse.verification.contract.stand import Stand
 
 CARRIED = "carried by every middleware"
@@ -31,7 +32,7 @@ class Listener(DatastreamManager):
         heard: number of messages.
     """
 
-    def __init__(self, options: dict[str, Any], context: Any) -> None:
+    def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
         self.heard = 0
 

@@ -12,6 +12,7 @@ from morse.viewer.view_messages import Values
 
 if TYPE_CHECKING:
     from morse.core.context import Context
+    from morse.core.object import Object
     from morse.recording.fields.reading import RecordedFields
     from morse.simulation.recordings.recorded_timeline import RecordedTimeline
     from morse.viewer.server import ViewServer
@@ -61,7 +62,7 @@ class RecordedValuesFeed:
             return {}, ""
         return ({}, "no data recorded until here") if fields is None else (fields.values, "")
 
-    def _commanded(self, component: Any) -> tuple[dict[str, Any], str]:
+    def _commanded(self, component: Object) -> tuple[dict[str, Any], str]:
         """The last command; an actuator that was not commanded has the values of its declaration."""
         command = self._timeline.last_input(COMMAND, component.name())
         return (dict(component.local_data), "") if command is None else (dict(command), "the last recorded command")

@@ -9,7 +9,7 @@ from morse.viewer.view_messages import Activity, Capturing, PropertyValue
 
 if TYPE_CHECKING:
     from morse.core.context import Context
-    from morse.core.object import Object
+    from morse.core.interfaces import Component
     from morse.core.sensor import Sensor
     from morse.viewer.server import ViewServer
 
@@ -31,7 +31,7 @@ class StatesFeed:
 
     def update(self) -> None:
         """Send the changes since the last call."""
-        everything = {**self._context.robots, **self._context.components}
+        everything: dict[str, Component] = {**self._context.robots, **self._context.components}
         for name, component in everything.items():
             active = component.active
             # a component is active unless a service has deactivated it
@@ -43,7 +43,7 @@ class StatesFeed:
                 self._tell_properties(name, everything[name])
         self.tell_capturing()
 
-    def _tell_properties(self, name: str, component: Object) -> None:
+    def _tell_properties(self, name: str, component: Component) -> None:
         values = self._values.setdefault(name, {})
         for python_name, prop in properties(type(component)).items():
             value = getattr(component, python_name)

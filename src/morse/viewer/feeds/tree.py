@@ -19,7 +19,7 @@ from morse.viewer.view_messages import (
 if TYPE_CHECKING:
     from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
-    from morse.core.object import Object
+    from morse.core.interfaces import Component, Offering
 
 
 def component_tree(context: Context) -> list[ComponentDescription]:
@@ -59,7 +59,7 @@ def _pseudo_components(context: Context) -> list[ComponentDescription]:
     ]
 
 
-def _component(component: Object, kind: str, robot: str) -> ComponentDescription:
+def _component(component: Component, kind: str, robot: str) -> ComponentDescription:
     cls = type(component)
     return ComponentDescription(
         name=component.name(),
@@ -98,7 +98,7 @@ def _bounds(declaration: object) -> tuple[float | None, float | None]:
     return low if isinstance(low, plain) else None, high if isinstance(high, plain) else None
 
 
-def _services(obj: AbstractObject) -> list[ServiceDescription]:
+def _services(obj: Offering) -> list[ServiceDescription]:
     descriptions = []
     for declaration in obj.services():
         method = getattr(obj, declaration.attribute)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.context import Context
+    from morse.core.interfaces import Offering
     from morse.viewer import page_messages as page
     from morse.viewer.inputs.commands import Commands
     from morse.viewer.requests import PageLeft
@@ -40,8 +41,9 @@ class ServiceCalls(RequestManager):
         """Offer the services of the present components."""
         self._services.clear()
         context = self._context
-        offered = [(obj.name(), obj) for obj in context.service_objects]
-        for name, obj in [*offered, *context.robots.items(), *context.components.items()]:
+        offered: list[tuple[str, Offering]] = [(obj.name(), obj) for obj in context.service_objects]
+        offered += [*context.robots.items(), *context.components.items()]
+        for name, obj in offered:
             for declaration in obj.services():
                 method = getattr(obj, declaration.attribute)
                 register = self.register_async_service if declaration.asynchronous else self.register_service

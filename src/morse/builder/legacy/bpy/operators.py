@@ -176,7 +176,7 @@ class ObjectOperators(Facade):
         workspace.current().selection = [node for node in workspace.current().nodes() if kind_of(node) == type]
         return _FINISHED
 
-    def delete(self, **_: Any) -> set[str]:
+    def delete(self, **_: object) -> set[str]:
         """Remove the selected objects."""
         bpymorse.delete([SceneObject(node) for node in _selected()])
         return _FINISHED

@@ -94,7 +94,7 @@ class Autopilot:
         self._transfers.tick(stamp)
         self._parameters.tick()
 
-    def _setpoint(self, message: Any) -> None:
+    def _setpoint(self, message: object) -> None:
         flight = self.flight
         try:
             setpoint = setpoint_of(message, flight.place, flight.home, flight.now)

@@ -44,6 +44,6 @@ class ArmatureController(MorseOverlay):
         armature.trajectory(self.chain_callback(_without_result), in_order_of(self._joints(), goal.trajectory))
 
 
-def _without_result(outcome: tuple[str, Any]) -> tuple[str, None]:
+def _without_result(outcome: tuple[str, object]) -> tuple[str, None]:
     # the result of the action has no fields
     return outcome[0], None

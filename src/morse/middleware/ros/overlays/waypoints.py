@@ -24,6 +24,6 @@ class WayPoint(MorseOverlay):
         target.goto(self.chain_callback(_without_result), position.x, position.y, position.z)
 
 
-def _without_result(outcome: tuple[str, Any]) -> tuple[str, None]:
+def _without_result(outcome: tuple[str, object]) -> tuple[str, None]:
     # the result of the action has no fields
     return outcome[0], None

@@ -52,7 +52,7 @@ class GraphNode:
         self._side(entity).pop(entity.guid.bytes, None)
         self.changed = True
 
-    def _side(self, entity: Any) -> dict[bytes, None]:
+    def _side(self, entity: object) -> dict[bytes, None]:
         return self._writers if isinstance(entity, DataWriter) else self._readers
 
     def tell(self) -> None:

@@ -31,11 +31,11 @@ def sample_type(type_name: str) -> type[Any]:
         def __init__(self) -> None:
             """Leave all fields unset: see `data`."""
 
-        def serialize(self, *_args: Any, **_options: Any) -> bytes:
+        def serialize(self, *_args: object, **_options: object) -> bytes:
             return self.data
 
         @classmethod
-        def deserialize(cls, data: bytes, *_args: Any, **_options: Any) -> Any:
+        def deserialize(cls, data: bytes, *_args: object, **_options: object) -> Any:
             sample = cls()
             sample.data = data
             return sample

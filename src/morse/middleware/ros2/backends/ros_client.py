@@ -139,7 +139,7 @@ class _Service(ServiceServer):
                 found.append((info.request_id, request))
         return found
 
-    def answer(self, caller: Any, response: Mapping[str, Any]) -> None:
+    def answer(self, caller: object, response: Mapping[str, object]) -> None:
         self.answer_message(caller, fill(self.new_response(), response))
 
     def answer_message(self, caller: Any, response: Any) -> None:
@@ -155,7 +155,7 @@ class _Service(ServiceServer):
         self._node.destroy_service(self._service)
 
 
-def plain(message: Any) -> Any:
+def plain(message: object) -> Any:
     """A message as a dictionary of its fields."""
     if hasattr(message, "get_fields_and_field_types"):
         return {name: plain(getattr(message, name)) for name in message.get_fields_and_field_types()}
@@ -234,15 +234,15 @@ class RclpyBackend(Backend):
         kind = _service_class(type_name)
         return None if kind is None else self.typed_service(name, kind)
 
-    def typed_service(self, name: str, kind: Any) -> _Service:
+    def typed_service(self, name: str, kind: object) -> _Service:
         """See `Backend.typed_service`."""
         return _Service(self._node, self._node.create_service(kind, name, lambda request, response: response))
 
-    def typed_publisher(self, topic: str, kind: Any, qos: Qos) -> _Publisher:
+    def typed_publisher(self, topic: str, kind: object, qos: Qos) -> _Publisher:
         """See `Backend.typed_publisher`."""
         return _Publisher(self._node, self._node.create_publisher(kind, topic, _profile(qos)))
 
-    def filled(self, message: Any, fields: Mapping[str, Any]) -> Any:
+    def filled(self, message: object, fields: Mapping[str, object]) -> Any:
         """See `Backend.filled`."""
         return fill(message, fields)
 

@@ -1,0 +1,245 @@
+"""The parts of a simulation, as the files below their classes see them.
+
+`morse.core.object` imports the guard, the requests and the rows, which call components. They know components, robots,
+modifiers and middlewares by these protocols.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, MutableSequence, Sequence
+
+    from morse.core.clients.arrivals import Arrivals
+    from morse.core.clients.complaints import Complaints
+    from morse.core.clock import Clock
+    from morse.core.services import ServiceDeclaration
+    from morse.core.world import Body, World
+    from morse.helpers.transformation import Transformation3d
+    from morse.scene import Scene, StreamDeclaration
+
+_P = TypeVar("_P")
+_R = TypeVar("_R")
+_Call = TypeVar("_Call", bound="Callable[..., object]")
+
+
+class Server(Protocol):
+    """Answers requests of one kind."""
+
+    def serve(self, requests: Sequence[Any]) -> None:
+        """Answer requests, all of which belong to this server, for the present state of the world."""
+
+
+class Request(Protocol):
+    """A query that must be answered before each action of a component; the server writes the answer into it."""
+
+    @property
+    def server(self) -> Server:
+        """The server that answers the request."""
+
+
+class Entry(Protocol):
+    """An entry of the schedule with several components; see `morse.core.rows.rows.Rows`.
+
+    Attributes:
+        is_changed: whether a component has changed.
+    """
+
+    is_changed: bool
+
+    def data_of(self, member: Component) -> dict[str, Any]:
+        """Return the data of a component."""
+
+    def release(self) -> None:
+        """Let all components act in each tick."""
+
+
+class Guarding(Protocol):
+    """Calls the code of users, and switches off the part that raises, see `morse.core.guard.Guard`."""
+
+    def each(
+        self, parts: Iterable[_P], call: Callable[[_P], object], off: Callable[[_P, BaseException], object]
+    ) -> None:
+        """Call a function with each part; ``off(part, error)`` switches off those for which it raises."""
+
+    def those(
+        self, parts: Iterable[_P], holds: Callable[[_P], object], off: Callable[[_P, BaseException], object]
+    ) -> list[_P]:
+        """Return the parts for which a condition holds; ``off(part, error)`` switches off those that cannot tell."""
+
+    def run(self, function: Callable[[], _R], off: Callable[[BaseException], object]) -> _R | None:
+        """Return the result of a function; None after ``off(error)`` if it raises."""
+
+    def call(self, functions: MutableSequence[_Call], *arguments: object) -> None:
+        """Call the functions of a list; one that raises is removed from it."""
+
+    def deactivate(self, component: Component, error: BaseException, culprit: object = None) -> None:
+        """Switch off a component; ``culprit`` is its modifier that has raised the error, if any."""
+
+    def close(
+        self, component: Component, functions: MutableSequence[_Call], function: _Call, error: BaseException
+    ) -> None:
+        """Close a stream of a component, and nothing else."""
+
+
+class Offering(Protocol):
+    """An object that offers services, see `morse.core.abstractobject.AbstractObject`."""
+
+    def name(self) -> str:
+        """The name under which the services are offered."""
+
+    def services(self) -> list[ServiceDeclaration]:
+        """The services that it offers."""
+
+
+class Modifier(Protocol):
+    """Changes the data of a component, see `morse.core.modifier.AbstractModifier`.
+
+    Attributes:
+        component_instance: the component.
+    """
+
+    component_instance: Any
+
+    def modify(self) -> None:
+        """Change the data."""
+
+
+class Simulated(Protocol):
+    """The simulation of a component, see `morse.core.context.Context`."""
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+
+    @property
+    def clock(self) -> Clock:
+        """The simulated time."""
+
+    @property
+    def world(self) -> World:
+        """The world."""
+
+    @property
+    def guard(self) -> Guarding:
+        """Calls the code of users."""
+
+    @property
+    def arrivals(self) -> Arrivals:
+        """The share of the time for what clients send."""
+
+    @property
+    def row_taps(self) -> list[Callable[[Any], object]]:
+        """Callbacks, called after each action of sensors that measure when they are read."""
+
+    @property
+    def complaints(self) -> Complaints:
+        """Warnings that clients may cause any number of times."""
+
+    @property
+    def strict(self) -> bool:
+        """Whether an unknown or ill-typed field in a message is an error."""
+
+    @property
+    def paced(self) -> Callable[[], bool]:
+        """Whether the simulation runs in step with the wall clock."""
+
+
+class Component(Offering, Protocol):
+    """A component, see `morse.core.object.Object`."""
+
+    bge_object: Body
+    local_data: dict[str, Any]
+    frequency: float
+    position_3d: Transformation3d
+    input_functions: list[Callable[..., object]]
+    output_functions: list[Callable[..., object]]
+    level: str | None
+    running_service: str | None
+    acts_in_rows: ClassVar[bool]
+    _active: bool
+    _in_rows: Entry | None
+    _is_read: bool
+
+    @property
+    def context(self) -> Simulated:
+        """The simulation."""
+
+    @property
+    def requests(self) -> Sequence[Request]:
+        """The requests to servers."""
+
+    @property
+    def active(self) -> bool:
+        """Whether it acts at all."""
+
+    def action(self) -> None:
+        """Perform one tick."""
+
+    def may_wait(self) -> bool:
+        """Whether the action may be omitted while it has nothing to do."""
+
+    def switch_off(self) -> None:
+        """Deactivate the component after an error."""
+
+
+class Carrier(Component, Protocol):
+    """A robot, see `morse.core.robot.Robot`."""
+
+    is_dynamic: bool
+    move_status: str
+
+    def gettime(self) -> float:
+        """Simulated time on the clock of this robot, s."""
+
+    def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
+        """Drive the body during this tick: m/s along, and rad/s about, the axes of the robot."""
+
+    def force_pose(self, position: Sequence[float] | None, orientation: Sequence[Sequence[float]] | None) -> None:
+        """Place the robot at a pose in the world, at rest; None keeps the present position or orientation."""
+
+
+class Stream(Protocol):
+    """A stream of a component, see `morse.core.datastream.AbstractDatastream`."""
+
+    @property
+    def component_instance(self) -> Any:
+        """The component."""
+
+    def default(self, component: Any = None, /) -> object:
+        """Publish the data, or read them."""
+
+
+class Middleware(Protocol):
+    """The streams of one middleware, see `morse.core.datastream.DatastreamManager`."""
+
+    classpath: str
+
+    def before_tick(self) -> None:
+        """Called at the beginning of a tick."""
+
+    def after_tick(self) -> None:
+        """Called at the end of a tick."""
+
+    def connect(self, component: Any, declaration: StreamDeclaration) -> None:
+        """Open a stream for a component."""
+
+    def disconnect(self, name: str) -> None:
+        """Close the streams of a component that is deleted."""
+
+    @property
+    def streams(self) -> Mapping[str, Sequence[Any]]:
+        """The open streams of each component, by name."""
+
+    def drain(self) -> None:
+        """Read everything that has arrived."""
+
+    def push(self) -> None:
+        """Send what earlier ticks have published."""
+
+    def sent(self) -> dict[str, int]:
+        """Return the number of messages sent per connection."""
+
+    def close(self) -> None:
+        """Send the remaining messages and close the connections."""
