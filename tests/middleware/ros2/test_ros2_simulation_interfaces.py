@@ -6,12 +6,14 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import trimesh
 from desk import Desk
 
 from morse.rosmsgs.topics.backend import ServiceServer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
 #: constants of simulation_interfaces/Result and SimulationState
 UNSUPPORTED, OK, NOT_FOUND, INCORRECT_STATE = 0, 1, 2, 3
@@ -87,7 +89,7 @@ def test_types_and_what_is_advertised(call: Caller) -> None:
     assert call.servers["/morse/spawn_entity"][0] == "simulation_interfaces/srv/SpawnEntity"
     features = call("get_simulator_features")["features"]["features"]
     # spawning, deleting, state of entities, reset, state of the simulation, steps (SimulatorFeatures.msg)
-    assert {0, 1, 8, 10, 11, 12, 20, 24, 25, 26, 31, 32} == set(features)
+    assert {0, 1, 8, 9, 10, 11, 12, 20, 24, 25, 26, 31, 32} == set(features)
     assert {2, 3, 4, 5, 40, 41} & set(features) == set(), "neither named poses, bounds, tags nor worlds"
 
 
@@ -136,7 +138,7 @@ def test_a_robot_that_comes_has_its_topics(call: Caller) -> None:
     [
         (spawn("robot", "ATRV", pose(0, 0, 0)), 101),
         (spawn("a b", "ATRV", pose(0, 0, 0)), 102),
-        (spawn("a", "ATRV", pose(0, 0, 0), resource_string="<robot/>"), 103),
+        (spawn("a", "ATRV", pose(0, 0, 0), resource_string="robot"), 103),
         (spawn("a", "", pose(0, 0, 0)), 104),
         (spawn("a", "ATRV", pose(0, 0, 0), entity_namespace="other"), 105),
         (spawn("a", "ATRV", pose(0, 0, 0, frame="odom")), 109),
@@ -193,3 +195,55 @@ def test_robots_and_objects(call: Caller) -> None:
     assert "robot" not in call("get_entities", filters={**ALL, "categories": [{"category": thing}]})["entities"]
     assert "ATRV" in call("get_entity_info", entity="robot")["info"]["description"]
     assert call("get_entity_info", entity="ghost")["result"]["result"] == NOT_FOUND
+
+
+URDF = """<?xml version="1.0"?>
+<!-- a stranger's -->
+<robot name="Scout 2">
+  <link name="base_link"><inertial><mass value="8"/></inertial>
+    <collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision></link>
+  <link name="laser"/>
+  <joint name="up" type="fixed"><parent link="base_link"/><child link="laser"/><origin xyz="0 0 0.2"/></joint>
+  <gazebo reference="laser"><sensor name="scan" type="gpu_ray"><ray><scan><horizontal><samples>31</samples>
+    <min_angle>-1</min_angle><max_angle>1</max_angle></horizontal></scan><range><max>8</max></range></ray></sensor></gazebo>
+</robot>"""
+
+
+def test_a_robot_comes_as_text(call: Caller) -> None:
+    assert "urdf" in call("get_simulator_features")["features"]["spawn_formats"]
+    answer = call("spawn_entity", **spawn("", "", pose(6.0, 1.0, 0.2), resource_string=URDF))
+    assert (answer["result"]["result"], answer["entity_name"]) == (OK, "scout_2")
+    call.sim.step(30)
+    state = call("get_entity_state", entity="scout_2")["state"]
+    assert state["pose"]["position"]["x"] == pytest.approx(6.0, abs=0.05)
+    assert call("get_entity_info", entity="scout_2")["info"]["category"]["category"] == 1, "a robot"
+    assert len(call.sim.context.components["scout_2.scan"].local_data["range_list"]) == 31
+    again = call("spawn_entity", **spawn("scout_2", "", pose(8.0, 1.0, 0.2), resource_string=URDF, allow_renaming=True))
+    assert again["entity_name"] == "scout_2_1"
+    assert call("delete_entity", entity="scout_2")["result"]["result"] == OK
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("ATRV", "the text of a robot"),
+        ("<html/>", "<robot>"),
+        ("<robot name='a'>", "the description: it is not XML"),
+        ("<robot name='$(env HOME)'><link name='a'/></robot>", "substitutions"),
+    ],
+)
+def test_a_text_that_is_no_robot_is_refused_with_the_reason(call: Caller, text: str, words: str) -> None:
+    answer = call("spawn_entity", **spawn("it", "", pose(6.0, 1.0, 0.2), resource_string=text))
+    assert answer["result"]["result"] != OK
+    assert words in answer["result"]["error_message"]
+    assert "it" not in call("get_entities", filters=ALL)["entities"]
+
+
+def test_a_text_reads_no_file_of_the_machine(call: Caller, tmp_path: Path) -> None:
+    trimesh.creation.box((1.0, 1.0, 1.0)).export(tmp_path / "secret.stl")
+    mesh = f'<visual><geometry><mesh filename="file://{tmp_path}/secret.stl"/></geometry></visual>'
+    text = URDF.replace('<link name="laser"/>', f'<link name="laser">{mesh}</link>')
+    call("spawn_entity", **spawn("spy", "", pose(6.0, 1.0, 0.2), resource_string=text))
+    nodes = [node for root in call.sim.scene.roots if root.name == "spy" for node in root.walk()]
+    assert nodes
+    assert not [node for node in nodes if node.mesh is not None and "secret" in node.name]

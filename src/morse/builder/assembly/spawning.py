@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+import tempfile
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.builder import workspace
@@ -14,13 +17,19 @@ from morse.builder.creator import ComponentCreator
 from morse.builder.environment.environment import connect_by_default
 from morse.builder.errors import checks
 from morse.builder.names import naming
-from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
+from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError, MorseError
 from morse.core.reports.quoting import short
+from morse.helpers.descriptions import is_description
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from morse.scene import ComponentDeclaration, ModelUse, Node
+
+
+_SUFFIXES = {"robot": ".urdf", "sdf": ".sdf", "mujoco": ".xml"}
+#: the root element, after declarations and comments
+_ROOT = re.compile(r"\A\s*(?:<\?[^>]*>\s*|<!--(?:(?!-->).)*-->\s*)*<(robot|sdf|mujoco)\b", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -94,15 +103,18 @@ def _checked(newcomer: Newcomer, others: Iterable[Node]) -> Newcomer:
 
 
 def maker_of(kind: str) -> Callable[[], Any]:
-    """Return the function that creates a kind: the name of a class of `morse.builder`, or the name of a model.
+    """Return the function that creates a kind: a class of `morse.builder`, a model, or the text of a description.
 
-    ``props/crates#small_crate`` is one object of a model.
+    ``props/crates#small_crate`` is one object of a model; a text that begins with ``<`` is a robot in URDF, SDF or
+    MJCF.
 
     Raises:
         MorseBuilderNoComponentError: there is no such class and no such model.
     """
     import morse.builder
 
+    if is_description(kind):
+        return lambda: _described_by(kind)
     maker = getattr(morse.builder, kind, None) if kind in morse.builder.__all__ else None
     if isinstance(maker, type) and issubclass(maker, Robot):
         return maker
@@ -117,6 +129,26 @@ def maker_of(kind: str) -> Callable[[], Any]:
     raise MorseBuilderNoComponentError(
         f"there is no robot '{kind}'{checks.suggestion(kind, robots)}; for an object, give its model, e.g. props/crates"
     )
+
+
+def _described_by(text: str) -> Robot:
+    """A robot from the text of its description, which may be that of a stranger."""
+    root = _ROOT.search(text)
+    if root is None:
+        raise MorseBuilderError(
+            f"a description is a <robot> (URDF), <sdf> or <mujoco> (MJCF), not {checks.shown(text[:80])}"
+        )
+    if "$(" in text:
+        raise MorseBuilderError("a description that is sent cannot contain substitutions, such as $(env NAME)")
+    with tempfile.TemporaryDirectory(prefix="morse-description-") as folder:
+        # meshes may be in the parent of the folder of a model: it must not be that of all temporary files
+        path = Path(folder) / "model" / f"description{_SUFFIXES[root[1]]}"
+        path.parent.mkdir()
+        path.write_text(text, encoding="utf-8")
+        try:
+            return Robot(str(path))
+        except (MorseError, ValueError, OSError) as error:
+            raise MorseBuilderError(str(error).replace(str(path), "the description")) from None
 
 
 def component_of(kind: str) -> AbstractComponent:

@@ -11,6 +11,7 @@ from time import thread_time
 from typing import TYPE_CHECKING, Any
 
 from morse.core import status
+from morse.helpers.descriptions import is_description
 from morse.mathutils import Quaternion
 from morse.middleware.ros2.mapping import NODE
 from morse.middleware.ros2.served import Served
@@ -37,9 +38,13 @@ _ALREADY, _NOT_UNIQUE, _NAME_INVALID, _NO_FORMAT, _NO_RESOURCE, _NO_NAMESPACE, _
     109,
 )
 _STOPPED, _PLAYING, _PAUSED, _QUITTING = 0, 1, 2, 3
-#: spawning, deleting, categories, state of entities (get, set), their info, reset, state of the simulation (get, set,
-#: pause), steps
-FEATURES = (0, 1, 8, 10, 11, 12, 20, 24, 25, 26, 31, 32)
+#: spawning, deleting, categories, resource strings, state of entities (get, set), their info, reset, state of the
+#: simulation (get, set, pause), steps
+FEATURES = (0, 1, 8, 9, 10, 11, 12, 20, 24, 25, 26, 31, 32)
+#: of resource strings
+_FORMATS = ("urdf", "sdf", "mjcf")
+#: the name of a robot in a resource string
+_NAME = re.compile(r"<(?:robot|model|mujoco)\b[^<>]*?\b(?:name|model)\s*=\s*[\"']([^\"']*)")
 #: constants of EntityCategory
 _OBJECT, _ROBOT = 0, 1
 #: scopes of ResetSimulation: the default; time, state and spawned entities together; everything
@@ -82,8 +87,8 @@ class SimulationInterfaces(Served):
     # -- the simulation ----------------------------------------------------------------------
 
     def _features(self, request: dict[str, Any], reply: Reply) -> None:
-        info = "MORSE: entities are robots (ATRV) and models (props/crates) by name; no resource strings"
-        reply({"features": {"features": list(FEATURES), "spawn_formats": [], "custom_info": info}})
+        info = "MORSE: entities are robots (ATRV) and models (props/crates) by name, or described by a text"
+        reply({"features": {"features": list(FEATURES), "spawn_formats": list(_FORMATS), "custom_info": info}})
 
     def _state(self, request: dict[str, Any], reply: Reply) -> None:
         reply({"state": {"state": _PAUSED if self._context.paused() else _PLAYING}, "result": _result()})
@@ -206,10 +211,12 @@ class SimulationInterfaces(Served):
     def _spawn(self, request: dict[str, Any], reply: Reply) -> None:
         name, wrong = self._name_of(request)
         pose = request["initial_pose"]
-        if wrong is None and request["resource_string"]:
-            wrong = _result(_NO_FORMAT, "there are no resource strings: give a uri such as ATRV or props/crates")
-        if wrong is None and not request["uri"]:
-            wrong = _result(_NO_RESOURCE, "give a uri: the name of a robot (ATRV) or of a model (props/crates)")
+        kind = request["resource_string"] or request["uri"]
+        if wrong is None and request["resource_string"] and not is_description(kind):
+            wrong = _result(_NO_FORMAT, f"a resource string is the text of a robot in one of {', '.join(_FORMATS)}")
+        if wrong is None and not kind:
+            text = "give a uri, the name of a robot (ATRV) or of a model (props/crates), or a resource string"
+            wrong = _result(_NO_RESOURCE, text)
         if wrong is None and request["entity_namespace"].strip("/") not in ("", name):
             wrong = _result(_NO_NAMESPACE, "the topics of a robot are below its name")
         if wrong is None and pose["header"]["frame_id"] not in _WORLDS:
@@ -219,11 +226,13 @@ class SimulationInterfaces(Served):
             return
         position = from_xyz(pose["pose"]["position"])
         roll, pitch, yaw = Quaternion(_turn(pose["pose"])).to_euler()
-        arguments = [name, request["uri"], position, [roll, pitch, yaw]]
+        arguments = [name, kind, position, [roll, pitch, yaw]]
         self._call("simulation", "spawn", arguments, _then(reply, {"entity_name": name}))
 
     def _name_of(self, request: dict[str, Any]) -> tuple[str, dict[str, Any] | None]:
-        wanted = request["name"] or re.sub(r"\W", "_", request["uri"].rpartition("/")[2]).lower()
+        described = _NAME.search(request["resource_string"]) if request["resource_string"] else None
+        kind = described[1] if described is not None else request["uri"].rpartition("/")[2]
+        wanted = request["name"] or re.sub(r"\W", "_", kind).lower()
         if not re.fullmatch(r"[A-Za-z_]\w{0,90}", wanted):
             return wanted, _result(_NAME_INVALID, "a name is a word of letters, digits and _")
         if wanted not in self._context.world.objects_by_name:
