@@ -20,6 +20,7 @@ from morse.system import variables
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from morse.physics.model.compile import Compiled
     from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger("morse.main")
@@ -188,8 +189,11 @@ def _folders_of(function: Callable[[], object]) -> list[str]:
     return resource_folders(Path(code.co_filename)) if code is not None and os.path.isfile(code.co_filename) else []
 
 
-def start(scene: Scene, options: RunOptions) -> Simulation:
+def start(scene: Scene, options: RunOptions, compiled: Compiled | None = None) -> Simulation:
     """A simulation of a scene, ready to run.
+
+    Args:
+        compiled: the physics of the scene, whose collision shapes are resolved; None to compile it.
 
     Raises:
         LoadError: a component cannot be created.
@@ -199,8 +203,9 @@ def start(scene: Scene, options: RunOptions) -> Simulation:
     from morse.simulation.simulation import Simulation
 
     review_settings()
-    resolve(scene)
-    simulation = Simulation(scene, options)
+    if compiled is None:
+        resolve(scene)
+    simulation = Simulation(scene, options, compiled)
     try:
         complete(simulation)
     except BaseException:

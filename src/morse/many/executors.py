@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.reports.faults import summary
 from morse.many.pool import ONE_THREAD, Task
 from morse.many.run import run_once
+from morse.many.stock import Stock
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -25,7 +26,8 @@ _QUEUE = 3
 
 def do_pack(study: Runs, tasks: Sequence[Task]) -> list[dict[str, Any]]:
     """Do several runs; called in a process of the executor."""
-    return [run_once(study, task.run, task.record) for task in tasks]
+    stock = Stock()
+    return [run_once(study, task.run, task.record, stock) for task in tasks]
 
 
 class ExecutorPool:
@@ -142,7 +144,7 @@ class InlinePool:
     """Does the runs in this process."""
 
     def __init__(self, study: Runs) -> None:
-        self._study = study
+        self._study, self._stock = study, Stock()
         self._task: Task | None = None
 
     @property
@@ -163,7 +165,7 @@ class InlinePool:
         """Do the run."""
         task, self._task = self._task, None
         if task is not None:
-            yield task, run_once(self._study, task.run, task.record)
+            yield task, run_once(self._study, task.run, task.record, self._stock)
 
     def __enter__(self) -> InlinePool:
         return self

@@ -19,6 +19,10 @@ from morse.version import __version__
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Mapping, Sequence
+    from contextlib import AbstractContextManager
+
+    from morse.many.stock import Stock
+    from morse.simulation.simulation import Simulation
 
 #: columns of each row, besides the parameters and results
 RESERVED = (
@@ -61,6 +65,9 @@ class Runs(Protocol):
     def scene_of(self, run: Run) -> Any:
         """Return the argument of `morse.load` for a run."""
 
+    def scene_key(self, run: Run) -> str:
+        """Return what runs with the same scene have in common."""
+
     def arguments_of(self, run: Run) -> list[str]:
         """Return the arguments of the scene script for a run."""
 
@@ -71,8 +78,14 @@ class Runs(Protocol):
         """Return the study as plain data, for another process; None if only this process has its functions."""
 
 
-def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None) -> dict[str, Any]:
+def run_once(
+    study: Runs, run: Run, record: str | os.PathLike[str] | None = None, stock: Stock | None = None
+) -> dict[str, Any]:
     """Do one run in this process.
+
+    Args:
+        record: path of a recording of the run.
+        stock: where scenes are loaded that many runs have in common; None to load them anew.
 
     Returns:
         Its row. ``error`` is empty if the run has not failed, ``where`` is the line of the user's code that raised it.
@@ -83,8 +96,7 @@ def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None
     }  # fmt: skip
     begin, cpu = time.perf_counter(), time.process_time()
     try:
-        options = {"on_failure": "raise", **study.options}
-        with load(study.scene_of(run), seed=run.seed, arguments=study.arguments_of(run), **options) as simulation:
+        with _simulation(study, run, None if record is not None or study.options else stock) as simulation:
             if record is not None:
                 path = Path(record)
                 path.parent.mkdir(parents=True, exist_ok=True)
@@ -103,6 +115,13 @@ def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None
     except Exception as error:
         row |= _failure(error)
     return row | _spent(begin, cpu)
+
+
+def _simulation(study: Runs, run: Run, stock: Stock | None) -> AbstractContextManager[Simulation]:
+    scene, arguments = study.scene_of(run), study.arguments_of(run)
+    if stock is not None:
+        return stock.load(study.scene_key(run), scene, run.seed, arguments)
+    return load(scene, seed=run.seed, arguments=arguments, **{"on_failure": "raise", **study.options})
 
 
 def _spent(wall: float, cpu: float) -> dict[str, float]:

@@ -13,6 +13,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from morse.many.run import Run, run_once
+from morse.many.stock import Stock
 
 if TYPE_CHECKING:
     import socket
@@ -33,12 +34,13 @@ def serve(study: Runs, connection: socket.socket, lifeline: int) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the driver ends the workers
     threading.Thread(target=_end_with_driver, args=(lifeline,), daemon=True).start()
+    stock = Stock()
     with contextlib.suppress(ConnectionError), connection, connection.makefile("rwb") as lines:
         for line in lines:
             name, parameters, seed, record = json.loads(line)
             if study.timeout is not None:  # code that never returns to Python
                 faulthandler.dump_traceback_later(study.timeout + _STUCK, exit=True)
-            row = run_once(study, Run(name, parameters, seed), record)
+            row = run_once(study, Run(name, parameters, seed), record, stock)
             faulthandler.cancel_dump_traceback_later()
             lines.write(json.dumps(row).encode() + b"\n")
             lines.flush()

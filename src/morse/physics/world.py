@@ -56,12 +56,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.mathutils import Vector
+    from morse.physics.model.compile import Compiled
     from morse.physics.objects.posed import Posed
     from morse.scene import Bone, ComponentDeclaration, Node, Scene, Zone
 
 
 class World(ObjectWorld):
     """A compiled scene and its state; every node of the scene has a `GameObject`.
+
+    Args:
+        compiled: the compiled scene, which belongs to this world from now on; None to compile it.
 
     Attributes:
         repainted: objects whose appearance changed since the view last read it.
@@ -70,7 +74,7 @@ class World(ObjectWorld):
         arrangement: changes whenever objects are added, removed or replaced.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, compiled: Compiled | None = None) -> None:
         self.scene = scene
         self.arrangement = 0
         self._rescue = Rescue()
@@ -82,7 +86,7 @@ class World(ObjectWorld):
         self._names: dict[str, GameObject] = {}
         # rays may be cast for the first time within a tick, when there may be no file descriptor left
         library()
-        super().__init__(compile_scene(scene), 1.0 / scene.settings.frequency)
+        super().__init__(compiled or compile_scene(scene), 1.0 / scene.settings.frequency)
         self._build()
         self.reset()
 

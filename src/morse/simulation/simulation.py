@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 
     from morse.core.journal import Journal
     from morse.core.observer import Observer
+    from morse.physics.model.compile import Compiled
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
 
@@ -67,13 +68,16 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
         edits: files that were saved while it runs.
         delays_interrupts: whether Ctrl+C takes effect after a complete tick; somebody else does that for a batch.
         failed: whether the simulation has to end because a part of it cannot continue.
+
+    Args:
+        compiled: see `morse.physics.World`.
     """
 
-    def __init__(self, scene: Scene, options: RunOptions) -> None:
+    def __init__(self, scene: Scene, options: RunOptions, compiled: Compiled | None = None) -> None:
         settings = scene.settings
         self.options = options
         self.scene = scene
-        self.world = world = World(scene)
+        self.world = world = World(scene, compiled)
         self.context = Context(
             scene=scene,
             clock=Clock(settings.frequency, settings.time_strategy, start=settings.origin),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -90,6 +91,13 @@ class Compiled:
     file_motors: list[FileMotor]
     planes: dict[int, int]
     physics_of_1_4: bool = False
+
+    def copy(self) -> Compiled:
+        """Return a copy for another world of the same scene, before this one is used."""
+        model = copy.copy(self.model)
+        data = mujoco.MjData(model)
+        mujoco.mj_copyData(data, model, self.data)
+        return replace(self, model=model, data=data)
 
 
 def compile_scene(scene: Scene) -> Compiled:
