@@ -182,20 +182,17 @@ class Study:
 
     # -- for the runs ----------------------------------------------------------------------
 
-    @property
-    def _is_function(self) -> bool:
-        return callable(self.scene) and not isinstance(self.scene, Scene)
-
     def scene_of(self, run: Run) -> Any:
         """Return the argument of `morse.load` for a run."""
-        if not self._is_function:
+        if not callable(self.scene) or isinstance(self.scene, Scene):
             return self.scene
         parameters = self._chosen(self.scene, run)
         return (lambda: self.scene(**parameters)) if parameters else self.scene
 
     def scene_key(self, run: Run) -> str:
         """Return what runs with the same scene have in common: the parameters and arguments of the scene."""
-        parameters = self._chosen(self.scene, run) if self._is_function else {}
+        of_function = callable(self.scene) and not isinstance(self.scene, Scene)
+        parameters = self._chosen(self.scene, run) if of_function else {}
         return json.dumps([parameters, self.arguments_of(run)], sort_keys=True)
 
     def arguments_of(self, run: Run) -> list[str]:
