@@ -102,8 +102,6 @@ def test_a_node_of_rclpy_drives_the_robot_and_sees_what_it_does(simulation: Any)
 @pytest.mark.peer("cyclonedds")
 def test_the_tree_of_frames(simulation: Any) -> None:
     need("cyclonedds")
-    if simulation.context.stream_managers[MANAGER].backend.name == "rclpy" and not has(sys.executable, "tf2_msgs"):
-        pytest.skip("the wheels of ROS 2 have no tf2_msgs")
     for _ in range(30):
         simulation.step()  # later subscribers also get /tf_static
     said = talk("cyclone_peer.py", simulation.step)

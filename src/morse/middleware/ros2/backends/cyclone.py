@@ -200,11 +200,11 @@ class CycloneBackend(Backend):
     name = "cyclonedds"
     takes_threads = True
 
-    def __init__(self, options: Mapping[str, Any]) -> None:
+    def __init__(self, options: Mapping[str, Any], node: str = NODE) -> None:
         self._domain = domain = options["domain_id"]
         self.participant, place = _join(domain, options["interface"])
         self.opens = f"domain {domain}, UDP {place}"
-        self.graph = GraphNode(self.participant, NODE, _qos(Qos(1, latched=True)))
+        self.graph = GraphNode(self.participant, node, _qos(Qos(1, latched=True)))
         self.graph.tell()
         self._topics: dict[tuple[str, str], Any] = {}
         self._endpoints: Any = None

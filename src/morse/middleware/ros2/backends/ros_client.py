@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from contextlib import contextmanager, nullcontext
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import rclpy
@@ -201,6 +202,8 @@ class RclpyBackend(Backend):
     has_services = takes_threads = True
 
     def __init__(self, options: Mapping[str, Any]) -> None:
+        self._options = options
+        self._other: Backend | None = None
         self._context = Context()
         with _limited(options["interface"]) as reach, nullcontext(Confined()) if reach else confined() as sockets:
             try:
@@ -216,16 +219,34 @@ class RclpyBackend(Backend):
         kind = rclpy.get_rmw_implementation_identifier()
         self.opens = f"domain {options['domain_id']}, {kind}, {reach or described(sockets)}"
 
+    def _without_package(self) -> Backend | None:
+        """A participant of the same domain for messages whose package ROS does not have; None without cyclonedds."""
+        if self._other is None and find_spec("cyclonedds") is not None:
+            from morse.middleware.ros2.backends.cyclone import CycloneBackend
+
+            # a name of its own: nodes with the same name confuse the tools of ROS
+            self._other = CycloneBackend(self._options, f"{NODE}_messages")
+        return self._other
+
+    def tell_graph(self) -> None:
+        """See `Backend.tell_graph`."""
+        if self._other is not None:
+            self._other.tell_graph()
+
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`."""
         kind = _message_class(type_name)
-        return None if kind is None else _Publisher(self._node, self._node.create_publisher(kind, topic, _profile(qos)))
+        if kind is None:
+            other = self._without_package()
+            return None if other is None else other.publisher(topic, type_name, qos)
+        return _Publisher(self._node, self._node.create_publisher(kind, topic, _profile(qos)))
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
         """See `Backend.subscription`."""
         kind = _message_class(type_name)
         if kind is None:
-            return None
+            other = self._without_package()
+            return None if other is None else other.subscription(topic, type_name, qos)
         made = self._node.create_subscription(kind, topic, lambda _: None, _profile(qos), raw=True)
         return _Subscription(self._node, made, type_name)
 
@@ -252,5 +273,7 @@ class RclpyBackend(Backend):
 
     def close(self) -> None:
         """See `Backend.close`."""
+        if self._other is not None:
+            self._other.close()
         self._node.destroy_node()
         self._context.try_shutdown()
