@@ -39,6 +39,16 @@ ARM = """<mujoco model="arm"><option timestep="0.002" integrator="implicitfast" 
 <tendon><spatial name="cord" range="0 0.4" limited="true"><site site="a"/><site site="b"/></spatial></tendon>
 <actuator><position joint="lift" kp="60" dampratio="1"/><muscle name="biceps" tendon="cord" ctrllimited="true"
   ctrlrange="0 1"/><general name="slow" joint="bend" dyntype="integrator" gainprm="1"/></actuator></mujoco>"""
+SLED = """<mujoco model="sled"><option gravity="2 0 -9.81"/><worldbody><body name="base">
+  <geom type="box" pos="0 0 0.1" size="2 0.3 0.1" friction="0.1 0.01 0.001" solref="0.04 1.2" {base}/>
+  <body name="sled" pos="0 0 0.31"><joint axis="0 0 1" type="slide"/><joint axis="1 0 0" type="slide"/>
+  <joint axis="0 0 1"/><geom type="box" size="0.1 0.2 0.1" pos="0 0.1 0" friction="0.05 0.2 0.002" condim="4"
+  solimp="0.3 0.9 0.02" solmix="3"/></body></body></worldbody></mujoco>"""
+PINCER = """<mujoco model="pincer"><worldbody><body name="palm"><geom type="box" size="0.1 0.1 0.1" pos="0 0 0.1"/>
+<body name="left" pos="0.05 0 0.25"><joint name="left" axis="0 1 0"/><geom size="0.04" mass="0.1"/></body>
+<body name="right" pos="-0.05 0 0.25"><joint name="right" axis="0 1 0"/><geom size="0.04" mass="0.1"/>
+</body></body></worldbody><equality><joint joint1="left" joint2="right" polycoef="0.1 -2"/></equality>
+<actuator><position name="grip" joint="left" kp="20" kv="1"/></actuator></mujoco>"""
 MODELS = {
     "dog": DOG % ("", ""),
     "dog beside furniture": DOG % (
@@ -47,10 +57,24 @@ MODELS = {
         '<body name="ball" pos="2 0 0.3"><freejoint/><geom size="0.1"/></body>', "",
     ),
     "arm": ARM,
+    "sled on its fixed base": SLED.format(base=""),
+    "sled on a base that decides": SLED.format(base='priority="1"'),
+    "motor on the joint that an equality lets follow": PINCER,
     "ball in a tilted tray": '<mujoco><worldbody><body name="ball" pos="0 0 0.5" euler="0 10 0"><freejoint/><geom '
     'size="0.05" mass="4" solref="0.05 1" solimp="0.1 0.9 0.02" condim="6" friction="1 0.01 0.02"/></body></worldbody>'
     "</mujoco>",
 }  # fmt: skip
+
+
+def test_the_joint_with_the_motor_leads(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(PINCER)
+    bones = {bone.name: bone for node in read_mjcf(path).nodes() for bone in node.bones}
+    assert (bones["left"].leader, bones["left"].dynamics.gain) == (-1, 20.0)
+    # left = 0.1 - 2 right
+    right = bones["right"]
+    assert list(bones)[right.leader] == "left"
+    assert (right.factor, right.offset) == (-0.5, pytest.approx(0.05))
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -231,7 +231,7 @@ class _Reading:
             bodies[m.jnt_bodyid[index]].joints.append(index)
         for index in range(m.ngeom):
             bodies[m.geom_bodyid[index]].geoms.append(index)
-        motors = [motor for index in range(m.nu) if (motor := self.motor(index)) is not None]
+        self._motors = motors = [motor for index in range(m.nu) if (motor := self.motor(index)) is not None]
         sensors = [*self.cameras(), *self.sensors()]
         return ModelData(
             self.file,
@@ -432,16 +432,20 @@ class _Reading:
     def follows(self) -> list[tuple[int, int, float, float]]:
         m = self.model
         couplings: list[tuple[int, int, float, float]] = []
+        driven = {motor.joint for motor in self._motors}
         for index in range(m.neq):
             one, other = int(m.eq_obj1id[index]), int(m.eq_obj2id[index])
             is_joint = int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_JOINT)
             if not is_joint or other < 0 or any(m.eq_data[index][2:5]) or m.jnt_type[one] < 2 or m.jnt_type[other] < 2:
                 continue
+            factor, offset = float(m.eq_data[index][1]), float(m.eq_data[index][0])
+            if factor and one in driven and other not in driven:
+                # the joint with the motor leads
+                one, other, factor, offset = other, one, 1.0 / factor, -offset / factor
             if not m.eq_active0[index] or any(one == joint for joint, *_ in couplings):
                 continue
-            factor = float(m.eq_data[index][1])
             start, leading = (float(m.qpos0[m.jnt_qposadr[joint]]) for joint in (one, other))
-            couplings.append((one, other, factor, start + float(m.eq_data[index][0]) - factor * leading))
+            couplings.append((one, other, factor, start + offset - factor * leading))
         return couplings
 
     def keyframes(self) -> dict[str, dict[int, tuple[float, ...]]]:

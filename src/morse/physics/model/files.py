@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from morse.physics.model.collision_bits import file_bits
+from morse.physics.model.contact_pairs import add_pair
 from morse.physics.model.file_models import Part, model_of
 from morse.physics.model.file_motors import SUFFIX, FileMotor, motors_of
 from morse.physics.model.layout import Motion
@@ -142,7 +143,7 @@ class Files:
             for other in (geom for _, own in moving for geom in own):
                 meet = (one.contype & other.conaffinity) | (other.contype & one.conaffinity)
                 if meet and frozenset((one.parent.name, other.parent.name)) not in apart:
-                    self._spec.add_pair(geomname1=one.name, geomname2=other.name)
+                    add_pair(self._spec, one, other)
 
     # -- shapes ----------------------------------------------------------------------------
 
