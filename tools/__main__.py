@@ -5,6 +5,8 @@ library that are missing. With the names of components, their pictures are taken
 
 ``python -m tools compatibility [ARGUMENT...]``: docs/compatibility.md, from the tests with programs that others wrote.
 
+``python -m tools validation``: docs/validation.md, which compares the models with formulas, standards and data sheets.
+
 ``python -m tools release [FOLDER]``: the source distribution and the wheels of all platforms, verified.
 
 ``python -m tools rehearse [FOLDER]``: the same, then an installation from a local index, a demo and the documentation.
@@ -29,6 +31,10 @@ def main(arguments: list[str]) -> int:
         from tools import compatibility
 
         return compatibility.main(names)
+    if part == "validation" and not names:
+        from tools.validation import page
+
+        return page.main()
     if part not in ("all", *_PARTS) or (names and part != "pictures"):
         print(__doc__, file=sys.stderr)
         return 2

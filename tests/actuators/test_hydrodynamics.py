@@ -137,3 +137,56 @@ def test_extreme_values_break_nothing(simulate: Any) -> None:
     sim.step(120)
     assert all(math.isfinite(value) for value in sim.robot.pose.get().values())
     assert sim.context.component("robot.water").active
+
+
+RAFT = "Density=1000.0, Volume=8.0, Length=4.0, Width=2.0, Height=1.0, Surface=0.0"
+#: DNV-RP-N103: a plate of 4 x 2 m; half of it at the surface
+ADDED = 0.5 * 0.757 * math.pi / 4.0 * 2.0**2 * 4.0 * 1000.0
+
+
+def heights(simulate: Any, properties: str = RAFT, seconds: float = 12.0) -> list[float]:
+    """Heights of a raft of 2 t, which begins 0.1 m above its draught, m."""
+    sim = load(simulate, f"0, 0, {0.25 - MIDDLE + 0.1}", properties, mass=2000.0)
+    values = []
+    for _ in range(round(60 * seconds)):
+        sim.step(1)
+        values.append(sim.world.game_object("robot").world_pose()[0][2] + MIDDLE - 0.25)
+    return values
+
+
+def test_heave_has_the_period_of_its_mass_with_that_of_the_water_and_decays(simulate: Any) -> None:
+    values = heights(simulate)
+    rate = math.sqrt(1000.0 * G * 8.0 / (2000.0 + ADDED)) * math.sqrt(1.0 - 0.3**2)
+    crossings = [k for k in range(1, len(values)) if values[k - 1] > 0.0 >= values[k]]
+    assert (crossings[1] - crossings[0]) / 60.0 == pytest.approx(2.0 * math.pi / rate, rel=0.08)
+    # exp(-2 pi zeta / sqrt(1 - zeta^2)) = 0.14 for each period; quadratic drag takes some more
+    assert 0.0 < max(values[crossings[0] :]) < 0.14 * 0.1 + 0.005
+    assert max(map(abs, values[-60:])) < 1e-3
+
+
+def test_roll_decays(simulate: Any) -> None:
+    text = SCENE.format(mass=2000.0, at=f"0, 0, {0.25 - MIDDLE}", properties=RAFT)
+    sim = simulate(text.replace("water = ", "robot.rotate(x=0.2)\nwater = ") + SEA, sockets=False)
+    sim.step(600)
+    assert sim.robot.pose.get()["roll"] == pytest.approx(0.0, abs=0.004)
+
+
+def test_a_push_moves_the_water_that_clings_to_a_hull(simulate: Any) -> None:
+    accelerations = []
+    for factor in (0.0, 1.0):
+        sim = load(simulate, properties=f"Density=1000, AddedMass={factor}, Length=4, Width=2, Height=1", mass=8000.0)
+        sim.robot.push.publish({"force": [0.0, 0.0, 100.0]})
+        sim.step(10)
+        body = sim.world.game_object("robot")
+        before = body.velocity()[0][2]
+        sim.step(30)
+        accelerations.append(2.0 * (body.velocity()[0][2] - before))
+    assert accelerations[0] == pytest.approx(100.0 / 8000.0, rel=0.02)
+    assert accelerations[1] == pytest.approx(100.0 / (8000.0 + 2.0 * ADDED), rel=0.02)
+
+
+def test_without_the_water_that_moves_along_the_period_is_that_of_archimedes(simulate: Any) -> None:
+    values = heights(simulate, RAFT + ", AddedMass=0.0, WaveDamping=0.0", 4.0)
+    crossings = [k for k in range(1, len(values)) if values[k - 1] > 0.0 >= values[k]]
+    period = 2.0 * math.pi * math.sqrt(2000.0 / (1000.0 * G * 8.0))
+    assert (crossings[2] - crossings[0]) / 120.0 == pytest.approx(period, rel=0.03)

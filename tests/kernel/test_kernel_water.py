@@ -14,6 +14,7 @@ def some_water(seed, **given):
     values = WaterValues(
         depth=chance.uniform(-2, 2), half=chance.uniform(0.1, 1), lift=chance.uniform(0, 100), most=chance.uniform(0, 9)
     )
+    values.bob = (seed % 2) * 7.3
     for name in ("centre", "drag", "up", "linear", "angular"):
         getattr(values, name)[:] = chance.normal(size=3)
     for cell in values.cells:

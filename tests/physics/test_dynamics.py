@@ -25,6 +25,16 @@ def test_linear_damping_takes_its_share_each_second():
     assert w.game_object("Ball").worldLinearVelocity.x == pytest.approx(2 * 0.7, rel=2e-3)
 
 
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_angular_damping_takes_its_share_about_each_axis(axis):
+    """The inertias of the brick about its axes differ by a factor of ten."""
+    w = world(rigid("Brick", box(0.6, 0.3, 0.1), at=(0, 0, 0), angular_damping=0.1), gravity=0)
+    brick = w.game_object("Brick")
+    brick.worldAngularVelocity = [float(axis == k) for k in range(3)]
+    run(w, 10.0)
+    assert brick.worldAngularVelocity[axis] == pytest.approx(0.9**10, rel=5e-3)
+
+
 def test_a_box_rests_on_the_ground_and_stays():
     w = world(ground(), rigid("Box", box(1, 1, 1), at=(0, 0, 0.5)))
     run(w, 5.0)

@@ -39,7 +39,7 @@ def _rebound(tmp_path: Path, restitution: float, mesh: trimesh.Trimesh, height: 
     return math.sqrt(max(highest, 0.0) / height)
 
 
-@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6, 0.9])
+@pytest.mark.parametrize("restitution", [0.0, 0.2, 0.3, 0.4, 0.6, 0.9])
 @pytest.mark.parametrize("height", [0.6, 1.0, 1.37])
 def test_balls_bounce_as_asked(tmp_path: Path, restitution: float, height: float) -> None:
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.15)

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 #: drag coefficients of a vessel along its axes, after those of streamlined bodies and of plates
 _COEFFICIENTS = (0.2, 1.1, 1.1)
 _THINNEST = 1e-3  # m
+#: relative damping of heave, as that of the vessel Otter in Fossen's toolbox MSS
+_HEAVE = 0.3
 #: maximum force and torque of the engine, N and N·m
 _MOST = 1e8
 _SIZE: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e4}
@@ -34,14 +36,22 @@ class Hydrodynamics(Actuator):
     that it displaces, rho V g / 8. Drag on each cell is C v |v| / 8 along each axis of the robot, with the speed v of
     the cell relative to the water. C = rho c A / 2 is the coefficient of the whole robot along an axis: A is the
     cross-section of the box, and c is 0.2 along X and 1.1 along Y and Z. The same forces damp rotations, and turn a
-    robot at the surface upright. The mass of the water that moves along with the robot (the added mass) is not
-    modelled, and the centre of mass of the robot is taken to be the centre of the box. In one tick, drag
-    reduces the speed by at most half. This limit only affects robots that are very light for their size.
+    robot at the surface upright. The centre of mass of the robot is taken to be the centre of the box. In one tick,
+    drag reduces the speed by at most half. This limit only affects robots that are very light for their size.
+
+    Water moves along with the robot (the added mass): along each axis, that of a plate with the cross-section of the
+    box, in proportion to the displaced water, half of it along Z at the surface. Waves that the robot makes damp heave,
+    roll and pitch: each cell at the surface has 0.3 of the critical damping. ``AddedMass`` and ``WaveDamping`` are
+    factors of both. Forces that couple axes, such as the Munk moment, and waves of the sea are not modelled.
 
     The weight of a robot without gravity, such as the Submarine, acts as well: above the water the robot falls.
     """
 
     _name = "Hydrodynamics"
+    _source = (
+        "Archimedes; added mass of plates by DNV-RP-N103; damping of heave by T. I. Fossen, Handbook of Marine Craft "
+        "Hydrodynamics and Motion Control, 2nd ed., 2021"
+    )
     _short_desc = "Applies buoyancy, drag and the current of water to the robot"
 
     add_data("current", [0.0, 0.0, 0.0], "vec3<float>", "Velocity of the water", frame="world", shape=3, **SPEED)
@@ -79,6 +89,13 @@ class Hydrodynamics(Actuator):
     add_property("_width", 0.0, "Width", "float", "Width of the box; 0: width of the model", **_SIZE)
     add_property("_height", 0.0, "Height", "float", "Height of the box; 0: height of the model", **_SIZE)
 
+    add_property("_added", 1.0, "AddedMass", "float", "Factor of the added mass; 0: none", low=0.0, high=100.0)
+    add_property(
+        "_damping", 1.0, "WaveDamping", "float", "Factor of the damping at the surface; 0: none", low=0.0, high=3.0
+    )
+
+    _added: float
+    _damping: float
     _surface: float
     _density: float
     _volume: float
@@ -136,12 +153,34 @@ class Hydrodynamics(Actuator):
         values.up[:] = up
         values.linear[:] = turn_back(turn, (vx - cx, vy - cy, vz - cz))
         values.angular[:] = turn_back(turn, angular)
+        self._move_water(carried, mass)
         self._push()
         (fx, fy, fz), torque = values.force, values.torque
         if robot._no_gravity:
             weight = mass * g
             fx, fy, fz = fx - weight * up[0], fy - weight * up[1], fz - weight * up[2]
         body.wrench(_limited((fx, fy, fz)), _limited(torque), True)
+
+    def _move_water(self, carried: float, mass: float) -> None:
+        """Set the added mass, and the damping of a cell at the surface.
+
+        Args:
+            carried: mass of the water that the submerged box displaces, kg.
+        """
+        values, hull = self._values, self.hull()
+        up, (cx, cy, cz), height = values.up, hull.centre, hull.size[2]
+        # of the box, from the depth of its centre
+        depth = values.depth - up[0] * cx - up[1] * cy - up[2] * cz
+        share = min(max(depth / height + 0.5, 0.0), 1.0)
+        x, y, z = (self._added * carried * part for part in hull.added)
+        x, y, z = x * share, y * share, z * (0.5 if 0.0 < share < 1.0 else share)
+        a, b, c = (part / 4.0 for part in hull.size)
+        self.robot_parent.bge_object.set_added_mass(
+            (x, y, z), (y * c * c + z * b * b, x * c * c + z * a * a, x * b * b + y * a * a)
+        )
+        # a quarter of the box stands on the water: stiffness lift / half
+        critical = 2.0 * math.sqrt(values.lift / values.half * (mass + z) / 4.0)
+        values.bob = min(self._damping * _HEAVE * critical, 0.1 * mass * self.frequency)
 
 
 def _limited(parts: Iterable[float]) -> list[float]:

@@ -95,6 +95,8 @@ class Hydrodynamics(ActuatorCreator):
         Length: float = ...,
         Width: float = ...,
         Height: float = ...,
+        AddedMass: float = ...,
+        WaveDamping: float = ...,
         **kwargs: Any,
     ) -> None: ...
 

@@ -281,6 +281,29 @@ class Bodies:
             applied[first + 5] += about_z
             state.has_forces = True
 
+    def set_added_mass(self, index: int, mass: Sequence[float], inertia: Sequence[float]) -> None:
+        """Set the mass of the fluid that moves along with a free body; see `morse.core.world.Body.set_added_mass`.
+
+        The engine has no coupling of the axes: the mass along an axis of the world is the mean of those along the axes
+        of the body, weighted by the squares of the direction cosines.
+        """
+        state = self._state
+        slot = state.slots[index]
+        if slot.frame.motion is not Motion.FREE or slot.body <= 0:
+            return
+        a, b, c, d, e, f, g, h, i = state.rotations[index]
+        x, y, z = mass
+        added = (
+            *(a * a * x + b * b * y + c * c * z, d * d * x + e * e * y + f * f * z, g * g * x + h * h * y + i * i * z),
+            *inertia,
+        )
+        model, dofs = state.model, slice(slot.dof, slot.dof + 6)
+        model.dof_armature[dofs] = added
+        if model.body_simple[slot.body]:
+            # the engine takes the constant inertia of a simple body
+            own = (*(model.body_mass[slot.body],) * 3, *model.body_inertia[slot.body])
+            model.dof_M0[dofs] = np.add(own, added)
+
     def pull(
         self,
         index: int,

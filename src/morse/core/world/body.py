@@ -172,6 +172,14 @@ class Body(BodyNames, Protocol):
     def wrench(self, force: Sequence[float], torque: Sequence[float], local: bool) -> None:
         """Apply a force (N) and a torque (N m) at the centre of mass during the next tick."""
 
+    def set_added_mass(self, mass: Sequence[float], inertia: Sequence[float]) -> None:
+        """Set the mass of the fluid that moves along with a free body, until the next call.
+
+        Args:
+            mass: along each axis of the body, kg.
+            inertia: about each axis of the body, kg m^2.
+        """
+
     def pull(
         self, anchor: Sequence[float], target: Sequence[float], stiffness: float, damping: float, strongest: float
     ) -> None:

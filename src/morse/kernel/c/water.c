@@ -8,7 +8,7 @@ typedef struct {
     double cells[8][3];                   // middles of the parts of the box, in the frame of the body
     double centre[3], drag[3];            // of the box; force over the square of the speed along each axis
     double depth, half;                   // of the surface above the origin; half the height of the box
-    double lift, most;                    // N per cell; kg/s
+    double lift, most, bob;               // N per cell; kg/s; kg/s of a cell at the surface
     double up[3], linear[3], angular[3];  // in the frame of the body
     double force[3], torque[3];           // results
 } Water;
@@ -27,10 +27,14 @@ void morse_water(Water *all) {
         double x = all->cells[i][0], y = all->cells[i][1], z = all->cells[i][2];
         double share = (all->depth - up[0] * x - up[1] * y - up[2] * z) / all->half + 0.5;
         share = share < 0.0 ? 0.0 : share > 1.0 ? 1.0 : share;
-        const double part = -share / 8.0, pushed = all->lift * share;
-        const double a = resisted(part, v[0] + w[1] * z - w[2] * y, all->drag[0], all->most) + pushed * up[0];
-        const double b = resisted(part, v[1] + w[2] * x - w[0] * z, all->drag[1], all->most) + pushed * up[1];
-        const double c = resisted(part, v[2] + w[0] * y - w[1] * x, all->drag[2], all->most) + pushed * up[2];
+        const double part = -share / 8.0;
+        const double sx = v[0] + w[1] * z - w[2] * y, sy = v[1] + w[2] * x - w[0] * z, sz = v[2] + w[0] * y - w[1] * x;
+        const double rise = up[0] * sx + up[1] * sy + up[2] * sz;
+        // a part at the surface makes waves
+        const double pushed = all->lift * share - (0.0 < share && share < 1.0 ? all->bob * rise : 0.0);
+        const double a = resisted(part, sx, all->drag[0], all->most) + pushed * up[0];
+        const double b = resisted(part, sy, all->drag[1], all->most) + pushed * up[1];
+        const double c = resisted(part, sz, all->drag[2], all->most) + pushed * up[2];
         fx += a, fy += b, fz += c;
         // the force acts at the centre of mass, approximated by the centre of the box
         x -= m[0], y -= m[1], z -= m[2];

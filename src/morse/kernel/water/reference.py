@@ -17,7 +17,9 @@ def push(values: WaterValues) -> None:
     for x, y, z in values.cells:
         share = min(max((depth - up[0] * x - up[1] * y - up[2] * z) / half + 0.5, 0.0), 1.0)
         u, v, w = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
-        part, lift = -share / 8.0, values.lift * share
+        rise = up[0] * u + up[1] * v + up[2] * w
+        # a part at the surface makes waves
+        part, lift = -share / 8.0, values.lift * share - (values.bob * rise if 0.0 < share < 1.0 else 0.0)
         a = part * u * min(abs(u) * dx, most) + lift * up[0]
         b = part * v * min(abs(v) * dy, most) + lift * up[1]
         c = part * w * min(abs(w) * dz, most) + lift * up[2]

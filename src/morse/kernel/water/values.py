@@ -18,6 +18,7 @@ class WaterValues(Structure):
         half: half the height of the box, m.
         lift: buoyancy of a submerged cell, N.
         most: limit of force over speed, kg/s.
+        bob: linear damping of the vertical speed of a cell at the surface, kg/s.
         up: the upward direction.
         linear, angular: velocity in the water, m/s and rad/s.
         force, torque: results, N and N m.
@@ -31,6 +32,7 @@ class WaterValues(Structure):
         ("half", c_double),
         ("lift", c_double),
         ("most", c_double),
+        ("bob", c_double),
         ("up", _Three),
         ("linear", _Three),
         ("angular", _Three),

@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 #: longest time step of the engine, s: with a step of 1/60 s, a robot pushing into a wall penetrates it by 10 mm
 MAX_STEP = 1.0 / 240.0
+#: that of scenes with bodies that bounce: gravity acts during an impact, and takes speed in proportion to its duration
+BOUNCING_STEP = 1.0 / 480.0
 #: default friction coefficient
 DEFAULT_FRICTION = 0.7
 #: sum of the inertias for which the tolerance of the solver holds, kg: that of one robot
@@ -117,7 +119,8 @@ def _compile(scene: Scene) -> Compiled:
     settings = scene.settings
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     models = models_of(frames)
-    limit = min([MAX_STEP, *(model.step for model in models)])
+    bounces = any(node.body.restitution is not None for frame in frames for node in frame.members)
+    limit = min([BOUNCING_STEP if bounces else MAX_STEP, *(model.step for model in models)])
     steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / limit - 1e-9))
     spec = mujoco.MjSpec()
     _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)

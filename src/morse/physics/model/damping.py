@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import mujoco
+import numpy as np
+
 from morse.physics.driving.calibration import FREE_DAMPING
 
 if TYPE_CHECKING:
-    import mujoco
-
     from morse.physics.model.slot import Slot
 
 
@@ -28,4 +29,8 @@ def set_damping(model: mujoco.MjModel, slot: Slot, of_1_4: bool) -> None:
     linear, angular = (-math.log(1.0 - min(max(d, 0.0), 0.999)) for d in (body.linear_damping, body.angular_damping))
     linear *= FREE_DAMPING if of_1_4 else 1.0
     model.dof_damping[slot.dof : slot.dof + 3] = linear * model.body_mass[slot.body]
-    model.dof_damping[slot.dof + 3 : slot.dof + 6] = angular * float(model.body_inertia[slot.body].mean())
+    # the inertia about the axes of the body: it may differ by a factor of ten among them
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, model.body_iquat[slot.body])
+    about = (turn.reshape(3, 3) ** 2 * model.body_inertia[slot.body]).sum(axis=1)
+    model.dof_damping[slot.dof + 3 : slot.dof + 6] = angular * about

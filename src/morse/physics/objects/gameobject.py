@@ -376,6 +376,10 @@ class GameObject(LegacyNames):
             force, torque = rigid.turn(rotation, force), rigid.turn(rotation, torque)
         self._world.bodies.apply_wrench(self.slot, force, torque)
 
+    def set_added_mass(self, mass: Sequence[float], inertia: Sequence[float]) -> None:
+        """See `morse.core.world.Body.set_added_mass`."""
+        self._world.bodies.set_added_mass(self.slot, mass, inertia)
+
     def pull(
         self, anchor: Sequence[float], target: Sequence[float], stiffness: float, damping: float, strongest: float
     ) -> None:

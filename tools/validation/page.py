@@ -1,0 +1,75 @@
+"""Writes the page of the documentation that compares the models with formulas, standards and data sheets."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import engine
+import mechanics
+import pictures
+import seeing
+import sensing
+
+if TYPE_CHECKING:
+    from figures import Figure
+
+DOCS = Path(__file__).parents[2] / "docs"
+CHAPTERS = (("Mechanics", mechanics), ("Sensors", sensing), ("Cameras", seeing), ("The engine", engine))
+HEAD = """# Validation
+
+What the models give, and what they should give. `python -m tools validation` measures everything again and writes this
+page; a test does the same and fails if a figure leaves its tolerance.
+"""
+PICTURES = {
+    "Mechanics": """
+![Height over distance of a thrown ball: simulation and formula](measured/arc.svg)
+
+The dots are the ball of the simulation, twelve for each second; the line is the formula.
+""",
+    "Sensors": """
+![Allan deviation over time of a gyroscope: simulation and data sheet](measured/allan.svg)
+
+The dots are the gyroscope of a simulated BMI088 at rest for 200 s; the line is the white noise of its data sheet.
+""",
+}
+
+
+def measured() -> dict[str, list[Figure]]:
+    """Return the figures of each chapter."""
+    return {title: list(module.figures()) for title, module in CHAPTERS}
+
+
+def page(chapters: dict[str, list[Figure]]) -> str:
+    """Return the text of the page."""
+    parts = [HEAD]
+    for title, figures in chapters.items():
+        parts += [f"\n## {title}\n\n| model | quantity | expected | measured | tolerance | source |\n"]
+        parts += ["| --- | --- | --: | --: | --: | --- |\n"]
+        parts += [
+            f"| {f.model} | {f.quantity} | {f.expected:.6g} | {_rounded(f)} | {f.tolerance:g} | {f.source} |\n"
+            for f in figures
+        ]
+        parts.append(PICTURES.get(title, ""))
+    return "".join(parts)
+
+
+def _rounded(figure: Figure) -> str:
+    """The measured value to a hundredth of its tolerance: further digits differ among processors."""
+    step = figure.tolerance / 100.0
+    return f"{round(figure.measured / step) * step + 0.0:.6g}"
+
+
+def main() -> int:
+    """Write the page and its pictures; the result is the status of the process."""
+    chapters = measured()
+    (DOCS / "validation.md").write_text(page(chapters), encoding="utf-8")
+    for name, draw in (("arc", pictures.arc), ("allan", pictures.allan)):
+        (DOCS / "measured" / f"{name}.svg").write_text(draw(), encoding="utf-8")
+    wrong = [figure for figures in chapters.values() for figure in figures if not figure.is_right]
+    for figure in wrong:
+        print(f"{figure.model}: {figure.quantity}: {figure.measured:g}, expected {figure.expected:g}", file=sys.stderr)
+    return 1 if wrong else 0
