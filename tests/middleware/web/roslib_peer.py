@@ -47,5 +47,19 @@ try:
     call("/robot/motion/set_speed", {"fast": 1})
 except Exception as error:
     seen["refused"] = str(error)
+
+
+def goal(arguments, cancelled):
+    action = roslibpy.ActionClient(ros, "/robot/waypoint/goto", "")
+    results = []
+    number = action.send_goal(roslibpy.Goal(arguments), results.append, lambda _: None, results.append)
+    if cancelled:
+        action.cancel_goal(number)
+    action.wait_goal(number, timeout=50)
+    return results[0]["status"].name, results[0]["values"]
+
+
+near = {"x": 0.5, "y": 0.0, "z": 0.0, "tolerance": 5.0}
+seen["goals"] = [goal(near, False), goal({**near, "x": 500.0}, True), goal({"far": 1}, False)]
 print(json.dumps(seen))
 ros.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import io
 import json
 import math
 import socket
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from peers import need, talk
+from PIL import Image
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
@@ -127,6 +129,11 @@ def test_the_client_of_rosbridge_drives_looks_and_calls(start: Callable[..., tup
     assert seen["stopped"] == {"result": None}
     assert seen["arrived"] == {"result": "Arrived"}
     assert "no argument fast" in seen["refused"]
+    arrived, cancelled, refused = seen["goals"]
+    assert arrived == ["SUCCEEDED", {"result": "Arrived"}]
+    assert cancelled[0] == "CANCELED"
+    assert refused[0] == "ABORTED"
+    assert "no argument far" in refused[1]["error"]
 
 
 def eventually(holds: Callable[[], Any]) -> Any:
@@ -170,6 +177,18 @@ def test_subscriptions_begin_and_end(start: Callable[..., tuple[Any, int]]) -> N
     client.until(op="service_response", id="2")
     assert not topic.readers
     client.socket.close()
+
+
+def test_a_compressed_subscription(start: Callable[..., tuple[Any, int]]) -> None:
+    client = Client(*start("odometry = Odometry(); robot.append(odometry)"))
+    client.send(op="subscribe", topic="/tf_static", compression="png")
+    image = Image.open(io.BytesIO(base64.b64decode(client.until(op="png")["data"])))
+    assert image.mode == "RGB"
+    inner = json.loads(image.tobytes().decode())
+    assert (inner["op"], inner["topic"]) == ("publish", "/tf_static")
+    assert inner["msg"]["transforms"]
+    client.send(op="subscribe", topic="/clock", compression="zip", id="x")
+    assert "none of none, png" in client.until(op="status", id="x")["msg"]
 
 
 def test_a_throttled_subscription_gets_one_message_in_its_time(start: Callable[..., tuple[Any, int]]) -> None:

@@ -10,8 +10,10 @@ import msgspec
 
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short
+from morse.core.status import PREEMPTED
 from morse.middleware.rosbridge import rosapi
 from morse.middleware.rosbridge.operations import Operation, parse
+from morse.middleware.rosbridge.png import as_png
 from morse.middleware.web.hub import HubClient
 
 if TYPE_CHECKING:
@@ -24,6 +26,9 @@ _LEVELS = ("none", "error", "warning", "info")
 #: maximum number of subscriptions to one topic, which are compared with each other
 _MOST_OF_TOPIC = 1024
 _LONGEST_NAME = 256
+_COMPRESSIONS = ("none", "png")
+#: constants of action_msgs/GoalStatus
+_SUCCEEDED, _CANCELED, _ABORTED = 4, 5, 6
 
 
 class _Wish(NamedTuple):
@@ -32,10 +37,19 @@ class _Wish(NamedTuple):
     Attributes:
         interval: minimum wall-clock time between two messages, s.
         depth: maximum number of queued messages; 0 for the queue depth of the topic.
+        is_png: whether messages are compressed.
     """
 
     interval: float
     depth: int
+    is_png: bool
+
+
+class _Goal(NamedTuple):
+    """A goal of an action, as a call of a service: the id that the client has chosen, and the name of the action."""
+
+    id: Any
+    action: str
 
 
 class RosbridgeClient(HubClient):
@@ -58,7 +72,7 @@ class RosbridgeClient(HubClient):
             if now - self._last.get(topic.topic, -math.inf) < wish.interval:
                 return
             self._last[topic.topic] = now
-        taken = self.offer(topic.topic, frame, wish.depth or topic.qos.depth)
+        taken = self.offer(topic.topic, as_png(frame) if wish.is_png else frame, wish.depth or topic.qos.depth)
         if not taken and topic.qos.reliable:
             self.hub.server.complain(self, f"slow {self.peer}", f"reads {topic.topic} too slowly, it misses messages")
 
@@ -70,10 +84,15 @@ class RosbridgeClient(HubClient):
     def _attach(self, topic: WebTopic) -> None:
         wishes = self._wishes[topic.topic].values()
         is_new = self not in topic.readers
-        topic.readers[self] = _Wish(min(wish.interval for wish in wishes), max(wish.depth for wish in wishes))
+        topic.readers[self] = _Wish(
+            min(wish.interval for wish in wishes),
+            max(wish.depth for wish in wishes),
+            # as rosbridge_suite: one subscription with compression compresses for all of them
+            any(wish.is_png for wish in wishes),
+        )
         if is_new:
             for stamp, data in tuple(topic.kept):
-                self.offer(topic.topic, self.hub.frame(topic, stamp, data), topic.qos.depth)
+                self.show(topic, self.hub.frame(topic, stamp, data))
 
     def _subscribe(self, operation: Operation) -> None:
         name = self._topic_of(operation)
@@ -81,7 +100,12 @@ class RosbridgeClient(HubClient):
         if topic is not None and operation.type and _of_ros_2(operation.type) != topic.type:
             raise ValueError(f"the topic {short(name)} has the type {topic.type}, not {short(operation.type)}")
         rate, depth = operation.throttle_rate, operation.queue_length
-        wish = _Wish(max(0.0, rate) / 1000.0, int(min(max(0.0, depth), 1000.0)))
+        compression = operation.compression or "none"
+        if compression not in _COMPRESSIONS:
+            raise ValueError(
+                f"the compression {short(compression)} is none of {', '.join(_COMPRESSIONS)}; messages are sent without"
+            )
+        wish = _Wish(max(0.0, rate) / 1000.0, int(min(max(0.0, depth), 1000.0)), compression == "png")
         known = self._wishes.get(name, {})
         if operation.id not in known:
             if len(known) >= _MOST_OF_TOPIC:
@@ -158,8 +182,41 @@ class RosbridgeClient(HubClient):
         else:
             self.hub.requests.call(self, call, service, bytes(operation.args))
 
+    def _send_goal(self, operation: Operation) -> None:
+        name = self._action_of(operation)
+        call = _Goal(operation.id, name)
+        if self.hub.requests is None:
+            self.answer(call, f"there is no action {short(name)}: the scene offers none on rosbridge", b"")
+        else:
+            self.hub.requests.call(self, call, name, bytes(operation.args))
+
+    def _cancel_goal(self, operation: Operation) -> None:
+        if self.hub.requests is not None:
+            self.hub.requests.cancel(self, _Goal(operation.id, self._action_of(operation)))
+
+    def _action_of(self, operation: Operation) -> str:
+        name = operation.action
+        if not name:
+            raise ValueError(f"'{operation.op}' needs 'action', the name of a service that takes time")
+        return name if name.startswith("/") else "/" + name
+
+    def _answer_goal(self, goal: _Goal, error: str | None, value: bytes) -> None:
+        status = _SUCCEEDED if error is None else _CANCELED if error.startswith(PREEMPTED) else _ABORTED
+        if error is not None:
+            values = msgspec.json.encode({"error": error})
+        else:
+            values = value if value.startswith(b"{") else b'{"result":' + value + b"}"
+        # clients expect a result that was cancelled as one that has failed
+        head = {"op": "action_result", "action": goal.action, "status": status, "result": error is None}
+        if goal.id is not None:
+            head["id"] = goal.id
+        self.tell((msgspec.json.encode(head)[:-1] + b',"values":' + values + b"}").decode())
+
     def answer(self, call: Any, error: str | None, value: bytes) -> None:
         """See `HubClient.answer`."""
+        if isinstance(call, _Goal):
+            self._answer_goal(call, error, value)
+            return
         number, service = call
         if error is not None:
             values = msgspec.json.encode(error)
@@ -188,6 +245,8 @@ class RosbridgeClient(HubClient):
         "unadvertise": _unadvertise,
         "publish": _publish,
         "call_service": _call_service,
+        "send_action_goal": _send_goal,
+        "cancel_action_goal": _cancel_goal,
         "set_level": _set_level,
         "auth": _nothing,
     }

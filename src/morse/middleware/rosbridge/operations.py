@@ -25,6 +25,8 @@ class Operation(msgspec.Struct):
     service: str | None = None
     args: Raw = Raw()
     level: str | None = None
+    compression: str | None = None
+    action: str | None = None
 
 
 def parse(frame: str | bytes) -> Operation:
