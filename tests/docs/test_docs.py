@@ -51,7 +51,7 @@ def test_links_lead_somewhere(link: Link, library):
 def test_pictures_are_there_and_small():
     used = {(link.page.parent / link.target).resolve() for link in links() if link.picture}
     used |= {PICTURES / "robots.webp"}  # on the first page of the component library
-    folders = PICTURES, PICTURES / "examples", PICTURES / "recipes", PICTURES.parent / "measured"
+    folders = PICTURES, PICTURES / "examples", PICTURES / "recipes", PICTURES / "joints", PICTURES.parent / "measured"
     there = {path for folder in folders for path in folder.iterdir() if path.suffix in (".webp", ".png", ".svg")}
     assert used == there
     for path in there:

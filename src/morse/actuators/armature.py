@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from morse.actuators.ik_targets import Follower, nearer, seen_from, targets_of
-from morse.actuators.joint_paths import JointPaths
+from morse.actuators.joint_reach import JointReach
 from morse.core import status
 from morse.core.classes.builder_defaults import BuilderDefaults
 from morse.core.exceptions import MorseRPCInvokationError
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _TurnRate = Annotated[float, Range(0.0, 1e4, "rad/s")]
 
 
-class Armature(JointPaths):
+class Armature(JointReach):
     """Moves the revolute and prismatic joints of an armature.
 
     The joints are the bones of the armature with an unlocked axis (Bone > Inverse Kinematics in Blender) or, for

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.actuators.dynamic_joints import DynamicJoints
+from morse.actuators.joint_gains import JointGains
 from morse.core import status
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.services import async_service, interruptible
@@ -23,7 +23,7 @@ PATH_VIOLATED, GOAL_VIOLATED = "PATH_TOLERANCE_VIOLATED", "GOAL_TOLERANCE_VIOLAT
 _ROUNDING = 1e-9
 
 
-class JointPaths(DynamicJoints):
+class JointPaths(JointGains):
     """Moves some or all joints along trajectories; the other joints follow their setpoints."""
 
     add_state("_trajectory", Trajectory | None, "Trajectory that is followed")
@@ -106,13 +106,20 @@ class JointPaths(DynamicJoints):
                 self.local_data.update(zip(trajectory.joints, trajectory.positions(now), strict=True))
             return
         self.local_data.update(zip(trajectory.joints, trajectory.points[-1].positions, strict=True))
-        late = now >= trajectory.end + trajectory.tolerances.late - _ROUNDING
+        self._arrive(trajectory, is_late=now >= trajectory.end + trajectory.tolerances.late - _ROUNDING)
+
+    def _arrive(self, trajectory: Trajectory, *, is_late: bool) -> None:
+        """End a trajectory whose time is over when the joints have arrived."""
         if self._is_near(trajectory):
             self._trajectory = None
-            if self.on_completion is not None:
-                self.completed(status.SUCCESS)
-        elif late:
+            self._end(status.SUCCESS)
+        elif is_late:
             self._leaves(trajectory, trajectory.tolerances.goal, GOAL_VIOLATED)
+
+    def _end(self, outcome: str, text: str | None = None) -> None:
+        """End the service, unless the trajectory was restored with a saved state, without its caller."""
+        if self.on_completion is not None:
+            self.completed(outcome, text)
 
     def _is_near(self, trajectory: Trajectory) -> bool:
         """Whether the joints have arrived; without tolerances, they have."""
@@ -127,10 +134,9 @@ class JointPaths(DynamicJoints):
             return False
         name, quantity, error, tolerance = worst
         self._hold(trajectory)
-        if self.on_completion is not None:
-            where = "the path" if code == PATH_VIOLATED else "the last point"
-            text = f"{code}: the {quantity} of '{name}' differs by {error:.3g} from that of {where}, "
-            self.completed(status.FAILED, f"{text}{tolerance:g} allowed")
+        where = "the path" if code == PATH_VIOLATED else "the last point"
+        text = f"{code}: the {quantity} of '{name}' differs by {error:.3g} from that of {where}, "
+        self._end(status.FAILED, f"{text}{tolerance:g} allowed")
         return True
 
     def _beyond(self, trajectory: Trajectory, bounds: dict[str, Bound]) -> tuple[str, str, float, float] | None:

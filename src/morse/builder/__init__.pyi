@@ -95,10 +95,12 @@ from morse.builder.sensors import Battery as Battery
 from morse.builder.sensors import Bumper as Bumper
 from morse.builder.sensors import Clock as Clock
 from morse.builder.sensors import Collision as Collision
+from morse.builder.sensors import ContactForce as ContactForce
 from morse.builder.sensors import DepthCamera as DepthCamera
 from morse.builder.sensors import DepthCameraAggregator as DepthCameraAggregator
 from morse.builder.sensors import DepthCameraRotationZ as DepthCameraRotationZ
 from morse.builder.sensors import DepthVideoCamera as DepthVideoCamera
+from morse.builder.sensors import ForceTorqueSensor as ForceTorqueSensor
 from morse.builder.sensors import GPS as GPS
 from morse.builder.sensors import Gyroscope as Gyroscope
 from morse.builder.sensors import Hokuyo as Hokuyo
@@ -185,6 +187,7 @@ __all__ = [
     "CompoundSensor",
     "Cone",
     "Configuration",
+    "ContactForce",
     "Coordsys",
     "Cube",
     "Cylinder",
@@ -199,6 +202,7 @@ __all__ = [
     "ExternalForce",
     "FakeRobot",
     "ForceTorque",
+    "ForceTorqueSensor",
     "GPS",
     "Gripper",
     "GroundRobot",

@@ -22,10 +22,12 @@ __all__ = [
     "Clock",
     "Collision",
     "CompoundSensor",
+    "ContactForce",
     "DepthCamera",
     "DepthCameraAggregator",
     "DepthCameraRotationZ",
     "DepthVideoCamera",
+    "ForceTorqueSensor",
     "GPS",
     "Gyroscope",
     "Hokuyo",
@@ -142,6 +144,9 @@ class Collision(ContactSensor):
     """A sensor that reports which objects touch it, while there are any"""
     def properties(self, *, only_objects_with_property: str = ..., **kwargs: Any) -> None: ...
 
+class ContactForce(SensorCreator):
+    """A sensor that measures the force of contacts on a link, such as a foot"""
+
 class DepthCamera(CameraCreator):
     """A camera capturing 3D points cloud"""
     def properties(
@@ -219,6 +224,9 @@ class DepthVideoCamera(CameraCreator):
         depth_noise: float = ...,
         **kwargs: Any,
     ) -> None: ...
+
+class ForceTorqueSensor(SensorCreator):
+    """A sensor that measures the force and the torque in the joint that carries a link, such as a wrist"""
 
 class GPS(SensorCreator):
     """A GPS sensor that returns the position in the world, or longitude, latitude and altitude"""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.mathutils.portable import matmul, solve
-from morse.mathutils.rotations import rotation_vector
+from morse.mathutils.rotations import product, rotation_vector, turn
 from morse.scene import JointKind
 
 if TYPE_CHECKING:
@@ -44,12 +44,14 @@ class Target(NamedTuple):
     Attributes:
         bone: index of the bone.
         pose: position and rotation, in the frame of the armature.
-        lever: weight of an error of one radian, m.
+        lever: weight of an error of one radian, m; 0 for any orientation.
+        mount: what is brought to the pose, in the frame of the bone; None for its tip.
     """
 
     bone: int
     pose: Pose
     lever: float = LEVER
+    mount: Pose | None = None
 
 
 class Solution(NamedTuple):
@@ -64,6 +66,16 @@ class Solution(NamedTuple):
     values: list[float]
     error: float
     is_final: bool
+
+
+def placed(chain: Chain, target: Target, frames: Sequence[Pose]) -> Pose:
+    """The pose of what a target is for, given the frames of all bones."""
+    frame = frames[target.bone]
+    if target.mount is None:
+        return chain.tip(frame, target.bone)
+    (px, py, pz), rotation = frame
+    x, y, z = turn(rotation, target.mount[0])
+    return (px + x, py + y, pz + z), product(rotation, target.mount[1])
 
 
 def improve(chain: Chain, targets: Sequence[Target], values: Sequence[float], iterations: int) -> Solution:
@@ -114,7 +126,7 @@ def _errors(chain: Chain, targets: Sequence[Target], frames: Sequence[Pose]) -> 
     """(6 T,) errors: metres, and radians times the weight."""
     errors: list[float] = []
     for target in targets:
-        (x, y, z), rotation = chain.tip(frames[target.bone], target.bone)
+        (x, y, z), rotation = placed(chain, target, frames)
         (tx, ty, tz), target_rotation = target.pose
         lever = target.lever
         a, b, c = rotation_vector(rotation, target_rotation)
@@ -140,7 +152,7 @@ def _jacobian(
     columns = {number: column for column, number in enumerate(movable)}
     result = np.zeros((6 * len(targets), len(movable)))
     for k, (target, path) in enumerate(zip(targets, paths, strict=True)):
-        tx, ty, tz = chain.tip(frames[target.bone], target.bone)[0]
+        tx, ty, tz = placed(chain, target, frames)[0]
         lever = target.lever
         for number in path:
             index = chain.joints[number]

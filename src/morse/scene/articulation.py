@@ -86,6 +86,7 @@ class Articulation:
         apart: pairs of links that do not collide, by their names in the file.
         couplings: constraints.
         control: joint to the quantity that its motor controls, if it differs from the file.
+        gains: joint, stiffness (N m/rad) and damping (N m s/rad) of its motor, if they differ from the file.
         description: of a robot: its URDF file, expanded, with the paths of meshes as URLs; empty for other formats.
         meshes: of the description: URLs with their files on this machine; empty if the scene comes from a recording.
         model: the MJCF model of the robot, from which the engine takes its bodies; None for other formats.
@@ -95,6 +96,7 @@ class Articulation:
     self_collision: bool = False
     apart: tuple[tuple[str, str], ...] = ()
     control: tuple[tuple[str, Control], ...] = ()
+    gains: tuple[tuple[str, float | None, float | None], ...] = ()
     couplings: Couplings = field(default_factory=Couplings)
     description: str = ""
     meshes: tuple[tuple[str, str], ...] = ()

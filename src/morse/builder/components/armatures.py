@@ -91,17 +91,43 @@ class Armature(ActuatorCreator):
         if joints is None:
             self.properties(Control=str(kind))
             return
-        names = Chain(self.scene_node.bones).names
-        joint_names = [joints] if isinstance(joints, str) else list(joints)
-        for joint in joint_names:
-            if joint not in names:
-                raise MorseBuilderError(
-                    f"control: '{self.name}' has no joint {checks.shown(joint)}{checks.suggestion(joint, names)}"
-                )
         settings = self.scene_node.articulation or Articulation()
-        kinds = dict(settings.control) | dict.fromkeys(joint_names, kind)
+        kinds = dict(settings.control) | dict.fromkeys(self._joint_names("control", joints), kind)
         self.scene_node.articulation = replace(settings, control=tuple(kinds.items()))
         self.scene_node.properties.setdefault(DYNAMIC, True)
+
+    def gains(
+        self, stiffness: float | None = None, damping: float | None = None, joints: Iterable[str] | None = None
+    ) -> None:
+        """Set the gains of the motors of dynamic joints; see the service ``get_gains``. The armature becomes dynamic.
+
+        Args:
+            stiffness: N·m/rad, or N/m for prismatic joints; None for that of the file.
+            damping: N·m·s/rad, or N·s/m; None for that of the file.
+            joints: names of joints; None for all.
+
+        Raises:
+            MorseBuilderError: there is no such joint, or a gain is not a number of at least 0.
+        """
+        for name, value in (("stiffness", stiffness), ("damping", damping)):
+            if value is not None:
+                checks.number(value, f"gains({name})", minimum=0.0)
+        settings = self.scene_node.articulation or Articulation()
+        gains = {joint: (k, d) for joint, k, d in settings.gains}
+        gains |= dict.fromkeys(self._joint_names("gains", joints), (stiffness, damping))
+        rows = tuple((joint, k, d) for joint, (k, d) in gains.items())
+        self.scene_node.articulation = replace(settings, gains=rows)
+        self.scene_node.properties.setdefault(DYNAMIC, True)
+
+    def _joint_names(self, what: str, joints: Iterable[str] | None) -> list[str]:
+        names = Chain(self.scene_node.bones).names
+        chosen = list(names) if joints is None else [joints] if isinstance(joints, str) else list(joints)
+        for joint in chosen:
+            if joint not in names:
+                raise MorseBuilderError(
+                    f"{what}: '{self.name}' has no joint {checks.shown(joint)}{checks.suggestion(joint, names)}"
+                )
+        return chosen
 
     def create_ik_targets(self, bones: Iterable[str]) -> None:
         """Create targets for bones, named ``ik_target.<name of the component>.<bone>``; the bones follow them.

@@ -193,6 +193,15 @@ class Body(BodyNames, Protocol):
             strongest: largest acceleration, m/s^2.
         """
 
+    def contact_forces(self) -> Sequence[tuple[Body, Sequence[float]]]:
+        """Return what presses on this object and the objects below it: other objects, and forces (N, world axes)."""
+
+    def joint_load(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Return force (N) and torque (N m, about the origin of the object) in the joint that carries the object.
+
+        They are those that the object exerts on what carries it, in world axes; 0 if it does not move.
+        """
+
     def suspendDynamics(self, ghost: bool = False) -> None:  # noqa: N802
         """Keep the object at its pose, independent of the forces on it."""
 

@@ -33,6 +33,12 @@ class Joints(Protocol):
     def set_control(self, name: str, control: Control, command: float) -> None:
         """Change the control mode of a motor, and its command."""
 
+    def gains(self, names: Sequence[str]) -> Sequence[tuple[float, float]]:
+        """Return stiffness and damping of motors."""
+
+    def set_gains(self, name: str, stiffness: float | None, damping: float | None) -> None:
+        """Set stiffness and damping of a motor; None to keep them."""
+
     @property
     def file_motors(self) -> Sequence[FileMotor]:
         """The actuators of the file of the armature that are no motors of single joints."""

@@ -387,6 +387,14 @@ class GameObject(LegacyNames):
         point, _ = rigid.compose(*self.world_pose(), floats3(anchor, POSITION), rigid.IDENTITY)
         self._world.bodies.pull(self.slot, point, floats3(target, POSITION), stiffness, damping, strongest)
 
+    def contact_forces(self) -> list[tuple[GameObject, tuple[float, float, float]]]:
+        """See `morse.core.world.Body.contact_forces`."""
+        return self._world.reactions.contacts(self)
+
+    def joint_load(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """See `morse.core.world.Body.joint_load`."""
+        return self._world.reactions.joint(self)
+
     def suspendDynamics(self, ghost: bool = False) -> None:  # noqa: N802
         """Keep the object at its pose, independent of the forces on it."""
         self._world.attachments.suspend(self.slot)

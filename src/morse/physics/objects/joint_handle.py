@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.physics.model import motors
+from morse.scene import Control
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -17,7 +18,10 @@ if TYPE_CHECKING:
     from morse.physics.model.articulated import JointSlot
     from morse.physics.model.file_motors import FileMotor
     from morse.physics.state.engine_state import EngineState
-    from morse.scene import Control, Node
+    from morse.scene import Node
+
+#: smallest gain of a motor, N m/rad or N m s/rad
+_LEAST = 1e-9
 
 
 class JointHandle:
@@ -69,6 +73,31 @@ class JointHandle:
         arrays = {array: getattr(state.model, array) for array in motors.ARRAYS}
         motors.write(arrays, slot.actuator, slot.dof, slot.motor.setting(control))
         state.data.ctrl[slot.actuator] = command
+        state.is_stirred = True
+
+    def gains(self, names: Sequence[str]) -> list[tuple[float, float]]:
+        """Return stiffness and damping of motors; 0 for those that control an effort, or are missing."""
+        bias = self._state.model.actuator_biasprm
+        slots = [self._slots.get(name) for name in names]
+        rows = [(0.0, 0.0, 0.0) if slot is None or slot.actuator < 0 else bias[slot.actuator, :3] for slot in slots]
+        return [(abs(float(row[1])), abs(float(row[2]))) for row in rows]
+
+    def set_gains(self, name: str, stiffness: float | None, damping: float | None) -> None:
+        """Set stiffness and damping of a motor, None to keep them; one that its mode does not have is ignored."""
+        state, slot = self._state, self._slots.get(name)
+        if slot is None or slot.motor is None:
+            return
+        model = state.model
+        control = motors.control_of(model.actuator_biasprm[slot.actuator])
+        if control is Control.EFFORT:
+            return
+        before = self.gains([name])[0]
+        # the gains of a motor tell its control mode: they do not vanish
+        d = before[1] if damping is None else max(damping, _LEAST)
+        k = 0.0 if control is Control.VELOCITY else before[0] if stiffness is None else max(stiffness, _LEAST)
+        arrays = {array: getattr(model, array) for array in motors.ARRAYS}
+        setting = motors.Setting(k or d, k, d, float(model.dof_armature[slot.dof]))
+        motors.write(arrays, slot.actuator, slot.dof, setting)
         state.is_stirred = True
 
     @property

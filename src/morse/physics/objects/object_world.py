@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from functools import cached_property
 from typing import TYPE_CHECKING
 
+from morse.physics.reactions import Reactions
 from morse.physics.state.engine_state import EngineState
 
 if TYPE_CHECKING:
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from morse.mathutils import Vector
     from morse.physics.bodies import Bodies
     from morse.physics.driving.drives import Drives
+    from morse.physics.gliding.gliding import Gliding
     from morse.physics.objects.attachments import Attachments
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.posed import Posed
@@ -29,11 +32,18 @@ class ObjectWorld(EngineState):
         bodies: sets poses, velocities and forces.
         drives: executes velocity commands.
         attachments: the held objects.
+        gliding: moves driven robots.
     """
 
     bodies: Bodies
     drives: Drives
     attachments: Attachments
+    gliding: Gliding
+
+    @cached_property
+    def reactions(self) -> Reactions:
+        """Computes forces of contacts and in joints, once they are needed."""
+        return Reactions(self)
 
     @abstractmethod
     def object_of(self, node: Node) -> GameObject:

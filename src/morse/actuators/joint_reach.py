@@ -1,0 +1,176 @@
+"""Services that bring a link of an arm to a pose."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from morse.actuators.joint_paths import GOAL_VIOLATED, JointPaths
+from morse.core import status
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.limits import EulerAngles, Point
+from morse.core.reports.hints import nearest
+from morse.core.reports.quoting import shown
+from morse.core.services import async_service, interruptible, service
+from morse.core.validation.arguments import Range
+from morse.helpers.components import add_state
+from morse.helpers.inverse_kinematics import Target
+from morse.helpers.joint_trajectory import Plan, Trajectory
+from morse.helpers.joint_trajectory import Point as PathPoint
+from morse.helpers.reaching import LEVER, off, reach
+from morse.helpers.trajectory_tolerances import Tolerances
+from morse.mathutils import Euler
+from morse.mathutils.rotations import nine, product, turn, turn_back
+from morse.scene import JointKind
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
+    from morse.helpers.chain import Pose
+
+_IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+#: largest distance (m) and angle (rad) at the end, and the time within which the motors remove the sag, s
+_NEAR, _ALIGNED, _PATIENCE = 1e-3, 5e-3, 3.0
+#: share of the remaining error that each tick adds to the setpoints, and the largest correction, rad or m
+_SHARE, _MOST = 0.2, 0.2
+#: peak speed of a polynomial of degree 3 from rest to rest, as a multiple of its mean speed
+_PEAK = 1.5
+
+_Speed = Annotated[float, Range(1e-3, 1e4)]
+_Frame = Literal["world", "robot"]
+
+
+class JointReach(JointPaths):
+    """Moves links to poses by inverse kinematics, and holds them there against gravity."""
+
+    add_state("_target", tuple | None, "Pose that a link is brought to")
+    add_state("_corrections", dict, "What is added to the setpoints so that the motors do not sag")
+
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
+        self._mounts: dict[str, tuple[int, Pose]] = {}
+        super().__init__(obj, parent)
+        self._target: Target | None = None
+        self._corrections: dict[str, float] = {}
+        for child, index, position, rotation in self._hanging(obj):
+            x, y, z = position
+            self._mounts[child.node.plain_name] = index, ((x, y, z), rotation)
+
+    @service(changes=False)
+    def get_links(self) -> list[str]:
+        """Return the names of the links, which `reach` can bring to a pose."""
+        return list(self._mounts)
+
+    @service(changes=False)
+    def inverse_kinematics(
+        self, link: str, position: Point, orientation: EulerAngles | None = None, point: Point | None = None,
+        frame: _Frame = "world",
+    ) -> dict[str, float]:  # fmt: skip
+        """Return the values of the joints between the base and a link that bring it to a pose: name to rad or m.
+
+        Raises an error with the smallest distance if the arm cannot reach the pose. The arguments are those of `reach`.
+        """
+        target = self._target_of(link, position, orientation, point, frame)
+        solution = self._solution(link, target)
+        return {self.joints[number]: solution[number] for number in self.chain.path(target.bone)}
+
+    @interruptible
+    @async_service
+    def reach(
+        self, link: str, position: Point, orientation: EulerAngles | None = None, speed: _Speed | None = None,
+        point: Point | None = None, frame: _Frame = "world",
+    ) -> None:  # fmt: skip
+        """Bring a link to a pose within 1 mm and 5 mrad, and hold it there.
+
+        All joints move at the same time, from rest to rest; then the motors remove what the weight of the arm still
+        lets them sag. The service fails at once, and nothing moves, if the arm cannot reach the pose; it fails later if
+        something keeps the arm from it for 3 s.
+
+        Args:
+            link: name of the link, see ``get_links``.
+            position: x, y, z of the origin of the link, or of ``point``, m.
+            orientation: roll, pitch and yaw of the link, rad; None for any.
+            speed: largest speed of a joint, rad/s or m/s; None for RotationSpeed and LinearSpeed.
+            point: a point in the frame of the link, such as the centre of the fingers, m; None for its origin.
+            frame: axes and origin of the pose: ``world`` or ``robot``.
+        """
+        target = self._target_of(link, position, orientation, point, frame)
+        solution = self._solution(link, target)
+        # other joints, such as those of fingers, keep their setpoints
+        path = self.chain.path(target.bone)
+        names = [self.joints[number] for number in path]
+        self._take_over(names)
+        start, goal = [self._values[number] for number in path], [solution[number] for number in path]
+        times = [
+            _PEAK * abs(after - before) / self._speed(number, speed)
+            for number, before, after in zip(path, start, goal, strict=True)
+        ]
+        end = PathPoint(max(1e-3, *times), tuple(goal), (0.0,) * len(path))
+        plan = Plan(tuple(names), [end], None, Tolerances({}, {}, _PATIENCE))
+        self._trajectory = Trajectory(plan, self.clock.time, start)
+        self._target, self._corrections = target, dict.fromkeys(names, 0.0)
+
+    def _speed(self, number: int, speed: float | None) -> float:
+        joint = self.chain.joint(number)
+        common = self._rotation_speed if joint.kind is JointKind.REVOLUTE else self._linear_speed
+        most = joint.dynamics.speed if joint.dynamics is not None and joint.dynamics.speed > 0.0 else math.inf
+        return max(min(common if speed is None else speed, most), 1e-3)
+
+    def _target_of(self, link: str, position: Any, orientation: Any, point: Any, frame: str) -> Target:
+        """The target in the frame of the armature."""
+        if link not in self._mounts:
+            raise MorseRPCInvokationError(f"{self.name()}: there is no link {shown(link)}{nearest(link, self._mounts)}")
+        bone, (place, rotation) = self._mounts[link]
+        self._demand_positions([self.joints[number] for number in self.chain.path(bone)])
+        if point is not None:
+            dx, dy, dz = turn(rotation, point)
+            place = (place[0] + dx, place[1] + dy, place[2] + dz)
+        x, y, z = map(float, position)
+        axes = _IDENTITY if orientation is None else nine(list(Euler(orientation).to_matrix()))
+        if frame == "robot":
+            (rx, ry, rz), r = self.robot_parent.bge_object.world_pose()
+            dx, dy, dz = turn(r, (x, y, z))
+            x, y, z, axes = rx + dx, ry + dy, rz + dz, product(tuple(r), axes)  # type: ignore[arg-type]
+        (ox, oy, oz), r = self.bge_object.world_pose()
+        back = (r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8])
+        pose = turn_back(r, (x - ox, y - oy, z - oz)), product(back, axes)
+        return Target(bone, pose, 0.0 if orientation is None else LEVER, (place, rotation))
+
+    def _solution(self, link: str, target: Target) -> list[float]:
+        values = [self.chain.clamped(number, value) for number, value in enumerate(self.joint_values)]
+        nearby = reach(self.chain, target, values)
+        if not nearby.is_there:
+            turned = f" and turned by {nearby.angle:.3g} rad" if nearby.angle else ""
+            raise MorseRPCInvokationError(
+                f"{self.name()}: '{link}' cannot reach that pose: the nearest one is {nearby.distance:.3g} m away"
+                f"{turned}"
+            )
+        return nearby.values
+
+    # -- motion ----------------------------------------------------------------------------
+
+    def _hold(self, trajectory: Trajectory) -> None:
+        super()._hold(trajectory)
+        self._target = None
+
+    def _arrive(self, trajectory: Trajectory, *, is_late: bool) -> None:
+        """Remove the sag of the motors at the end of a motion to a pose."""
+        if self._target is None:
+            super()._arrive(trajectory, is_late=is_late)
+            return
+        measured = self.joint_values
+        distance, angle = off(self.chain, self._target, measured)
+        is_there = distance <= _NEAR and angle <= _ALIGNED
+        for name, wanted in zip(trajectory.joints, trajectory.points[-1].positions, strict=True):
+            here = measured[self.joints.index(name)]
+            correction = self._corrections[name] + _SHARE * (wanted - here)
+            self._corrections[name] = min(max(correction, -_MOST), _MOST)
+            self.local_data[name] = wanted + self._corrections[name]
+        if not is_there and not is_late:
+            return
+        self._trajectory = self._target = None
+        if is_there:
+            self._end(status.SUCCESS)
+        else:
+            turned = f" and turned by {angle:.3g} rad" if angle else ""
+            text = f"{GOAL_VIOLATED}: the link is {distance:.3g} m away{turned}: something holds it back"
+            self._end(status.FAILED, text)

@@ -1,0 +1,48 @@
+"""The force and the torque in a joint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data, add_kind
+from morse.mathutils.rotations import turn_back
+
+if TYPE_CHECKING:
+    from morse.core.robot import Robot
+    from morse.core.world import Body
+
+
+class ForceTorqueSensor(Sensor):
+    """Measures the force and the torque in the joint that carries its link: ``robot.append(sensor, "hand")``.
+
+    They are those that the link, with all that it carries and touches, exerts on the rest of the robot: a load of 1 kg
+    that hangs from the link adds 9.81 N downward. The torque is about the position of the sensor; both have its axes.
+    Links that a fixed joint connects are one body: the sensor then measures in the next joint that moves. The joints
+    have to be dynamic.
+    """
+
+    _name = "Force/Torque Sensor"
+    _short_desc = "A sensor that measures the force and the torque in the joint that carries a link, such as a wrist"
+    _source = "Featherstone, Rigid Body Dynamics Algorithms (2008): recursive Newton-Euler, by MuJoCo"
+    _builder = BuilderDefaults(visual=Visual("cylinder", (0.02, 0.02, 0.01), (0.2, 0.6, 0.9)))
+
+    add_data("force", [0.0, 0.0, 0.0], "vec3<float>", "Force", unit="N", frame="own", shape=3)
+    add_data("torque", [0.0, 0.0, 0.0], "vec3<float>", "Torque", unit="N·m", frame="own", shape=3)
+    add_kind("wrench", force="force", torque="torque")
+
+    def __init__(self, obj: Body, parent: Robot | None = None) -> None:
+        super().__init__(obj, parent)
+        if not obj.is_dynamic:
+            raise ValueError(
+                "it measures in a joint that the physics moves: append it to a link of a dynamic armature, as in "
+                "robot.append(sensor, 'hand')"
+            )
+
+    def measure(self) -> None:
+        """Measure force and torque."""
+        force, torque = self.bge_object.joint_load()
+        rotation = self.bge_object.world_pose()[1]
+        self.local_data["force"] = list(turn_back(rotation, force))
+        self.local_data["torque"] = list(turn_back(rotation, torque))
