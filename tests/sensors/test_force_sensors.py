@@ -61,6 +61,8 @@ def test_forces_are_measured_after_an_object_was_added(simulate):
     assert sum(getattr(sim.walker, leg).get()["force"][2] for leg in FEET) == pytest.approx(14.0 * GRAVITY, rel=1e-3)
 
 
-def test_a_sensor_of_torques_needs_a_joint_that_the_physics_moves(simulate):
-    with pytest.raises(Exception, match="it measures in a joint that the physics moves"):
-        simulate("robot = FakeRobot()\nrobot.append(ForceTorqueSensor('load'))", sockets=False)
+def test_a_sensor_of_torques_without_a_joint_says_so(simulate, caplog):
+    sim = simulate("robot = FakeRobot()\nrobot.append(ForceTorqueSensor('load'))", sockets=False)
+    sim.step(2)
+    assert "robot.load: no dynamic joint carries it, and it measures 0" in caplog.text
+    assert sim.robot.load.get()["force"] == [0.0, 0.0, 0.0]

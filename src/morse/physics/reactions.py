@@ -10,15 +10,17 @@ import numpy as np
 
 from morse.mathutils.portable import matmul
 from morse.physics.contact_points import ContactPoints
+from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
-    from morse.physics.objects.gameobject import GameObject
-    from morse.physics.objects.object_world import ObjectWorld
+    from morse.physics.gliding.gliding import Gliding
     from morse.physics.objects.posed import Posed
+    from morse.physics.state.engine_state import EngineState
+    from morse.scene import Node
 
 _Vector = tuple[float, float, float]
 
@@ -29,18 +31,19 @@ class Reactions:
     #: created from the scene, without a state
     is_apparatus = True
 
-    def __init__(self, world: ObjectWorld) -> None:
-        self._world = world
+    def __init__(self, state: EngineState) -> None:
+        self._world = state
         self._model: mujoco.MjModel | None = None
         self._wrench = np.zeros(6)
 
-    def _take(self) -> None:
+    def take(self, gliding: Gliding) -> Reactions:
         """Look up the shapes again after objects were added or removed."""
         world = self._world
         if self._model is not world.model:
             self._model = world.model
-            self._points = ContactPoints(world, world.gliding)
+            self._points = ContactPoints(world, gliding)
             self._geoms: dict[str, NDArray[np.bool_]] = {}
+        return self
 
     def _own(self, obj: Posed) -> NDArray[np.bool_]:
         """Which shapes belong to an object and the objects below it."""
@@ -62,15 +65,14 @@ class Reactions:
         else:
             yield world.data
 
-    def contacts(self, obj: Posed) -> list[tuple[GameObject, _Vector]]:
-        """Return what presses on an object: the other objects, and the forces on this object, N, world axes.
+    def contacts(self, obj: Posed) -> list[tuple[Node, _Vector]]:
+        """Return what presses on an object: nodes of other objects, and forces on this object, N, world axes.
 
         Contacts between parts of the object are left out.
         """
-        self._take()
         world = self._world
         own = self._own(obj)
-        pairs: list[tuple[GameObject, _Vector]] = []
+        pairs: list[tuple[Node, _Vector]] = []
         with self._awake(world.slots[obj.slot].body) as data:
             if data is None or not data.ncon:
                 return pairs
@@ -86,19 +88,19 @@ class Reactions:
                 force = matmul(contact.frame[index].reshape(3, 3).T, self._wrench[:3])
                 x, y, z = (force if sides[index, 1] else -force).tolist()
                 other = int(geoms[index, 0 if sides[index, 1] else 1])
-                pairs.append((world.object_of(world.geom_node[other]), (x, y, z)))
+                pairs.append((world.geom_node[other], (x, y, z)))
         return pairs
 
     def joint(self, obj: Posed) -> tuple[_Vector, _Vector]:
         """Return force (N) and torque (N m, about the origin of the object) in the joint that carries an object.
 
         They are those that the body of the object exerts on the body that carries it, in world axes: of a load that
-        hangs, the force points down.
+        hangs, the force points down. They are 0 if no joint carries the object.
         """
-        self._take()
         world = self._world
-        body = world.slots[obj.slot].body
-        if body <= 0:
+        slot = world.slots[obj.slot]
+        body = slot.body
+        if slot.frame.motion is not Motion.JOINT:
             return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         with self._awake(body) as data:
             if data is None:

@@ -19,8 +19,8 @@ class ForceTorqueSensor(Sensor):
 
     They are those that the link, with all that it carries and touches, exerts on the rest of the robot: a load of 1 kg
     that hangs from the link adds 9.81 N downward. The torque is about the position of the sensor; both have its axes.
-    Links that a fixed joint connects are one body: the sensor then measures in the next joint that moves. The joints
-    have to be dynamic.
+    Links that a fixed joint connects are one body: the sensor then measures in the next joint that moves. Without a
+    dynamic joint it measures 0.
     """
 
     _name = "Force/Torque Sensor"
@@ -34,11 +34,9 @@ class ForceTorqueSensor(Sensor):
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        if not obj.is_dynamic:
-            raise ValueError(
-                "it measures in a joint that the physics moves: append it to a link of a dynamic armature, as in "
-                "robot.append(sensor, 'hand')"
-            )
+        if obj.slot == (parent or self).bge_object.slot:
+            text = f"{self.name()}: no dynamic joint carries it, and it measures 0: append it to a link that moves"
+            self.context.complaints.warn(text, text)
 
     def measure(self) -> None:
         """Measure force and torque."""

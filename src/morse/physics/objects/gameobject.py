@@ -389,7 +389,7 @@ class GameObject(LegacyNames):
 
     def contact_forces(self) -> list[tuple[GameObject, tuple[float, float, float]]]:
         """See `morse.core.world.Body.contact_forces`."""
-        return self._world.reactions.contacts(self)
+        return [(self._world.object_of(node), force) for node, force in self._world.reactions.contacts(self)]
 
     def joint_load(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """See `morse.core.world.Body.joint_load`."""

@@ -41,9 +41,13 @@ class ObjectWorld(EngineState):
     gliding: Gliding
 
     @cached_property
-    def reactions(self) -> Reactions:
-        """Computes forces of contacts and in joints, once they are needed."""
+    def _reactions(self) -> Reactions:
         return Reactions(self)
+
+    @property
+    def reactions(self) -> Reactions:
+        """Computes forces of contacts and in joints."""
+        return self._reactions.take(self.gliding)
 
     @abstractmethod
     def object_of(self, node: Node) -> GameObject:
