@@ -2,108 +2,75 @@
 
 from __future__ import annotations
 
-import math
 import re
+import runpy
+import subprocess
+import sys
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pytest
+import recipe_programs
+import recipe_scenes
 from doc_pages import DOCS
+from recipe_programs import Done
 
 import morse
+from morse.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
 PAGE = (DOCS / "recipes.md").read_text(encoding="utf-8")
 RECIPES = dict(re.findall(r"^## (.*?)\n.*?```python\n(.*?)```", PAGE, re.DOTALL | re.MULTILINE))
-
-
-def _down(sim: Any) -> None:
-    sim.step(30)
-    image = np.asarray(sim.drone.camera.get()["image"]).astype(int)
-    height, width = image.shape[:2]
-    red, green, _ = image[height // 2, width // 2, :3]
-    assert red > 2 * green
-
-
-def _circle(sim: Any) -> None:
-    sim.step(30)
-    for number in range(8):
-        pose = getattr(sim, f"scout{number}").pose.get()
-        assert math.hypot(pose["x"], pose["y"]) == pytest.approx(3.0, abs=0.05)
-
-
-def _wall(sim: Any) -> None:
-    sim.step(30)
-    ranges = sim.robot.laser.get()["range_list"]
-    assert 3.0 < ranges[len(ranges) // 2] < 5.0
-    assert ranges[0] > 20.0
-
-
-def _errors(sim: Any) -> None:
-    errors = []
-    for _ in range(400):
-        sim.step(1)
-        errors.append(sim.robot.measured.get()["x"] - sim.robot.truth.get()["x"])
-    # the standard deviation of 400 samples is within 4 of its own standard deviations, 0.2 / sqrt(800)
-    assert np.std(errors) == pytest.approx(0.2, abs=4 * 0.2 / math.sqrt(800))
-
-
-def _earth(sim: Any) -> None:
-    sim.step(30)
-    position = sim.robot.gps.get()
-    assert position["longitude"] == pytest.approx(11.58, abs=1e-4)
-    assert position["latitude"] == pytest.approx(48.14, abs=1e-4)
-
-
-def _night(sim: Any) -> None:
-    sim.step(2)
-    night = sim.picture(160, 100).astype(float)
-    assert night.max() > 2 * night.mean()  # the cone of the lamp
-
-
-def _battery(sim: Any) -> None:
-    sim.step(120)
-    assert sim.robot.battery.get()["charge"] == pytest.approx(90.0, abs=0.5)
-
-
-def _bend(sim: Any) -> None:
-    sim.robot.motion.publish({"v": 1.0, "w": 0.5})
-    sim.step(180)
-    across = sim.robot.accelerometer.get()["acceleration"][1]
-    assert across == pytest.approx(1.0 * 0.5, abs=0.1)
-
-
-def _recognises(sim: Any) -> None:
-    sim.step(30)
-    assert [seen["name"] for seen in sim.robot.camera.get()["visible_objects"]] == ["crate"]
-
-
-CHECKS: dict[str, Callable[[Any], None]] = {
-    "A camera that looks down": _down,
-    "Robots in a circle": _circle,
-    "Distances to a wall": _wall,
-    "A sensor with errors": _errors,
-    "A position on the Earth": _earth,
-    "A lamp in the night": _night,
-    "A battery that runs down": _battery,
-    "The force in a bend": _bend,
-    "See what a robot recognises": _recognises,
-}
+TEST = "A test of a robot"
+#: recipes of some seconds
+LONG = ("A run as a web page", "An hour in seconds", "Sixteen robots at once, as arrays")
+PROGRAMS = [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in recipe_programs.CHECKS]
 
 
 def test_every_recipe_is_checked_and_short() -> None:
-    assert CHECKS.keys() == RECIPES.keys()
-    assert max(len(text.splitlines()) for text in RECIPES.values()) <= 14
-    for file in re.findall(r"\((pictures/recipes/.*?)\)", PAGE):
-        assert (DOCS / file).is_file()
+    assert RECIPES.keys() == recipe_scenes.CHECKS.keys() | recipe_programs.CHECKS.keys() | {TEST}
+    for name, text in RECIPES.items():
+        lines = [line for line in text.splitlines() if line.strip()]
+        assert len(lines) <= (14 if name in recipe_scenes.CHECKS else 24), name
+    files = re.findall(r"\((pictures/recipes/.*?)\)", PAGE)
+    assert len(files) == len(RECIPES)
+    for file in files:
+        assert (DOCS / file).stat().st_size <= 60_000
 
 
-@pytest.mark.parametrize("name", RECIPES)
-def test_a_recipe_does_what_it_says(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", recipe_scenes.CHECKS)
+def test_a_scene_does_what_it_says(name: str, tmp_path: Path) -> None:
     script = tmp_path / "scene.py"
     script.write_text(RECIPES[name], encoding="utf-8")
     with morse.load(script) as sim:
-        CHECKS[name](sim)
+        recipe_scenes.CHECKS[name](sim)
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_program_does_what_it_says(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    places: dict[str, list[float]] = {}
+    close = Simulation.close
+
+    def noted(simulation: Any) -> None:
+        places.update({body.name: list(body.worldPosition) for body in simulation.world.objects()})
+        close(simulation)
+
+    monkeypatch.setattr(Simulation, "close", noted)
+    monkeypatch.chdir(tmp_path)
+    script = tmp_path / "recipe.py"
+    script.write_text(RECIPES[name], encoding="utf-8")
+    if "morse.gym" in RECIPES[name]:
+        pytest.importorskip("gymnasium")
+    names = runpy.run_path(str(script), run_name="__main__")
+    recipe_programs.CHECKS[name](Done(names, tmp_path, places, capsys.readouterr().out))
+
+
+def test_a_test_passes(tmp_path: Path) -> None:
+    (tmp_path / "conftest.py").write_text('pytest_plugins = ["morse.testing.fixtures"]\n', encoding="utf-8")
+    (tmp_path / "test_drive.py").write_text(RECIPES[TEST], encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert "2 passed" in done.stdout, done.stdout + done.stderr

@@ -132,3 +132,14 @@ def test_a_function_of_a_project_finds_its_models(tmp_path: Path) -> None:
     with morse.load(scenes.scene) as simulation:
         simulation.step()
         assert simulation.context.component("robot").bge_object.mass == pytest.approx(2.0)
+
+
+def test_a_component_class_in_the_script_is_named_with_the_mend(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(
+        "from morse.builder import *\nfrom morse.core.sensor import Sensor\n\n\nclass Altitude(Sensor):\n"
+        "    _name = 'Altitude'\n\n\nrobot = FakeRobot()\naltitude = Altitude()\nrobot.append(altitude)\n"
+        "env = Environment('empty')\n"
+    )
+    with pytest.raises(ScriptError, match=r"altitude\.py beside the script, and write `from altitude import Altitude`"):
+        morse.load(script)

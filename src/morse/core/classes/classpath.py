@@ -52,6 +52,12 @@ def load_class(classpath: str) -> type[Any]:
     if inspect.isclass(cls):
         _read_sources(cls)
         return cls
+    if module_name == "__main__":
+        file = class_name.lower()
+        raise ClassPathError(
+            f"the class {class_name} of a component is in the script itself and needs a file of its own: move it to "
+            f"{file}.py beside the script, and write `from {file} import {class_name}`"
+        )
     classes = [name for name, member in vars(module).items() if inspect.isclass(member)]
     close = closest(class_name, classes)
     hint = f"did you mean '{close}'?" if close else f"it has: {', '.join(classes) or 'no class at all'}"
