@@ -14,6 +14,7 @@ from morse.rendering.orders import cameras_of, cut, kept_of, pixels_of, views_of
 from morse.rendering.picture import Picture
 from morse.rendering.shadows import Shadows
 from morse.rendering.spot_shadows import SpotShadows
+from morse.rendering.submerged import submerged
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,11 +38,20 @@ class Instant(NamedTuple):
         frames: the poses of the objects.
         lamps: the lamps; None if no image has colours.
         sky: (20,) float32, see `morse.kernel.drawing.Light`; None if no image has colours.
+        water: height of the surface of the water, m; None without water.
     """
 
     frames: Frames
     lamps: Lamps | None
     sky: NDArray[np.float32] | None
+    water: float | None = None
+
+    def seen_by(self, order: Order) -> Instant:
+        """The same tick for one camera, which may be under water."""
+        if self.sky is None or self.water is None or not order.color:
+            return self
+        depth = self.water - float(order.pose(0.0)[0][2])
+        return self if depth <= 0.0 else self._replace(sky=submerged(self.sky, depth))
 
 
 class Painter:
@@ -76,8 +86,12 @@ class Painter:
             batch: list[int] = []
             pixels = 0
             for number, order in enumerate(orders):
+                own_instant = instant.seen_by(order)
                 if order.motion is not None:
-                    pictures[number] = self._over_time(instant, order, order.motion)
+                    pictures[number] = self._over_time(own_instant, order, order.motion)
+                    continue
+                if own_instant is not instant:
+                    pictures[number] = self._at(own_instant, [order])[0]
                     continue
                 own = pixels_of(order)
                 if batch and pixels + own > _MOST_PIXELS:

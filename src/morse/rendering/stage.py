@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from morse.rendering.contents import Contents
 from morse.rendering.lit_world import LitWorld
 from morse.rendering.painter import Instant, Painter
+from morse.scene.water import water_level
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,6 +38,7 @@ class Stage:
         self.contents = Contents(world, meshes, textures)
         self._colors = [node.color for node in self.contents.nodes]
         self._lit_world = LitWorld(world)
+        self._water = water_level(world.scene)
         lamps, sky = self._lit_world.now()
         self.painter = Painter(self.contents.scenery, samples, lamps.lamps, sky)
 
@@ -56,7 +58,7 @@ class Stage:
         frames = self.contents.frames(moving=any(order.motion is not None for order in orders))
         if not any(order.color for order in orders):
             return Instant(frames, None, None)
-        return Instant(frames, *self._lit_world.now())
+        return Instant(frames, *self._lit_world.now(), self._water)
 
     def draw(self, instant: Instant, orders: Sequence[Order]) -> list[Picture]:
         """Render the images of a tick; the images do not depend on those rendered before."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.scene import is_shown, slot_materials
+from morse.scene.water import water_level
 from morse.viewer import description as d
 from morse.viewer.frames import rigid_frames
 
@@ -124,6 +125,7 @@ def _view(scene: Scene) -> d.ViewDescription:
         ambient_color=view.ambient_color,
         daylight=view.daylight,
         mist=_mist(view.mist),
+        water=water_level(scene),
         show_physics=view.show_physics,
         show_framerate=view.show_framerate,
         wireframe=scene.settings.fastmode or view.viewport == "WIREFRAME",

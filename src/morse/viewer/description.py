@@ -122,7 +122,7 @@ class DisplayDescription(Struct, frozen=True):
 
 
 class ViewDescription(Struct, frozen=True):
-    """The view settings of the script: see `morse.scene.ViewSettings`."""
+    """The view settings of the script: see `morse.scene.ViewSettings`; ``water`` is the height of its surface, m."""
 
     camera_location: Vector3
     camera_rotation: Vector3
@@ -133,6 +133,7 @@ class ViewDescription(Struct, frozen=True):
     ambient_color: Vector3 | None
     daylight: float
     mist: MistDescription | None
+    water: float | None
     show_physics: bool
     show_framerate: bool
     wireframe: bool

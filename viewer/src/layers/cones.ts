@@ -2,44 +2,23 @@ import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Mesh,
 import type { Connection } from "../connection/connection";
 import type { Cone } from "../generated/protocol";
 import type { Surroundings } from "./layer";
-import { Layer, discard } from "./layer";
+import { discard } from "./layer";
+import { SensorLayer } from "./sensorlayer";
 
 const LINES = new LineBasicMaterial({ color: 0x2f7fc2, transparent: true, opacity: 0.9, toneMapped: false });
 const SEEING = new LineBasicMaterial({ color: 0xd9660c, transparent: true, opacity: 0.9, toneMapped: false });
 const BODY = new MeshBasicMaterial({ color: 0x4f9fe2, transparent: true, opacity: 0.09, depthWrite: false, side: DoubleSide, toneMapped: false });
 
 /** The fields of view of proximity sensors. */
-export class Cones extends Layer {
-  private readonly known = new Map<string, Cone>();
-  private around: Surroundings | null = null;
-
+export class Cones extends SensorLayer<Cone> {
   constructor(connection: Connection, changed: () => void) {
-    super("cones", "cones of proximity sensors");
-    connection.on("cone", (cone) => {
-      this.known.set(cone.component, cone);
-      if (!this.on || !this.around) return;
-      this.draw(cone, this.around);
-      changed();
-    });
+    super("cones", "cones of proximity sensors", changed);
+    connection.on("cone", (cone) => this.take(cone));
   }
 
-  override build(around: Surroundings): void {
-    this.around = around;
-    for (const cone of this.known.values()) this.draw(cone, around);
-  }
-
-  override update({ world }: Surroundings): void {
-    for (const child of this.root.children) {
-      const node = world.find(child.name);
-      if (!node) continue;
-      child.matrix.copy(node.frame.matrixWorld);
-      child.matrixWorldNeedsUpdate = true;
-    }
-  }
-
-  private draw(cone: Cone, { world }: Surroundings): void {
+  override draw(cone: Cone, { world }: Surroundings): void {
     for (const child of [...this.root.children]) if (child.name === cone.component) discard(child);
-    if (!world.find(cone.component)) return;
+    if (!world.find(cone.component) || !this.shows(cone.component)) return;
     const material = cone.seen.length > 0 ? SEEING : LINES;
     const half = Math.min(cone.angle / 2, Math.PI);
     const lines = new LineSegments(outline(cone.reach, half), material);

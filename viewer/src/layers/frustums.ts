@@ -2,7 +2,8 @@ import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMat
 import type { Connection } from "../connection/connection";
 import type { Frustum } from "../generated/protocol";
 import type { Surroundings } from "./layer";
-import { Layer, discard } from "./layer";
+import { discard } from "./layer";
+import { SensorLayer } from "./sensorlayer";
 
 /** Distance at which longer fields of view fade out, m: they would hide the world. */
 const LONGEST = 3;
@@ -15,53 +16,16 @@ const FADED = 0.12;
 type Point = readonly [number, number, number];
 
 /** The fields of view of cameras, each in its own colour. */
-export class Frustums extends Layer {
-  private readonly known = new Map<string, Frustum>();
-  private around: Surroundings | null = null;
-  private shown: string[] = [];
-
+export class Frustums extends SensorLayer<Frustum> {
   constructor(connection: Connection, changed: () => void) {
-    super("frustums", "fields of view of cameras");
-    connection.on("frustum", (frustum) => {
-      this.known.set(frustum.component, frustum);
-      if (!this.around) return;
-      this.draw(frustum, this.around);
-      changed();
-    });
+    super("frustums", "fields of view of cameras", changed);
+    connection.on("frustum", (frustum) => this.take(frustum));
   }
 
-  /** The sensors whose fields of view are shown, also if the overlay of all sensors is off. */
-  keep(components: string[]): void {
-    this.shown = components;
-    for (const child of [...this.root.children]) if (!components.includes(child.name)) discard(child);
-    if (!this.around) return;
-    for (const frustum of this.known.values()) if (!this.root.getObjectByName(frustum.component)) this.draw(frustum, this.around);
-  }
-
-  override switch(on: boolean, around: Surroundings | null): void {
-    this.on = on;
-    this.around = around;
-    this.clear();
-    if (around) this.build(around);
-  }
-
-  override build(around: Surroundings): void {
-    for (const frustum of this.known.values()) this.draw(frustum, around);
-  }
-
-  override update({ world }: Surroundings): void {
-    for (const child of this.root.children) {
-      const node = world.find(child.name);
-      if (!node) continue;
-      child.matrix.copy(node.frame.matrixWorld);
-      child.matrixWorldNeedsUpdate = true;
-    }
-  }
-
-  private draw(frustum: Frustum, { world, components }: Surroundings): void {
+  override draw(frustum: Frustum, { world, components }: Surroundings): void {
     const { component } = frustum;
     for (const child of [...this.root.children]) if (child.name === component) discard(child);
-    if (!world.find(component) || !this.shown.includes(component)) return;
+    if (!world.find(component) || !this.shows(component)) return;
     const color = new Color(components.colorOf(component));
     const parts = new Group();
     parts.name = component;

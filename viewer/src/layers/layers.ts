@@ -13,6 +13,7 @@ import { Frustums } from "./frustums";
 import type { Layer, Surroundings } from "./layer";
 import { Masses } from "./masses";
 import { Names } from "./names";
+import { Pin } from "./pin";
 import { Rays } from "./rays";
 import { Shapes } from "./shapes";
 import { Trails } from "./trails";
@@ -31,6 +32,7 @@ export class Layers {
   readonly list: Layer[];
   private readonly rays: Rays;
   private readonly frustums: Frustums;
+  private readonly cones: Cones;
   private readonly boxes = new Map<string, HTMLInputElement>();
   /** sensors whose rays the script shows */
   private declared: string[] = [];
@@ -47,10 +49,12 @@ export class Layers {
     this.names = new Names(stage);
     this.rays = new Rays(connection, stage.invalidate);
     this.frustums = new Frustums(connection, stage.invalidate);
+    this.cones = new Cones(connection, stage.invalidate);
+    new Pin(stage, components);
     this.list = [
       this.rays,
       this.frustums,
-      new Cones(connection, stage.invalidate),
+      this.cones,
       new Trails(),
       this.names,
       new Frames(),
@@ -93,7 +97,7 @@ export class Layers {
 
   private rebuild(world: World): void {
     if (world.description.view.show_physics && !this.list.some(({ id, on }) => id === "shapes" && on)) this.switch("shapes", true);
-    for (const layer of this.list) if (layer.on || layer === this.frustums) layer.switch(layer.on, this.around());
+    for (const layer of this.list) if (layer.on || this.ofSelected(layer)) layer.switch(layer.on, this.around());
   }
 
   /** The sensors whose rays a script shows. */
@@ -110,9 +114,14 @@ export class Layers {
     return this.hidden ? [] : [...this.declared, ...arcs.map(({ name }) => name)];
   }
 
+  /** Whether an overlay is shown at the selected sensor although it is off. */
+  private ofSelected(layer: Layer): boolean {
+    return layer === this.frustums || layer === this.cones;
+  }
+
   private update(): void {
     const around = this.around();
-    if (around) for (const layer of this.list) if (layer.on || layer === this.frustums) layer.update(around);
+    if (around) for (const layer of this.list) if (layer.on || this.ofSelected(layer)) layer.update(around);
   }
 
   private around(): Surroundings | null {
@@ -134,6 +143,7 @@ export class Layers {
     const sensors = [...(any ? shown : []), ...asked, ...selected];
     this.rays.keep([...(on("rays") ? shown : []), ...asked, ...selected]);
     this.frustums.keep([...(on("frustums") ? shown : []), ...selected]);
+    this.cones.keep([...(on("cones") ? shown : []), ...selected]);
     const box = this.boxes.get("rays");
     if (box) box.indeterminate = asked.length > 0 && !on("rays");
     this.watching.set("overlays", "layers", on(CONTACTS) ? [...sensors, CONTACTS] : sensors);

@@ -33,6 +33,7 @@ export class ObjectPanel {
     const node = this.node;
     if (!node) return null;
     this.update();
+    const deletable = !["sensor", "actuator"].includes(node.description.kind);
     const button = (icon: string, label: string, hint: string, run: () => void, keys = ""): HTMLElement => {
       const made = iconButton(icon, hint, run, keys);
       made.append(h("span", { class: "caption" }, label));
@@ -53,9 +54,9 @@ export class ObjectPanel {
         button(icons.focus, "focus", "Focus", () => this.follow.frameNode(node), "C"),
         button(icons.eye, "follow", "Follow", () => this.follow.start("third", node)),
         button(icons.move, "move", "Move", () => this.onMove(node), "M"),
-        button(icons.bin, "delete", "Delete", () => this.onDelete(node), "Del"),
+        deletable && button(icons.bin, "delete", "Delete", () => this.onDelete(node), "Del"),
         button(icons.copy, "copy", "Copy the pose as builder code", () => void this.copy()),
-        camera && button(icons.camera, "picture", "Show the camera image", () => this.images.toggle(name), "V"),
+        camera && button(icons.camera, "picture", "Show the picture of the camera", () => this.images.toggle(name), "V"),
       ),
     );
   }

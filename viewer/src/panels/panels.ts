@@ -134,7 +134,7 @@ export class Panels {
     );
     shell.header.append(
       shell.toggles.left,
-      h("div", { class: "brand" }, h("span", { class: "mark" }), h("b", {}, "MORSE"), scene),
+      h("div", { class: "brand" }, h("span", { class: "mark" }), h("h1", {}, "MORSE"), scene),
       clock.element,
       h("div", { class: "space" }),
       listener.element,

@@ -32,7 +32,7 @@ export class Plot {
   private readonly times: number[] = [];
   private readonly values: (number | null)[][] = [];
   private readonly canvas = h("div", { class: "canvas" });
-  private readonly legend = h("ul", { class: "legend" });
+  private readonly legend = h("ul", { class: "legend", tabIndex: 0, "aria-label": "curves" });
   private readonly span = h("select", { title: "time shown", "aria-label": "time shown", onchange: () => this.setWindow(Number(this.span.value)) });
   private chart: uPlot | null = null;
   private paused = false;
@@ -154,14 +154,24 @@ export class Plot {
     const axis = { stroke: ink, grid, ticks: grid, font: "12px system-ui", size: 50 };
     const range = (_chart: uPlot, low: number, high: number): [number, number] =>
       this.seconds === 0 || high === null ? [low, high] : [high - this.seconds, high];
+    // a constant value is in the middle of a range of its own size, not of 0 to 100
+    const around = (_chart: uPlot, low: number | null, high: number | null): [number, number] => {
+      if (low === null || high === null) return [-1, 1];
+      const size = Math.max(Math.abs(low), Math.abs(high));
+      if (high - low < 1e-6 * size || size < 1e-9) {
+        const half = size < 1e-9 ? 1 : size / 10;
+        return [low - half, high + half];
+      }
+      return uPlot.rangeNum(low, high, 0.1, true) as [number, number];
+    };
     this.chart = new uPlot(
       {
         ...this.size(),
         legend: { show: false },
         cursor: { y: false },
         hooks: { setCursor: [(chart) => this.label(chart.cursor.idx ?? this.times.length - 1)] },
-        scales: { x: { time: false, range } },
-        axes: [{ ...axis, size: 30, values: (_chart, splits) => splits.map((split) => `${Number(split.toFixed(3))} s`) }, { ...axis, size: 64, values: (_chart, splits) => this.ticks(splits) }],
+        scales: { x: { time: false, range }, y: { range: around } },
+        axes: [{ ...axis, size: 30, values: (_chart, splits) => splits.map((split) => `${Number(split.toFixed(3))} s`) }, { ...axis, size: (_chart, texts) => 16 + 7 * Math.max(6, ...(texts ?? []).map((text) => text.length)), values: (_chart, splits) => this.ticks(splits) }],
         series: [
           {},
           ...this.curves.map((_curve, i) => ({ stroke: colorOf(i), width: 1.6, spanGaps: true, points: { show: false } })),

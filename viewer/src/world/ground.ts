@@ -47,7 +47,7 @@ export class Ground {
     strength: { value: 0.5 },
     reach: { value: 80 },
   };
-  readonly mesh: Mesh;
+  readonly mesh: Mesh<PlaneGeometry, ShaderMaterial>;
 
   constructor(scene: Scene) {
     const material = new ShaderMaterial({

@@ -4,6 +4,9 @@ import type { ViewDescription } from "../generated/protocol";
 
 const SKY = { horizon: 0xf4f8fb, zenith: 0x6ea6de, nadir: 0xc3cad0, glow: 0xfff1d6 };
 
+/** Under water, as in the images of cameras: linear colour near the surface, depth at which a quarter of the light is left, sight (m). */
+const WATER = { tint: [0.012, 0.155, 0.2] as const, darker: 16, sight: 26 };
+
 const vertex = /* glsl */ `
 varying vec3 direction;
 void main() {
@@ -36,6 +39,9 @@ export class Sky {
     sun: { value: new Vector3(0, 0, 1) },
   };
   private readonly dome: Mesh;
+  private view: ViewDescription | null = null;
+  /** metres of water above the camera */
+  private depth = 0;
 
   constructor(private readonly scene: Scene) {
     const material = new ShaderMaterial({
@@ -61,8 +67,29 @@ export class Sky {
     return this.uniforms.horizon.value;
   }
 
+  /** The light for a camera at a height; returns whether it is under water. */
+  at(height: number): boolean {
+    const { water } = this.view ?? {};
+    const depth = water == null ? 0 : Math.max(0, water - height);
+    if (Math.abs(depth - this.depth) >= 0.05 || depth > 0 !== this.depth > 0) {
+      this.depth = depth;
+      this.paint(this.view, this.uniforms.sun.value);
+    }
+    return depth > 0;
+  }
+
+  private dive(): void {
+    const { horizon, zenith, nadir, glow } = this.uniforms;
+    horizon.value.setRGB(...WATER.tint).multiplyScalar((1 + this.depth / WATER.darker) ** -2);
+    zenith.value.copy(horizon.value).multiplyScalar(2.2);
+    nadir.value.copy(horizon.value).multiplyScalar(0.35);
+    glow.value.set(0);
+    this.scene.fog = new Fog(horizon.value, 0, WATER.sight);
+  }
+
   /** A clear day, or the colours of the script. */
   paint(view: ViewDescription | null, towardsSun: Vector3): void {
+    this.view = view;
     const { horizon, zenith, nadir, glow, sun } = this.uniforms;
     const asked = view?.horizon_color;
     if (asked) {
@@ -80,5 +107,6 @@ export class Sky {
     sun.value.copy(towardsSun);
     const mist = view?.mist;
     this.scene.fog = mist ? new Fog(horizon.value, mist.start, mist.start + mist.depth) : null;
+    if (this.depth > 0) this.dive();
   }
 }
