@@ -54,7 +54,7 @@ def test_stable_baselines_learns():
     functions: dict = {}
     exec(example, functions)
     model = functions["learn"](512)
-    assert model.num_timesteps == 512
+    assert model.num_timesteps >= 512
 
 
 def test_spaces_come_from_declarations():

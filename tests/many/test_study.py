@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from morse.many import Study, Table, choice, loguniform, normal, uniform
+from morse.many.executors import pack_size
 
 SCENE = """
 import os, signal, pathlib
@@ -389,3 +390,18 @@ def test_a_killed_node_of_ray_loses_nothing(tmp_path, pids):
     assert set(names.values()) == {1}
     hashes = {row["run"]: row["hash"] for row in study.run(tmp_path / "inline", workers=0)}
     assert {row["run"]: row["hash"] for row in table} == hashes
+
+
+@pytest.mark.parametrize("workers", [1, 8, 64_000])
+@pytest.mark.parametrize("time", [1e-4, 0.2, 20.0, 3000.0])
+def test_packs_are_small_at_the_end_but_not_too_small_for_the_driver(workers, time):
+    for remaining in (1, workers, 10 * workers, 10_000 * workers):
+        size = pack_size(remaining, workers, time)
+        # no worker waits for a run that is in the pack of another one
+        assert 1 <= size <= min(500, remaining // workers + 1)
+        # a call of Ray takes 1.25 ms: the driver gives a pack to each worker in the time that one takes
+        handing_out = 1.25e-3 * workers
+        if size < min(500, remaining // workers + 1):
+            assert (size + 1) * max(time, 1e-3) >= handing_out
+        # twenty seconds of work, or as long as handing out takes
+        assert size == 1 or size * max(time, 1e-3) <= max(20.0, handing_out)

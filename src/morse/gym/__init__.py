@@ -10,7 +10,18 @@ from morse.gym.registration import register, register_all
 from morse.gym.task import Command, Read, Task, Touch
 from morse.gym.vector import TaskVectorEnv, vector
 
-__all__ = ["Command", "Read", "Task", "TaskEnv", "TaskVectorEnv", "Touch", "parallel", "register", "vector"]
+__all__ = [
+    "Command",
+    "Read",
+    "Task",
+    "TaskEnv",
+    "TaskVectorEnv",
+    "Touch",
+    "baselines",
+    "parallel",
+    "register",
+    "vector",
+]
 
 
 def __getattr__(name: str) -> object:
@@ -18,6 +29,10 @@ def __getattr__(name: str) -> object:
         from morse.gym.agents import parallel
 
         return parallel
+    if name == "baselines":  # it needs Stable-Baselines3
+        from morse.gym.stable_baselines import baselines
+
+        return baselines
     raise AttributeError(f"module 'morse.gym' has no attribute '{name}'")
 
 

@@ -20,8 +20,27 @@ if TYPE_CHECKING:
 
 #: wall-clock time of a pack of runs, s, and the most runs of one: each pack costs a message through the cluster
 _PACK, _MOST_OF_A_PACK = 20.0, 500
+#: packs that a driver hands out per second: a call of Ray takes 1.25 ms
+DISPATCHES = 800.0
 #: packs for each worker that wait in the executor
 _QUEUE = 3
+
+
+def pack_size(remaining: int, workers: int, time: float) -> int:
+    """Return the number of runs of the next pack.
+
+    It is smaller near the end, so that the workers end together; but each pack takes long enough for the driver to hand
+    out one to every worker meanwhile.
+
+    Args:
+        remaining: number of runs that are not in packs.
+        workers: number of runs at once.
+        time: wall-clock time of a run, s.
+    """
+    time = max(time, 1e-3)
+    least = workers / (DISPATCHES * time)
+    wanted = min(remaining / (2 * workers), _PACK / time)
+    return max(1, min(_MOST_OF_A_PACK, remaining // workers + 1, int(max(least, wanted))))
 
 
 def do_pack(study: Runs, tasks: Sequence[Task]) -> list[dict[str, Any]]:
@@ -72,9 +91,7 @@ class ExecutorPool:
     def _size(self) -> int:
         if not self._times:
             return 1
-        share = self._remaining() // (2 * self._workers)
-        time = sum(self._times) / len(self._times)
-        return max(1, min(_MOST_OF_A_PACK, share, int(_PACK / max(time, 1e-3))))
+        return pack_size(self._remaining(), self._workers, sum(self._times) / len(self._times))
 
     def _send(self) -> None:
         pack, self._pack = self._pack, []

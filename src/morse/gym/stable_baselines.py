@@ -1,0 +1,102 @@
+"""A task as a vector for the learners of Stable-Baselines3."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.gym.vector import vector
+
+try:
+    from stable_baselines3.common.vec_env import VecEnv
+except ImportError:
+    raise ImportError("morse.gym.baselines needs Stable-Baselines3: pip install stable-baselines3") from None
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from morse.gym.task import Task
+
+#: infos of the vector that a learner gets as others
+_OWN = ("final_obs", "final_info")
+
+
+class BaselinesVecEnv(VecEnv):
+    """N simulations of a task, see `baselines`."""
+
+    def __init__(
+        self, task: Task | Callable[[], Task], num_envs: int, workers: int = 0, render_mode: str | None = None
+    ) -> None:
+        self.envs = vector(task, num_envs, workers=workers, render_mode=render_mode)
+        self._actions: Any = None
+        super().__init__(num_envs, self.envs.single_observation_space, self.envs.single_action_space)
+
+    def reset(self) -> Any:
+        """Begin an episode in each row, with the seeds of ``seed(s)`` if it was called; return the observations."""
+        seeds = None if any(seed is None for seed in self._seeds) else [int(seed) for seed in self._seeds]
+        observations, infos = self.envs.reset(seed=seeds)
+        self.reset_infos = [_info(infos, row) for row in range(self.num_envs)]
+        self._reset_seeds()
+        self._reset_options()
+        return observations
+
+    def step_async(self, actions: Any) -> None:
+        """Take the actions of the next step."""
+        self._actions = actions
+
+    def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
+        """Do the actions: observations, rewards, whether episodes have ended, and an info for each row."""
+        observations, rewards, ended, late, infos = self.envs.step(self._actions)
+        done = ended | late
+        rows = []
+        for row in range(self.num_envs):
+            info = _info(infos["final_info"] if done[row] else infos, row)
+            info["TimeLimit.truncated"] = bool(late[row] and not ended[row])
+            if done[row]:
+                info["terminal_observation"] = infos["final_obs"][row]
+                self.reset_infos[row] = _info(infos, row)
+            rows.append(info)
+        return observations, np.asarray(rewards, np.float32), done, rows
+
+    def close(self) -> None:
+        """End the simulations."""
+        self.envs.close()
+
+    def get_images(self) -> Sequence[Any]:
+        """Return a picture (H, W, 3) of each row."""
+        pictures: Sequence[Any] = self.envs.render() or [None] * self.num_envs
+        return pictures
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """Return an attribute of the vector, once for each row."""
+        return [getattr(self.envs, attr_name) for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Set an attribute of the vector, for all rows."""
+        setattr(self.envs, attr_name, value)
+
+    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
+        """Rows are no objects, and have no methods.
+
+        Raises:
+            AttributeError: always.
+        """
+        raise AttributeError(f"rows of a vector have no method '{method_name}': call it on the task")
+
+    def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:
+        """Return that no row is wrapped."""
+        return [False for _ in self._get_indices(indices)]
+
+
+def _info(infos: dict[str, Any], row: int) -> dict[str, Any]:
+    """The infos of a row of the vector."""
+    names = [name for name in infos if not name.startswith("_") and name not in _OWN]
+    return {name: infos[name][row] for name in names if infos.get(f"_{name}", ())[row]}
+
+
+def baselines(
+    task: Task | Callable[[], Task], num_envs: int, *, workers: int = 0, render_mode: str | None = None
+) -> BaselinesVecEnv:
+    """Return a vector of environments for Stable-Baselines3, a ``VecEnv``; see `morse.gym.vector`."""
+    return BaselinesVecEnv(task, num_envs, workers, render_mode)
