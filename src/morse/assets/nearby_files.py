@@ -67,8 +67,7 @@ def find_folder_near(name: str, model: Path) -> Path:
 def _find(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
     is_package = name.startswith(("package://", "model://"))
     elsewhere = None
-    candidates = list(_candidates(name, model))
-    for candidate, own in chain(candidates, _in_other_capitals(candidates)):
+    for candidate, own in chain(_candidates(name, model), _in_other_capitals(_candidates(name, model))):
         if not exists(candidate):
             continue
         real = Path(os.path.realpath(candidate))
@@ -122,7 +121,7 @@ def _name_of(folder: Path) -> str | None:
     return match[1].decode("utf-8", "replace").strip() if match else None
 
 
-def _in_other_capitals(candidates: list[tuple[Path, Owners]]) -> Iterator[tuple[Path, Owners]]:
+def _in_other_capitals(candidates: Iterator[tuple[Path, Owners]]) -> Iterator[tuple[Path, Owners]]:
     """The same files as on systems that ignore the case of names."""
     for candidate, own in candidates:
         with contextlib.suppress(OSError, ValueError):

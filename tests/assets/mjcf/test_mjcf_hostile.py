@@ -24,6 +24,7 @@ def robot(inside: str = BODY, more: str = "") -> str:
     [
         ("", "not XML"),
         ("<mujoco>", "not XML"),
+        ("<mujocoinclude/>", "load the file that includes it"),
         ("<robot/>", "begins with <robot>, expected <mujoco>"),
         ("<mujoco/>", "no bodies"),
         (robot('<geom type="plane" size="1 1 1"/>'), "no bodies"),

@@ -93,6 +93,8 @@ class Source:
 
     def _read(self, path: Path, tags: tuple[str, ...]) -> ElementTree.Element:
         root = read_xml(path)
+        if root.tag == "mujocoinclude" and root.tag not in tags:
+            raise AssetError(path, "it is a part of models: load the file that includes it")
         if root.tag not in tags:
             raise AssetError(path, f"it is not MJCF: it begins with <{root.tag:.60}>, expected <{tags[0]}>")
         self._files += 1
