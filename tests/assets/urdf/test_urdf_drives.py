@@ -240,3 +240,20 @@ def test_friction_of_links(file) -> None:
         gazebo = f'<gazebo reference="base_link"><mu1>{number}</mu1><mu2>{number}</mu2></gazebo>'
         (box,) = (node for node in read_urdf(file(text + gazebo)).roots[0].walk() if node.name.endswith("collision1"))
         assert box.body.friction == friction
+
+
+SETTINGS = """<gazebo reference="base_link"><mu1>0.3</mu1><mu2>0.2</mu2><kp>1e6</kp><minDepth>0.001</minDepth>
+<selfCollide>false</selfCollide></gazebo>
+<gazebo reference="base_link"><kp>1e5</kp><material>Gazebo/Orange</material></gazebo>"""
+
+
+def test_settings_of_links_without_a_counterpart_are_one_line(file) -> None:
+    visual = '<visual><geometry><box size="0.4 0.4 0.1"/></geometry></visual></link>'
+    text = link("base_link", 1, '<box size="0.4 0.4 0.1"/>').replace("</link>", visual) + SETTINGS
+    library = read_urdf(file(text))
+    (line,) = (one for one in library.warnings if "Gazebo" in one)
+    assert line.endswith("are left out: kp, minDepth, mu2")
+    shapes = {node.name: node for node in library.nodes()}
+    assert shapes["base_link_collision1"].body.friction == 0.3, "of the first element"
+    red, green, blue, _ = shapes["base_link_visual1"].color
+    assert red > green > blue

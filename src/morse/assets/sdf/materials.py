@@ -5,10 +5,10 @@ from __future__ import annotations
 import io
 from typing import TYPE_CHECKING
 
+from morse.assets.gazebo.colors import color_of
 from morse.assets.gazebo.values import ValueMistakeError, number, text_of, vector
 from morse.assets.meshfiles.pictures import Pictures, mistake_in
 from morse.assets.nearby_files import FileRefusedError, find_folder_near, find_near
-from morse.assets.sdf.colors import color_of
 from morse.assets.sdf.scripts import Script, scripts_in
 from morse.mathutils.light import linear_light
 from morse.scene import Image, Material

@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.assets.gazebo.converted import Plugins
-from morse.assets.gazebo.friction import friction_of
 from morse.assets.gazebo.motors import prepare_motors
 from morse.assets.gazebo.plugins import read_plugins
+from morse.assets.urdf.references import read_references
 from morse.scene import Control
 
 if TYPE_CHECKING:
@@ -25,10 +25,7 @@ _CONTROLS = {"position": Control.POSITION, "effort": Control.POSITION, "velocity
 def add_plugins(robot: Element, document: Document) -> None:
     """Add actuators and sensors to a robot, and set the control modes of its motors."""
     joints = {joint.name: joint for joint in document.joints}
-    for gazebo in robot.findall("gazebo"):
-        link = document.links.get(gazebo.get("reference", ""))
-        if link is not None:
-            link.friction = friction_of(gazebo, ("mu1", "mu"))
+    read_references(robot, document)
     turning = set()
     for name, control in [*_transmissions(robot), *_interfaces(robot)]:
         joint = joints.get(name)
