@@ -133,6 +133,17 @@ BAD: list[tuple[str | bytes, str]] = [
     ('{"op":"advertise","channels":[{"id":1,"topic":"/robot/cmd_val"}]}', "did you mean '/robot/cmd_vel'"),
     ('{"op":"advertise","channels":[{"id":1,"topic":"/robot/cmd_vel","encoding":"protobuf"}]}', "none of cdr, json"),
     ('{"op":"advertise","channels":[{"id":1,"topic":"/robot/cmd_vel","encoding":"cdr","schemaName":"a/B"}]}', "type"),
+    ('{"op":"getParameters"}', "expected a list of texts"),
+    ('{"op":"getParameters","parameterNames":[],"id":5}', "expected a text"),
+    ('{"op":"setParameters","parameters":[1]}', "expected a list of objects"),
+    ('{"op":"setParameters","parameters":[{"name":"robot.motion.ControlTyp","value":1}]}', "robot.motion.ControlType"),
+    ('{"op":"setParameters","parameters":[{"name":"robot.motion.ControlType"}]}', "cannot be removed"),
+    ('{"op":"setParameters","parameters":[{"name":"robot.motion.ControlType","value":[[]]}]}', "ControlType"),
+    ('{"op":"setParameters","parameters":[{"name":{},"value":1}]}', "there is no parameter"),
+    ('{"op":"subscribeParameterUpdates","parameterNames":{}}', "expected a list of texts"),
+    ('{"op":"unsubscribeConnectionGraph"}', "is not subscribed"),
+    ('{"op":"fetchAsset","uri":5,"requestId":1}', "expected a text"),
+    ('{"op":"fetchAsset","uri":"file:///etc/passwd"}', "'requestId' is"),
     (b"", "not a message of a client"),
     (b"\1\0", "not a message of a client"),
     (struct.pack("<BI", 1, 77), "was not advertised"),
@@ -150,6 +161,35 @@ def test_what_is_wrong_is_answered(start: Callable[..., tuple[Any, int]], frame:
     assert (status["level"], answer in status["message"]) == (2, True), status
     client.send(struct.pack("<BIII", 2, 4_000_000, 1, 4) + b"json{}")
     assert "no service" in until(sim, client, op("serviceCallFailure"))["message"]
+    client.close()
+
+
+def test_watched_parameters_are_told_once_for_each_change(start: Callable[..., tuple[Any, int]]) -> None:
+    sim, port = start()
+    client = opened(port)
+    name = "robot.motion.ControlType"
+    client.send(json.dumps({"op": "subscribeParameterUpdates", "parameterNames": [name, name, "robot.ghost.Speed"]}))
+    told = op("parameterValues")
+    assert until(sim, client, told)["parameters"] == [{"name": name, "value": "Velocity"}]
+    sim.rpc("robot.motion", "set_property", "ControlType", "Position")
+    assert until(sim, client, told)["parameters"] == [{"name": name, "value": "Position"}]
+    client.send(json.dumps({"op": "unsubscribeParameterUpdates", "parameterNames": [name]}))
+    client.send(json.dumps({"op": "getParameters", "parameterNames": ["robot.ghost.Speed", "robot"], "id": "x"}))
+    answer = until(sim, client, told)
+    assert (answer["parameters"], answer["id"]) == ([], "x")
+    client.close()
+
+
+def test_files_are_not_read_for_strangers(start: Callable[..., tuple[Any, int]]) -> None:
+    sim, port = start()
+    client = opened(port)
+    uris = ["file:///etc/passwd", "package://a/../../etc/passwd", "", "\0", "/etc/passwd", "x" * 10_000]
+    for number, uri in enumerate(uris):
+        client.send(json.dumps({"op": "fetchAsset", "uri": uri, "requestId": number}))
+    for number in range(len(uris)):
+        frame = until(sim, client, lambda message: isinstance(message, bytes) and message[0] == 4)
+        request, failed, length = struct.unpack_from("<IBI", frame, 1)
+        assert (request, failed, len(frame)) == (number, 1, 10 + length)
     client.close()
 
 

@@ -249,6 +249,8 @@ def test_services_of_all_kinds(start: Callable[..., tuple[Any, int]]) -> None:
 
 
 BAD = [
+    ('{"op":"send_action_goal","id":"z"}', "needs 'action'"),
+    ('{"op":"cancel_action_goal","id":"z"}', "needs 'action'"),
     ("[" * 100_000, "not an operation"),
     ("{}", "not an operation"),
     ('{"op":"subscribe"}', "needs 'topic'"),

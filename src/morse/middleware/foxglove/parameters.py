@@ -8,6 +8,7 @@ from morse.core.declarations import properties
 from morse.core.exceptions import MorseError
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short
+from morse.middleware.web.requests import encoded
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -53,6 +54,10 @@ class Parameters:
         value = next((getattr(component, own) for own, one in table if one.name == wanted), None)
         if value is None:
             return None
+        try:
+            encoded(value)
+        except (TypeError, ValueError, OverflowError, RecursionError):
+            return None  # an object of the component is no parameter
         parameter = {"name": name, "value": list(value) if isinstance(value, tuple) else value}
         # without the type, Foxglove shows 1.0 as an integer and sends it back as one
         if isinstance(value, float):

@@ -40,9 +40,13 @@ class FoxgloveRequestManager(WebRequestManager):
             super()._handle(client, call, path, arguments)
             return
         given = msgspec.json.decode(arguments)
-        names, refusals = (given, []) if path == GET else self._parameters.write(given)
-        values = self._parameters.read(names) if names or path == GET else []
-        self._outbox.append((client, call, None, encoded({"parameters": values, "refusals": refusals})))
+        try:
+            names, refusals = (given, []) if path == GET else self._parameters.write(given)
+            values = self._parameters.read(names) if names or path == GET else []
+            self._outbox.append((client, call, None, encoded({"parameters": values, "refusals": refusals})))
+        except Exception as error:  # a property may be code of the user
+            text = self._complaints.service_failed("a parameter", error)
+            self._outbox.append((client, call, text, b""))
 
     def main(self) -> None:
         """See `RequestManager.main`; also tell which watched parameters have changed."""
@@ -52,5 +56,12 @@ class FoxgloveRequestManager(WebRequestManager):
             for client in list(self._hub.server.clients):
                 watched = client.watched  # type: ignore[attr-defined] # it is a FoxgloveClient
                 if watched:
-                    values = encoded(self._parameters.read(sorted(watched)))
-                    self._context.network.post(client.watch, values)  # type: ignore[attr-defined] # likewise
+                    self._tell(client, sorted(watched))
+
+    def _tell(self, client: Any, watched: list[str]) -> None:
+        try:
+            values = encoded(self._parameters.read(watched))
+        except Exception as error:  # a property may be code of the user
+            self._complaints.service_failed("a parameter", error)
+        else:
+            self._context.network.post(client.watch, values)
