@@ -382,15 +382,6 @@ class World(ObjectWorld):
         """The ray caster, created on demand."""
         return Rays(self)
 
-    @property
-    def is_stale(self) -> bool:
-        """Whether an object was moved by an explicit call since the last forward kinematics of the engine."""
-        return bool(self.touched or self.rearranged)
-
-    def slot_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, which must be read immediately."""
-        return self.positions.array, self.rotations.array.reshape(-1, 3, 3)
-
     def is_fixed(self, slot: int) -> bool:
         """Whether a slot is static, apart from explicit calls."""
         return self.slots[slot].frame.motion is Motion.FIXED

@@ -9,7 +9,6 @@ from operator import methodcaller
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, cast
 
-from morse.core import status
 from morse.core.clock import Clock
 from morse.core.context import Context, Controls, acting, forget
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
@@ -32,6 +31,7 @@ from morse.simulation.showing import Showing
 from morse.simulation.states.saving import Saving
 from morse.simulation.states.state import State
 from morse.simulation.ticks.loop import Loop
+from morse.simulation.ticks.paused import Paused
 from morse.simulation.ticks.profile import Profile
 from morse.simulation.ticks.stepping import Stepping
 from morse.simulation.ticks.ticking import Ticker
@@ -51,11 +51,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
-def _nobody(_outcome: tuple[str, Any]) -> None:
-    """Default callback for the end of requested ticks."""
-
-
-class Simulation(Recorded, Finalizing, Handles, Showing):
+class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
     """A loaded scene that can be run; it is created by `morse.load`.
 
     Robots are attributes, and their components are attributes of the robots, with the interface of `pymorse.Morse`: see
@@ -260,39 +256,6 @@ class Simulation(Recorded, Finalizing, Handles, Showing):
             self._loop.go_on()
             self._raise_failure()
         return has_passed
-
-    @property
-    def paused(self) -> bool:
-        """Whether `run` is paused and executes only the requested ticks."""
-        return self._stepping.paused
-
-    def pause(self) -> None:
-        """Pause `run`; step requests of clients end as preempted."""
-        self._stepping.paused = True
-        self.cancel_steps()
-
-    def resume(self) -> None:
-        """Resume `run`."""
-        self._stepping.paused = False
-        self.pacer.restart()
-
-    def request_steps(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = _nobody) -> Callable[[], None]:
-        """Let `run` execute ``ticks`` ticks and then pause; earlier requests are executed first.
-
-        Args:
-            ended: callback, called with the status when the data of the last tick have been passed to the network.
-
-        Returns:
-            A function that cancels the request.
-        """
-        for manager in self.context.stream_managers.values():
-            manager.drain()
-        self._stepping.paused = True
-        return self._stepping.add(ticks, ended)
-
-    def cancel_steps(self) -> None:
-        """Cancel the requested ticks."""
-        self._stepping.end(status.PREEMPTED)
 
     # -- input -----------------------------------------------------------------------------
 

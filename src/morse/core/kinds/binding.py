@@ -12,7 +12,8 @@ from morse.core.kinds.installed import kind_named
 from morse.core.kinds.kind import ORIENTATION
 from morse.core.kinds.message import Message
 from morse.core.kinds.replaced import uses_after_modifiers
-from morse.core.kinds.sources import Among, as_slot, as_slot_rows, source_of
+from morse.core.kinds.slot_values import as_slot, as_slot_rows
+from morse.core.kinds.sources import Among, source_of
 from morse.core.kinds.table import GENERAL, PICTURES
 from morse.core.kinds.turning import NED_AS_WORLD, TURNABLE, turned
 from morse.core.reports.hints import nearest

@@ -57,14 +57,14 @@ class ObjectWorld(EngineState):
     def find_object(self, node: Node) -> GameObject | None:
         """Return the object of a node, or None if the node was removed from the world."""
 
-    @abstractmethod
-    def slot_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, which must be read immediately."""
-
     @property
-    @abstractmethod
     def is_stale(self) -> bool:
         """Whether an object was moved by an explicit call since the last forward kinematics of the engine."""
+        return bool(self.touched or self.rearranged)
+
+    def slot_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, which must be read immediately."""
+        return self.positions.array, self.rotations.array.reshape(-1, 3, 3)
 
     @abstractmethod
     def cast(

@@ -21,7 +21,7 @@ from morse.rosmsgs.parts import (
 from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from morse.core.kinds import BoundKind, Message
     from morse.rosmsgs.table import Carrier
@@ -39,63 +39,22 @@ class SpatialKinds(TopicTable):
         if not bound.has("orientation"):
             return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True, by_rows=True)]
         if bound.has("covariance"):
-            return [
-                Outlet(
-                    "geometry_msgs/msg/PoseWithCovarianceStamped",
-                    lambda m, f: {
-                        "header": header(m, f),
-                        "pose": {"pose": pose_message(m), "covariance": covariance(m.covariance)},
-                    },
-                    by_rows=True,
-                )
-            ]
+            return [_with_covariance("PoseWithCovarianceStamped", "pose", pose_message)]
         return [
-            Outlet(
-                "geometry_msgs/msg/PoseStamped",
-                lambda m, f: {"header": header(m, f), "pose": pose_message(m)},
-                numbers=lambda m: (*three(m.position), *xyzw(m.orientation)),
-                is_detached=True,
-                by_rows=True,
-            )
+            _stamped("PoseStamped", "pose", pose_message, lambda m: (*three(m.position), *xyzw(m.orientation))),
         ]
 
     @topics("twist")
     def twist(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """In the frame of the component."""
         if bound.has("covariance"):
-            return [
-                Outlet(
-                    "geometry_msgs/msg/TwistWithCovarianceStamped",
-                    lambda m, f: {
-                        "header": header(m, f),
-                        "twist": {"twist": _twist(m), "covariance": covariance(m.covariance)},
-                    },
-                    by_rows=True,
-                )
-            ]
-        return [
-            Outlet(
-                "geometry_msgs/msg/TwistStamped",
-                lambda m, f: {"header": header(m, f), "twist": _twist(m)},
-                numbers=lambda m: (*three(m.linear), *three(m.angular)),
-                is_detached=True,
-                by_rows=True,
-            )
-        ]
+            return [_with_covariance("TwistWithCovarianceStamped", "twist", _twist)]
+        return [_stamped("TwistStamped", "twist", _twist, lambda m: (*three(m.linear), *three(m.angular)))]
 
     @topics("accel")
     def accel(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Without gravity, therefore not an IMU message."""
-        return [
-            Outlet(
-                "geometry_msgs/msg/AccelWithCovarianceStamped",
-                lambda m, f: {
-                    "header": header(m, f),
-                    "accel": {"accel": _twist(m), "covariance": covariance(m.covariance)},
-                },
-                by_rows=True,
-            )
-        ]
+        return [_with_covariance("AccelWithCovarianceStamped", "accel", _twist)]
 
     @topics("attitude")
     def attitude(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
@@ -178,6 +137,26 @@ class SpatialKinds(TopicTable):
                 lambda m: {"force": from_xyz(m["wrench"]["force"]), "torque": from_xyz(m["wrench"]["torque"])},
             )
         ]
+
+
+def _stamped(
+    name: str, part: str, content: Callable[[Message], dict[str, Any]], numbers: Callable[[Message], tuple[float, ...]]
+) -> Outlet:
+    return Outlet(
+        f"geometry_msgs/msg/{name}",
+        lambda m, f: {"header": header(m, f), part: content(m)},
+        numbers=numbers,
+        is_detached=True,
+        by_rows=True,
+    )
+
+
+def _with_covariance(name: str, part: str, content: Callable[[Message], dict[str, Any]]) -> Outlet:
+    return Outlet(
+        f"geometry_msgs/msg/{name}",
+        lambda m, f: {"header": header(m, f), part: {part: content(m), "covariance": covariance(m.covariance)}},
+        by_rows=True,
+    )
 
 
 def _point(message: Message, frame: str) -> dict[str, Any]:
