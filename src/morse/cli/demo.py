@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -104,7 +104,7 @@ class _Client:
 
     def start(self, simulation: Simulation) -> None:
         """Start the program, which gets the port of the simulation."""
-        managers: list[Any] = list(simulation.context.services.request_managers().values())
+        managers: list[object] = list(simulation.context.services.request_managers().values())
         port = next(manager.port for manager in managers if hasattr(manager, "port"))
         environment = {**os.environ, "MORSE_SOCKET_PORT": str(port), "PYTHONUNBUFFERED": "1"}
         # MORSE may run from a source tree that is not installed

@@ -43,11 +43,11 @@ class _PersistantStorage:
         return current().clock
 
     @property
-    def robotDict(self) -> dict[Any, Any]:  # noqa: N802
+    def robotDict(self) -> dict[object, object]:  # noqa: N802
         return {robot.bge_object: robot for robot in current().robots.values()}
 
     @property
-    def externalRobotDict(self) -> dict[Any, Any]:  # noqa: N802
+    def externalRobotDict(self) -> dict[object, object]:  # noqa: N802
         return {robot.bge_object: robot for robot in current().external_robots.values()}
 
     @property
@@ -55,7 +55,7 @@ class _PersistantStorage:
         return dict(current().components)
 
     @property
-    def passiveObjectsDict(self) -> dict[Any, Any]:  # noqa: N802
+    def passiveObjectsDict(self) -> dict[object, object]:  # noqa: N802
         return {obj: obj for obj in current().world.objects() if "Object" in obj}
 
     @property

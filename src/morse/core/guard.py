@@ -233,7 +233,7 @@ def _ignored(_error: BaseException) -> None:
     """Used where another error is being reported."""
 
 
-def _stream_of(function: object) -> Any:
+def _stream_of(function: object) -> object:
     """The stream whose method a component calls; the function itself if it does not belong to a stream."""
     owner = attribute(function, "__self__", function)
     if attribute(owner, "component_instance", _NOTHING) is _NOTHING:
@@ -241,7 +241,7 @@ def _stream_of(function: object) -> Any:
     return attribute(owner, "stream", owner)
 
 
-def _manager_of(function: object) -> Any:
+def _manager_of(function: object) -> object:
     return attribute(_stream_of(function), "manager")
 
 

@@ -48,7 +48,7 @@ class OfferedService(NamedTuple):
         changes: whether a call may change the simulation; other calls are not recorded in the journal.
     """
 
-    callback: Callable[..., Any]
+    callback: Callable[..., object]
     is_async: bool
     accepted: Arguments
     changes: bool
@@ -182,7 +182,7 @@ class RequestManager(ABC):
         """The service of that name, or None."""
         return self._services.get((component, service))
 
-    def on_incoming_request(self, component: str, service: str, params: list[Any] | None) -> tuple[bool, Any]:
+    def on_incoming_request(self, component: str, service: str, params: list[object] | None) -> tuple[bool, Any]:
         """Run a service.
 
         Returns:
@@ -282,7 +282,7 @@ _GONE: Any = object()
 _numbers = count(1)
 
 
-def _result(service: Callable[..., object], *arguments: object) -> Any:
+def _result(service: Callable[..., object], *arguments: object) -> object:
     """Call a service.
 
     Raises:

@@ -182,7 +182,7 @@ def hints_of(method: Callable[..., object]) -> dict[str, Any]:
     return hints
 
 
-def _without_range(hint: object) -> Any:
+def _without_range(hint: object) -> object:
     if typing.get_origin(hint) is typing.Annotated:
         return typing.get_args(hint)[0]
     if typing.get_origin(hint) in (typing.Union, UnionType):

@@ -141,5 +141,5 @@ class CommandColumn:
         return message
 
 
-def _item(value: object) -> Any:
+def _item(value: object) -> object:
     return value.item() if isinstance(value, np.generic) else value

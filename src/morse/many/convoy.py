@@ -156,7 +156,7 @@ class _Column:
             return
         self._of, self._keep = columns.of, columns.keep
         self._slots = np.zeros(rows, np.int64)
-        self._mountings: list[Any] = [None] * rows
+        self._mountings: list[object] = [None] * rows
         self._chosen: tuple[bytes, list[Any]] = b"", []
         self._bundle: RayBundle | None = None
         self._lanes = Lanes(rows) if columns.keep is not None else None

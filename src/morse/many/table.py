@@ -80,7 +80,7 @@ class Table:
 
     # -- other formats ---------------------------------------------------------------------
 
-    def to_dict(self) -> dict[str, list[Any]]:
+    def to_dict(self) -> dict[str, list[object]]:
         """Return the columns as lists by name: ``polars.DataFrame(table.to_dict())``."""
         return {name: [row.get(name) for row in self.rows] for name in self.columns}
 

@@ -59,7 +59,7 @@ class IMUNoiseModifier(AbstractModifier):
             self.data[field] = noisy if isinstance(value, list) else _like(value, noisy)
 
 
-def _like(value: Any, numbers: list[float]) -> Any:
+def _like(value: Any, numbers: list[float]) -> object:
     """Return numbers as a vector or array of the same type as ``value``."""
     copy = value.copy()
     copy[:] = numbers

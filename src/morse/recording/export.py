@@ -66,7 +66,7 @@ class _Csv:
         self._file.close()
 
 
-def _cell(value: object) -> Any:
+def _cell(value: object) -> object:
     if isinstance(value, (list, dict)) or hasattr(value, "tolist"):
         return json.dumps(_plain(value))
     return value
@@ -94,7 +94,7 @@ class _Parquet:
             raise FileExistsError(17, "File exists", str(path))
         self._writer = parquet.ParquetWriter(path, self._schema, compression="zstd")
 
-    def _type(self, kind: str) -> Any:
+    def _type(self, kind: str) -> object:
         if kind == "uint8[]":
             return self._arrow.binary()
         if kind.endswith("[]"):

@@ -72,7 +72,7 @@ class Motion:
         """The id of the channel of poses in the file; -1 if they are not in a file."""
         return getattr(self._poses, "number", -1)
 
-    def renew(self) -> list[Any]:
+    def renew(self) -> list[object]:
         """Publish the names of the nodes if they have changed, and return their objects."""
         world = self._world
         if world.layout != self._layout or len(world.relocated) != self._relocated or self._is_new:

@@ -141,7 +141,7 @@ class RecordedStream(TopicStream):
         lines, live = self.form
         return Columns(names, kinds, self._keeper, live), lines
 
-    def _lines_of_rows(self) -> tuple[list[Line], list[Callable[[], Any]]]:
+    def _lines_of_rows(self) -> tuple[list[Line], list[Callable[[], object]]]:
         component = self.component_instance
         sources = [source for bound, line, _ in self._recorded if line.outlet.by_rows for _, source in bound.sources]
         properties = tuple(dict.fromkeys(name for source in sources for name in source.properties))
@@ -168,7 +168,7 @@ class RecordedStream(TopicStream):
             lines.append(made)
         return lines, live
 
-    def _slot(self, bound: BoundKind, index: int) -> Any:
+    def _slot(self, bound: BoundKind, index: int) -> object:
         value = bound.value_of(index, self.component_instance)
         return None if value is None else _own(as_slot(bound.sources[index][0], value))
 
@@ -229,7 +229,7 @@ class RecordedStream(TopicStream):
         return stamps
 
 
-def _tuple_getter(names: tuple[str, ...]) -> Callable[[Any], tuple[Any, ...]]:
+def _tuple_getter(names: tuple[str, ...]) -> Callable[[Any], tuple[object, ...]]:
     get = attrgetter(*names)
     return get if len(names) > 1 else lambda component: (get(component),)
 

@@ -45,7 +45,7 @@ class Table:
         self.left_out: list[str] = []
         self._type = type_name
         self._without_data = without_data
-        self._getters: list[Callable[[dict[str, Any]], Any]] = []
+        self._getters: list[Callable[[dict[str, Any]], object]] = []
         try:
             fields = fields_of(type_name)
         except MorseError as error:

@@ -30,7 +30,7 @@ class LitWorld:
             self._key, self._now = key, (lamps, sky_of(self._world.scene.settings.view, lamps.sunny))
         return self._now
 
-    def _present_key(self) -> list[Any]:
+    def _present_key(self) -> list[object]:
         """Everything that lamps and sky depend on."""
         view = self._world.scene.settings.view
         mist = view.mist and (view.mist.enabled, view.mist.start, view.mist.depth)

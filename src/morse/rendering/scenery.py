@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -58,7 +58,7 @@ class Scenery:
             Poses(np.zeros((count, 12), np.float32), np.zeros((count, 9), np.float32)),
         )
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return Scenery, (self.drawing, self.groups, self.placed)
 
     def poses(self, frames: Frames, time: float = 0.0) -> Poses:

@@ -28,7 +28,7 @@ class Restarting(Protocol):
 class Populated(Protocol):
     """The part of a simulation that the services need."""
 
-    def spawn(self, name: str, kind: str, position: Sequence[float], rotation: Sequence[float]) -> Any:
+    def spawn(self, name: str, kind: str, position: Sequence[float], rotation: Sequence[float]) -> object:
         """Spawn a robot or an object."""
 
     def delete(self, name: str) -> None:

@@ -48,7 +48,7 @@ class Loaded:
     robots: list[Robot] = field(default_factory=list)
     actuators: list[Object] = field(default_factory=list)
     sensors: list[Object] = field(default_factory=list)
-    modifier_objects: list[Any] = field(default_factory=list)
+    modifier_objects: list[object] = field(default_factory=list)
     modifiers: list[str] = field(default_factory=list)
 
     def join(self, other: Loaded) -> None:
@@ -168,7 +168,7 @@ def _instance(cls: type[Any], obj: Body, robot: Robot | None) -> Any:
         raise
 
 
-def _class_of_level(cls: type[Any], level: str | None) -> type[Any]:
+def _class_of_level(cls: type[object], level: str | None) -> type[object]:
     declared = levels(cls)
     chosen = declared.get(level) if level is not None else next((v for v in declared.values() if v.default), None)
     return load_class(chosen.classpath) if chosen is not None and chosen.classpath else cls

@@ -247,7 +247,7 @@ class Population:
         gone = {node for root in self._launch[0] if root.name in without for node in root.walk()}
         return [d.name for d in self._launch[1] if d.node not in gone and d.robot not in gone]
 
-    def makers(self) -> dict[str, Callable[[], Any]]:
+    def makers(self) -> dict[str, Callable[[], object]]:
         """Return the functions that created spawned objects, by name; objects with a named kind are omitted."""
         return {name: recipe.kind for name, recipe in self._recipes.items() if callable(recipe.kind)}
 

@@ -44,7 +44,7 @@ class Populated(Holder, Protocol):
     def set_state(self, state: Any, makers: Mapping[str, Callable[[], Any]] = ...) -> None:
         """Spawn and delete robots and objects until they match the state."""
 
-    def makers(self) -> Mapping[str, Callable[[], Any]]:
+    def makers(self) -> Mapping[str, Callable[[], object]]:
         """Return the functions that created spawned objects."""
 
     def made(self) -> Mapping[str, Made]:
@@ -168,7 +168,7 @@ class Running(Protocol):
         kind: str | Callable[[], object],
         position: Sequence[float] = (0.0, 0.0, 0.0),
         rotation: Sequence[float] = (0.0, 0.0, 0.0),
-    ) -> Any:
+    ) -> object:
         """Spawn a robot or an object."""
 
     def delete(self, name: str) -> None:

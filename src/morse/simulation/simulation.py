@@ -365,10 +365,10 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
     def spawn(
         self,
         name: str,
-        kind: str | Callable[[], Any],
+        kind: str | Callable[[], object],
         position: Sequence[float] = (0.0, 0.0, 0.0),
         rotation: Sequence[float] = (0.0, 0.0, 0.0),
-    ) -> Any:
+    ) -> object:
         """Spawn a robot or an object between two ticks.
 
         Args:

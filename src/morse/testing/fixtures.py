@@ -129,7 +129,7 @@ def _load(
     on_failure: str,
     endings: contextlib.ExitStack,
     errors: list[str],
-) -> Any:
+) -> object:
     import morse
 
     simulation = morse.load(scene, strict=strict, on_failure=on_failure, **_in_process(options))

@@ -21,7 +21,7 @@ logger = logging.getLogger(__name__)
 _GENERAL = frozenset({"classpath", "frequency", "abstraction_level", "Component_Tag", "Robot_Tag"})
 
 
-def check_declared(cls: type[Any], values: Mapping[str, object]) -> dict[str, Any]:
+def check_declared(cls: type[object], values: Mapping[str, object]) -> dict[str, Any]:
     """Return properties as they are to be stored, with a warning for those that a component does not declare.
 
     Raises:

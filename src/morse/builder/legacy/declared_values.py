@@ -32,7 +32,7 @@ def options(owner: str, declarations: Mapping[str, Option], parameters: Mapping[
     }
 
 
-def _option(option: Option, value: object, what: str) -> Any:
+def _option(option: Option, value: object, what: str) -> object:
     if not isinstance(option.type, tuple):
         return _value(spec_of_option(option), value, what)
     if float not in option.type or str in option.type:

@@ -25,7 +25,7 @@ def _nothing(_component: object, *_args: object, **_kwargs: object) -> None:
 
 
 #: old name, how to write it today, and what it does
-OLD_METHODS: Mapping[str, tuple[str, Callable[..., Any]]] = {
+OLD_METHODS: Mapping[str, tuple[str, Callable[..., object]]] = {
     "configure_mw": ("add_stream", _configure_mw),
     "configure_middleware": ("add_stream", _configure_mw),
     "configure_service": ("add_service", lambda component, *a, **k: component.add_service(*a, **k)),
@@ -37,7 +37,7 @@ OLD_METHODS: Mapping[str, tuple[str, Callable[..., Any]]] = {
 OLD_METHODS_OF_HUMAN = ("disable_keyboard_control", "use_world_camera")
 
 
-def old_method(component: object, name: str) -> Callable[..., Any] | None:
+def old_method(component: object, name: str) -> Callable[..., object] | None:
     """The method of that name, which logs its new name; None if there was none."""
     if name in OLD_METHODS_OF_HUMAN and hasattr(component, "skeleton"):
         notice(f"{name} has no effect: a Human has neither a keyboard nor a camera unless the script appends one")

@@ -35,7 +35,7 @@ def number(value: object, what: str) -> Any:
     return result
 
 
-def boolean(value: object, what: str) -> Any:
+def boolean(value: object, what: str) -> object:
     """The truth value of a number or a text: any text that is not empty is true; anything else unchanged."""
     value = scalar(value)
     if not isinstance(value, (str, int, float)) or value in (True, False):

@@ -206,7 +206,7 @@ class ProjectImports:
         locals: Any = None,
         fromlist: Any = (),
         level: int = 0,
-    ) -> Any:
+    ) -> object:
         """Implementation of the import statement for the code of the project."""
         if level == 0 and name.partition(".")[0] not in self._names and name in sys.modules:
             return self._as_imported(builtins.__import__(name, globals, locals, fromlist, level))

@@ -97,7 +97,7 @@ class Network:
         self._served = 0.0
         self._first: dict[int, Callable[[], object]] = {}
         self._unread: list[Callable[[], object]] = []
-        self._posted: list[tuple[Callable[..., object], tuple[Any, ...]]] = []
+        self._posted: list[tuple[Callable[..., object], tuple[object, ...]]] = []
         self._alarm: asyncio.TimerHandle | None = None
         self._watchful = False
         self._thread.start()

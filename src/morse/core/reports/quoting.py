@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import reprlib
-from typing import Any
 
 #: largest number of characters of a text from outside that is repeated in a message
 _LIMIT = 80
@@ -52,7 +51,7 @@ class _Short(reprlib.Repr):
         """Describe large integers by their size, because Python refuses to convert very large ones."""
         return repr(x) if x.bit_length() < 256 else f"an integer of {x.bit_length()} bits"
 
-    def repr_dict(self, x: dict[Any, Any], level: int) -> str:
+    def repr_dict(self, x: dict[object, object], level: int) -> str:
         """Keep the order of the keys, because sorting would process all of them."""
         if level <= 0:
             return "{…}"

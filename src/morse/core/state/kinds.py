@@ -120,12 +120,12 @@ def _names(routine: object) -> tuple[str, type]:
     return getattr(routine, "__name__", ""), type(getattr(routine, "__self__", None))
 
 
-def is_of_morse(cls: type[Any]) -> bool:
+def is_of_morse(cls: type[object]) -> bool:
     """Whether MORSE defines a class."""
     return cls.__module__.partition(".")[0] == "morse"
 
 
-def own_attributes(cls: type[Any]) -> set[str] | None:
+def own_attributes(cls: type[object]) -> set[str] | None:
     """The attributes that MORSE's classes among the bases of a class set; None for all, if the class is MORSE's."""
     if is_of_morse(cls):
         return None

@@ -179,7 +179,7 @@ class Reader:
         self._met.append(value)
         return value
 
-    def _again(self, data: list[Any], _now: object) -> Any:
+    def _again(self, data: list[object], _now: object) -> object:
         if type(data[1]) is not int or data[1] < 0:
             raise StateError("the saved state is damaged: it refers to an object that was not saved before")
         value = self._met[data[1]]

@@ -13,14 +13,14 @@ class References(Protocol):
     def name_of(self, value: object) -> str | None:
         """The name of a part of the simulation, such as ``component robot.pose``; None for other objects."""
 
-    def find(self, name: str) -> Any:
+    def find(self, name: str) -> object:
         """The part of that name.
 
         Raises:
             StateError: there is no such part.
         """
 
-    def find_class(self, path: str) -> type[Any] | None:
+    def find_class(self, path: str) -> type[object] | None:
         """The class of that path (``module:name``), if it belongs to the simulation or the user's project."""
 
     def met_class(self, cls: type[Any]) -> None:
@@ -44,11 +44,11 @@ class NoReferences:
         """Nothing has a name."""
         return None
 
-    def find(self, name: str) -> Any:
+    def find(self, name: str) -> object:
         """Refuse the name."""
         raise StateError(f"data from outside cannot contain {name!r:.60}")
 
-    def find_class(self, path: str) -> type[Any] | None:
+    def find_class(self, path: str) -> type[object] | None:
         """There are no classes."""
         return None
 

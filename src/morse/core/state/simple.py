@@ -20,7 +20,7 @@ TAKEN_APART: dict[type, tuple[str, Callable[[Any], list[Any]]]] = {
     type(Path()): ("path", lambda v: [str(v)]),
 }
 #: word to the function that creates the value from its parts
-PUT_TOGETHER: dict[str, Callable[..., Any]] = {
+PUT_TOGETHER: dict[str, Callable[..., object]] = {
     "complex": complex,
     "range": range,
     "slice": slice,

@@ -48,7 +48,7 @@ def check_fields(component: Any) -> None:
     data = attributes.get("local_data")
     if not is_a(data, dict):
         return
-    refused: list[tuple[Any, str]] = []
+    refused: list[tuple[object, str]] = []
     counted: dict[Any, int] | None = attributes.get("_counted")
     for number, (name, value) in enumerate(dict.items(data)):
         if number >= MOST_FIELDS:
@@ -174,7 +174,7 @@ def _length(numbers: range) -> int:
     return max(0, -((numbers.start - numbers.stop) // numbers.step))
 
 
-def _items_of(value: Any) -> Any:
+def _items_of(value: Any) -> object:
     """The items of a container, those of a dictionary without its keys; None for another object."""
     if is_a(value, dict):
         return list(dict.values(value))

@@ -88,7 +88,7 @@ class KindStream(AbstractDatastream):
             if form is not None:
                 yield entry, form
 
-    def own_form(self) -> Callable[[], Any] | None:
+    def own_form(self) -> Callable[[], object] | None:
         """Return the method of a class with a form of its own; None if the manager gives messages their form."""
         return self.encode
 

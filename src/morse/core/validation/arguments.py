@@ -56,7 +56,7 @@ class Arguments:
     def __init__(self, callback: Callable[..., Any], service: str) -> None:
         self._service = service
         self._signature: inspect.Signature | None = None
-        self._checks: list[tuple[str, Callable[[Any], Any]]] = []
+        self._checks: list[tuple[str, Callable[[Any], object]]] = []
         self._least, self._most = 0, 0.0
         try:
             self._signature = signature_of(callback)
@@ -116,7 +116,7 @@ def argument_ranges(method: Callable[..., object]) -> dict[str, str]:
     return ranges
 
 
-def _anything(value: object) -> Any:
+def _anything(value: object) -> object:
     return value
 
 

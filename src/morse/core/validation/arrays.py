@@ -22,10 +22,10 @@ def shape_text(shape: tuple[int | None, ...]) -> str:
 def array_check(
     shape: tuple[int | None, ...],
     dtype: str,
-    item: Callable[[Any], Any],
+    item: Callable[[Any], object],
     in_range: Callable[[NDArray[Any]], bool],
     range_text: str,
-) -> Callable[[Any], Any]:
+) -> Callable[[Any], object]:
     """Return a check for lists or arrays of exactly that shape.
 
     Args:
@@ -60,7 +60,7 @@ def _has_shape(array: NDArray[Any], shape: tuple[int | None, ...]) -> bool:
     )
 
 
-def _listed(value: object, expectation: str) -> list[Any]:
+def _listed(value: object, expectation: str) -> list[object]:
     # accepts mathutils vectors and tuples; strings are sequences as well, and are refused
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
         raise ValueError(expectation)
@@ -80,7 +80,7 @@ def _nested(value: object, shape: tuple[int | None, ...], item: Callable[[Any], 
     return rows
 
 
-def _as_array(value: list[Any], shape: tuple[int | None, ...], dtype: str, expectation: str) -> Any:
+def _as_array(value: list[object], shape: tuple[int | None, ...], dtype: str, expectation: str) -> object:
     import numpy as np
 
     if len(value) == 0:
@@ -98,7 +98,7 @@ def _as_array(value: list[Any], shape: tuple[int | None, ...], dtype: str, expec
 
 def list_check(
     least: int, item: Callable[[Any], object], allow: frozenset[str], range_text: str
-) -> Callable[[Any], list[Any]]:
+) -> Callable[[Any], list[object]]:
     """Return a check for lists without declared shape: at least ``least`` numbers, or any items if it is 0."""
     expectation = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"
 

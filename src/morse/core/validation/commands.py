@@ -38,7 +38,7 @@ class Commands:
     def __init__(self, component: Component) -> None:
         self._component = component
         fields = fields_of_component(component)
-        self._checks: dict[str, Callable[[Any], Any]] = {
+        self._checks: dict[str, Callable[[Any], object]] = {
             name: spec_of_field(fields.get(name), value).check() for name, value in component.local_data.items()
         }
         self._extra: dict[str, int] = {}

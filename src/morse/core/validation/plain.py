@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 #: maximum nesting depth
 DEEPEST = 32
@@ -34,7 +33,7 @@ def check_plain(value: object, allow: frozenset[str] = frozenset()) -> None:
     Raises:
         ValueError: the message contains the expected value.
     """
-    queue: list[tuple[Any, int]] = [(value, 0)]
+    queue: list[tuple[object, int]] = [(value, 0)]
     while queue:
         item, depth = queue.pop()
         if isinstance(item, float):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morse.core.interfaces import Component
 
 
-def checked_value(owner: str, prop: Property, value: object, *, script: bool = False) -> Any:
+def checked_value(owner: str, prop: Property, value: object, *, script: bool = False) -> object:
     """The value of a property as it is to be stored.
 
     Args:

@@ -144,7 +144,7 @@ def real(value: Any) -> float | None:
     return None
 
 
-def _boolean(spec: Spec) -> Callable[[Any], Any]:
+def _boolean(spec: Spec) -> Callable[[Any], object]:
     def check(value: object) -> bool:
         if isinstance(value, bool) or (type(value) is int and value in (0, 1)) or type(value).__name__ == "bool_":
             return bool(value)
@@ -153,7 +153,7 @@ def _boolean(spec: Spec) -> Callable[[Any], Any]:
     return check
 
 
-def _string(spec: Spec) -> Callable[[Any], Any]:
+def _string(spec: Spec) -> Callable[[Any], object]:
     choices = spec.choices
 
     def check(value: object) -> str:
@@ -172,7 +172,7 @@ def _one_of(choices: tuple[object, ...], value: object) -> str:
     return f"one of {', '.join(map(repr, choices))}" + (f"; did you mean {near!r}?" if near else "")
 
 
-def _dictionary(spec: Spec) -> Callable[[Any], Any]:
+def _dictionary(spec: Spec) -> Callable[[Any], object]:
     def check(value: object) -> Any:
         if not isinstance(value, dict):
             raise ValueError("an object such as {...}")
@@ -182,7 +182,7 @@ def _dictionary(spec: Spec) -> Callable[[Any], Any]:
     return check
 
 
-def _any(spec: Spec) -> Callable[[Any], Any]:
+def _any(spec: Spec) -> Callable[[Any], object]:
     choices = spec.choices
 
     def check(value: object) -> Any:
@@ -194,7 +194,7 @@ def _any(spec: Spec) -> Callable[[Any], Any]:
     return check
 
 
-def _list(spec: Spec) -> Callable[[Any], Any]:
+def _list(spec: Spec) -> Callable[[Any], object]:
     item = _number(spec._replace(shape=None, allow=spec.allow - {"none"}))
     if spec.shape is not None:
         return array_check(spec.shape, spec.dtype, item, spec.is_in_range, spec.range_text())

@@ -16,7 +16,7 @@ _KEYS = {
     "subscribedTopics": "subscriberIds",
     "advertisedServices": "providerIds",
 }
-NOTHING: dict[str, list[Any]] = {key: [] for key in (*_KEYS, "removedTopics", "removedServices")}
+NOTHING: dict[str, list[object]] = {key: [] for key in (*_KEYS, "removedTopics", "removedServices")}
 """An update without changes."""
 EMPTY: dict[str, Table] = {key: {} for key in _KEYS}
 """The graph that a client has before the first update."""

@@ -32,7 +32,7 @@ class FoxgloveRequestManager(WebRequestManager):
     def _settable(self) -> list[str]:
         return [component for component, name in self._services if name == "set_property"]
 
-    def _set(self, component: str, arguments: list[Any]) -> None:
+    def _set(self, component: str, arguments: list[object]) -> None:
         self.on_incoming_request(component, "set_property", arguments)
 
     def _handle(self, client: HubClient, call: Any, path: str, arguments: bytes) -> None:

@@ -52,7 +52,7 @@ class ROSDatastreamManager(TopicManager):
         if message["transforms"]:
             self._publish(self._tf_static, TF, message)
 
-    def make_stream(self, component: Object, declaration: StreamDeclaration) -> Any:
+    def make_stream(self, component: Object, declaration: StreamDeclaration) -> object:
         """See `DatastreamManager.make_stream`; the class may have its name in 1.4."""
         stream = class_path(declaration.stream, component.name())
         return super().make_stream(component, replace(declaration, stream=stream))

@@ -17,7 +17,7 @@ def ros_service(
     component: str | None = None,
     name: str | None = None,
     asynchronous: bool = False,
-) -> Any:
+) -> object:
     """Declare a method as a ROS service.
 
     The method takes the fields of the request as its arguments, in order, and returns the response, or the values of

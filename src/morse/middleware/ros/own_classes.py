@@ -39,7 +39,7 @@ class _OwnClass(AbstractDatastream):
     ros_class: ClassVar[Any] = None
     topic_name: str = ""
 
-    def _checked_class(self) -> Any:
+    def _checked_class(self) -> object:
         if getattr(self.ros_class, "_type", None) is None:
             raise MorseMiddlewareError(
                 f"{self.component_name}: {type(self).__name__}.ros_class is {self.ros_class!r}, expected a class of "

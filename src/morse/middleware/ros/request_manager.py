@@ -150,7 +150,7 @@ def _fields(request: Any) -> list[Any]:
     return [getattr(request, name) for name in request.__slots__]
 
 
-def _declared(kind: Any) -> Callable[[str, Any], Any]:
+def _declared(kind: Any) -> Callable[[str, Any], object]:
     """The response of a service with a declared type; an exception makes rospy report a failure to the caller."""
     response = kind._response_class
 
@@ -164,5 +164,5 @@ def _declared(kind: Any) -> Callable[[str, Any], Any]:
     return answer
 
 
-def _standard(kind: Any, call: Call) -> Callable[[str, Any], Any]:
+def _standard(kind: Any, call: Call) -> Callable[[str, Any], object]:
     return lambda state, result: kind._response_class(**call.answer(state, result))

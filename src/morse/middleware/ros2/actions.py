@@ -155,7 +155,7 @@ class ActionServer:
             goal.is_canceled = True
             self._abort(goal.call)
 
-    def _info_of(self, goal: _Goal) -> Any:
+    def _info_of(self, goal: _Goal) -> object:
         made = self._info()
         made.goal_id.uuid = list(goal.number)
         made.stamp.sec, made.stamp.nanosec = goal.stamp // _SECOND, goal.stamp % _SECOND

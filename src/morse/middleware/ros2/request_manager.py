@@ -125,7 +125,7 @@ class Ros2RequestManager(AnsweredRequests):
         if component == "simulation" and name == "pause" and len(self._served) == 1:
             self._served.append(SimulationInterfaces(self._context, self._backend, self.call))
 
-    def _offer_trajectories(self, component: str, callback: Callable[..., Any], backend: Backend) -> None:
+    def _offer_trajectories(self, component: str, callback: Callable[..., object], backend: Backend) -> None:
         """Offer the action of an armature that follows trajectories."""
         key, kind = (component, NAME), action_type()
         self._withdraw(key)
@@ -144,7 +144,7 @@ class Ros2RequestManager(AnsweredRequests):
         server.armature = callback.__self__  # type: ignore[attr-defined]
         self._actions[key] = server
 
-    def _offer_typed(self, component: str, callback: Callable[..., Any], name: str, backend: Backend) -> bool:
+    def _offer_typed(self, component: str, callback: Callable[..., object], name: str, backend: Backend) -> bool:
         """Offer a service or an action with its own type; False if it has none."""
         key, path = (component, name), f"{self._base(component)}/{cleaned(name)}"
         action, kind = getattr(callback, "_ros_action_type", None), getattr(callback, "_ros_service_type", None)
@@ -252,7 +252,7 @@ class Ros2RequestManager(AnsweredRequests):
         self.call(component, service, arguments, answer)
 
 
-def _feedback_of(callback: Callable[..., Any], action: Any, backend: Backend) -> Feedback:
+def _feedback_of(callback: Callable[..., object], action: Any, backend: Backend) -> Feedback:
     kinds = action.Feedback.get_fields_and_field_types()
     return Feedback(callback, action.Feedback, kinds, lambda fields: backend.filled(action.Feedback(), fields))
 

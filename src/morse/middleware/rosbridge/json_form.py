@@ -113,11 +113,11 @@ def _message(type_name: str, value: object, where: str) -> dict[str, Any]:
 
 
 @cache
-def _readers(type_name: str) -> dict[str, Callable[[Any, str], Any]]:
+def _readers(type_name: str) -> dict[str, Callable[[Any, str], object]]:
     return {field.name: _reader(field) for field in fields_of(type_name)}
 
 
-def _reader(field: MessageField) -> Callable[[Any, str], Any]:
+def _reader(field: MessageField) -> Callable[[Any, str], object]:
     if field.size != SINGLE:
         return _numbers_reader(field) if field.type in PRIMITIVES else _items_reader(field)
     if field.type == "string":
@@ -135,7 +135,7 @@ def _string(value: object, where: str) -> str:
     return value
 
 
-def _number_reader(field: MessageField) -> Callable[[Any, str], Any]:
+def _number_reader(field: MessageField) -> Callable[[Any, str], object]:
     # every integer that a float can represent; infinity is written as null
     low, high = -(1 << 1023), 1 << 1023
     if field.type == "bool":
@@ -157,7 +157,7 @@ def _number_reader(field: MessageField) -> Callable[[Any, str], Any]:
     return read
 
 
-def _numbers_reader(field: MessageField) -> Callable[[Any, str], Any]:
+def _numbers_reader(field: MessageField) -> Callable[[Any, str], object]:
     single = _number_reader(field)
     dtype = np.dtype("?" if field.type == "bool" else field.type)
 
@@ -184,7 +184,7 @@ def _numbers_reader(field: MessageField) -> Callable[[Any, str], Any]:
     return read
 
 
-def _items_reader(field: MessageField) -> Callable[[Any, str], Any]:
+def _items_reader(field: MessageField) -> Callable[[Any, str], object]:
     single = _reader(field._replace(size=SINGLE))
 
     def read(value: Any, where: str) -> list[Any]:

@@ -35,7 +35,7 @@ class SocketPublisher(SocketStream):
         """The message, or None if there is nothing to send; a line end is added if it is missing."""
         return to_json(self.data)
 
-    def own_form(self) -> Callable[[], Any] | None:
+    def own_form(self) -> Callable[[], object] | None:
         """See `KindStream.own_form`."""
         return None if type(self).encode is SocketPublisher.encode else self.encode
 

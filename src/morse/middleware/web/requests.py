@@ -54,7 +54,7 @@ class WebRequestManager(RequestManager):
         self.title = self._hub.name
         #: component and service by name; replaced, never modified, because the network thread reads it
         self.paths: dict[str, tuple[str, str]] = {}
-        self._inbox: Turns[HubClient, tuple[Any, str, bytes]] = Turns()
+        self._inbox: Turns[HubClient, tuple[object, str, bytes]] = Turns()
         self._share = TimeShare(context.time_shares)
         self._gone: deque[HubClient] = deque()
         self._cancelled: deque[tuple[HubClient, Any]] = deque()
@@ -177,7 +177,7 @@ class WebRequestManager(RequestManager):
             else:
                 self._calls[outcome] = (client, call)
 
-    def _listed(self, component: str, service: str, arguments: object) -> list[Any]:
+    def _listed(self, component: str, service: str, arguments: object) -> list[object]:
         """The arguments in the order of the service."""
         if arguments is None:
             return []
@@ -230,7 +230,7 @@ def encoded(value: Any) -> bytes:
     return _encoder.encode(value)
 
 
-def _decoded(arguments: bytes) -> Any:
+def _decoded(arguments: bytes) -> object:
     """The arguments of a call.
 
     Raises:

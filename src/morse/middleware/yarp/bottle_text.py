@@ -18,7 +18,7 @@ _ESCAPED = {"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", "\0": r"\0"}
 _DEEPEST = 32
 
 
-def to_text(values: list[Any]) -> str:
+def to_text(values: list[object]) -> str:
     """The text of a bottle, on one line."""
     return " ".join(map(_text, values))
 
@@ -39,7 +39,7 @@ def _text(value: object) -> str:
     return repr(value)
 
 
-def from_text(text: str) -> list[Any]:
+def from_text(text: str) -> list[object]:
     """The values of a text.
 
     Raises:

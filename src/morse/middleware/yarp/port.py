@@ -202,7 +202,7 @@ class Port:
             raise wire.WireError(f"a command has {len(command)} bytes, expected at most {_LARGEST_COMMAND}")
         return command
 
-    def _data(self, one: _Input, read: Callable[[_T], list[Any]], data: _T) -> None:
+    def _data(self, one: _Input, read: Callable[[_T], list[object]], data: _T) -> None:
         if self._take is None:
             return
         try:
@@ -240,7 +240,7 @@ class Port:
             return []
         return [Vocab("fail"), "send [help] for list of valid commands"]
 
-    def _list(self, direction: str, name: str) -> list[Any]:
+    def _list(self, direction: str, name: str) -> list[object]:
         if direction == "in":
             ways = [(one.source, self.name, one.carrier) for one in self._inputs if one.source.startswith("/")]
         else:
@@ -252,7 +252,7 @@ class Port:
                 return [[key, value] for key, value in zip(("from", "to", "carrier"), way, strict=True)]
         return []
 
-    async def _add(self, target: str, carrier: str) -> list[Any]:
+    async def _add(self, target: str, carrier: str) -> list[object]:
         found = _TARGET.match(target)
         if found is None:
             return [-1, f"Do not know how to connect to {target}\r\n"]
@@ -279,7 +279,7 @@ class Port:
         logger.info("yarp: %s sends to %s", self.name, name)
         return [0, f"Added connection from {self.name} to {name}\r\n"]
 
-    def _remove(self, name: str) -> list[Any]:
+    def _remove(self, name: str) -> list[object]:
         output = self.outputs.pop(name, None)
         for one in [one for one in self._inputs if one.source == name]:
             one.writer.close()

@@ -41,7 +41,7 @@ class YarpRequestManager(AnsweredRequests):
         self._ports: Ports | None = None
         self._requests: dict[str, Port] = {}
         self._replies: dict[str, Port] = {}
-        self._arrived: WaitingBottles[tuple[str, list[Any]]] = WaitingBottles(
+        self._arrived: WaitingBottles[tuple[str, list[object]]] = WaitingBottles(
             _MOST_WAITING, self._complaints, "yarp: service calls"
         )
         self._share = TimeShare(context.time_shares)
@@ -71,7 +71,7 @@ class YarpRequestManager(AnsweredRequests):
             self._requests[component_name] = self._ports.open(f"{path}/request", owner, self._taker(component_name))
         return True
 
-    def _taker(self, component: str) -> Callable[[list[Any], int], object]:
+    def _taker(self, component: str) -> Callable[[list[object], int], object]:
         def take(values: list[Any], count: int) -> None:
             self._arrived.append((component, values), count)
             self._context.wake()
@@ -122,7 +122,7 @@ class YarpRequestManager(AnsweredRequests):
         self._context.network.post(port.send, encode([f"{number} {state}{text}"]))
 
 
-def _request(values: list[Any]) -> tuple[str, str, list[Any]]:
+def _request(values: list[object]) -> tuple[str, str, list[object]]:
     """Component, service and arguments of a request.
 
     Raises:
@@ -136,7 +136,7 @@ def _request(values: list[Any]) -> tuple[str, str, list[Any]]:
     return str(values[1]), str(values[2]), list(given) if isinstance(given, (list, tuple)) else [given]
 
 
-def _literal(text: str) -> Any:
+def _literal(text: str) -> object:
     if not text.strip():
         return []
     if len(text) > _LONGEST:

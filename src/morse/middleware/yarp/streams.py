@@ -35,7 +35,7 @@ class YarpStream(KindStream):
         name = self.kwargs["port"] or self.manager.ports.name(path)
         self.port = self.manager.ports.open(name, self.component_name, self.taker())
 
-    def taker(self) -> Callable[[list[Any], int], object] | None:
+    def taker(self) -> Callable[[list[object], int], object] | None:
         """The function that takes the bottles that arrive."""
         return None
 
@@ -66,9 +66,9 @@ class YarpReader(YarpStream):
         self.fields = [name for name in self.data if name != "timestamp"]
         super().initialize()
 
-    def taker(self) -> Callable[[list[Any], int], object]:
+    def taker(self) -> Callable[[list[object], int], object]:
         """See `YarpStream.taker`."""
-        self._bottles: WaitingBottles[list[Any]] = WaitingBottles(
+        self._bottles: WaitingBottles[list[object]] = WaitingBottles(
             _MOST_WAITING, self.complaints, f"{self.component_name}: bottles"
         )
         return self._bottles.append

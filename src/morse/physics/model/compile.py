@@ -233,7 +233,7 @@ class _Builder:
             self._add_geoms(frame, slot, body, has_links)
         return slot
 
-    def _add_body(self, frame: Frame, slot: Slot) -> Any:
+    def _add_body(self, frame: Frame, slot: Slot) -> object:
         parent, pose = self._spec.worldbody, slot.pose
         position, rotation = np.array(pose.position), as_array(pose.rotation)
         if frame.parent is not None:

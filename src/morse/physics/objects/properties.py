@@ -79,7 +79,7 @@ def _is_plain(value: object) -> bool:
     return True
 
 
-def _copy(value: object) -> Any:
+def _copy(value: object) -> object:
     try:
         return plain_copy(value)
     except NotPlainError:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 _SINGLE = (type(None), bool, int, float, str, bytes)
@@ -13,7 +11,7 @@ class NotPlainError(ValueError):
     """A saved state cannot contain values of this type; the message names the type."""
 
 
-def plain_copy(value: object) -> Any:
+def plain_copy(value: object) -> object:
     """Return a copy that shares no mutable objects with the original.
 
     Raises:

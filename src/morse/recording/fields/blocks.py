@@ -187,7 +187,7 @@ class ReadBlock:
         return bisect_right(self.times, time)
 
 
-def _reader(column: Column, count: int) -> Callable[[int], Any]:
+def _reader(column: Column, count: int) -> Callable[[int], object]:
     """Return a function that returns the value of a row."""
     data = column.data
     if column.type in (_NUMBER, _SCALAR, _ARRAY, _LIST):

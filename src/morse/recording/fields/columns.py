@@ -126,7 +126,7 @@ class Columns:
         return Rows(np.array(ticks[:count], dtype=np.int64), columns, live)
 
 
-def _getter(indices: Sequence[int]) -> Callable[[Sequence[Any]], Sequence[Any]]:
+def _getter(indices: Sequence[int]) -> Callable[[Sequence[object]], Sequence[object]]:
     if len(indices) > 1:
         return itemgetter(*indices)
     return lambda values: [values[index] for index in indices]

@@ -53,7 +53,7 @@ class KeptPoses:
     def follow(self) -> None:
         """The objects may have changed."""
         self._displacements = self._relocated = -1
-        self._mountings: list[Any] = []
+        self._mountings: list[object] = []
         self._objects: list[Any] = []
         self._written: World | None = None
 

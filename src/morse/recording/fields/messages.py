@@ -99,13 +99,13 @@ def _alike(line: Line, rows: Rows) -> list[NDArray[np.intp]]:
         return [np.arange(len(rows.ticks))]
     if not others and all(values.count(values[0]) == len(values) for values in live):
         return [np.arange(len(rows.ticks))]
-    groups: dict[tuple[Any, ...], list[int]] = {}
+    groups: dict[tuple[object, ...], list[int]] = {}
     for row, values in enumerate(zip(*live, *others, strict=True)):
         groups.setdefault(tuple(map(_form, values)), []).append(row)
     return [np.array(group) for group in groups.values()]
 
 
-def _form(value: Any) -> Any:
+def _form(value: Any) -> object:
     """What messages of one size have in common."""
     kind = type(value)
     if issubclass(kind, float):
@@ -144,7 +144,7 @@ class _Chosen(dict[str, Any]):
     def __contains__(self, name: object) -> bool:
         return name in self._columns
 
-    def __missing__(self, name: str) -> Any:
+    def __missing__(self, name: str) -> object:
         column = self._columns[name]
         if isinstance(column, np.ndarray):
             self[name] = column[self._chosen]
@@ -186,7 +186,7 @@ def _attributes(line: Line, rows: Rows, row: int) -> SimpleNamespace:
     return SimpleNamespace(**dict(zip(line.properties, rows.live[0][row], strict=True)) if line.properties else {})
 
 
-def _at(column: Any, row: int) -> Any:
+def _at(column: Any, row: int) -> object:
     value = column[row]
     if isinstance(column, np.ndarray):
         return value.item() if column.ndim == 1 else value

@@ -98,7 +98,7 @@ class World(NamedTuple):
 
 def world_of(
     channels: Channels, nodes: Sequence[object], frames: Sequence[MovingFrame] | None
-) -> tuple[World, list[Any]]:
+) -> tuple[World, list[object]]:
     """Return what is written, and the objects whose mountings are needed."""
     bases = [frame for frame in frames or () if frame.start is not None]
     others = [frame for frame in frames or () if frame.start is None]

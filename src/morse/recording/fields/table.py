@@ -76,7 +76,7 @@ class FieldsTable:
             yield [(fields.time - one.log_time + one.publish_time) / 1e9, fields.time / 1e9, fields.tick, *values]
 
 
-def _fitting(value: object, types: tuple[type, ...]) -> Any:
+def _fitting(value: object, types: tuple[type, ...]) -> object:
     if types == (object,):
         return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
     is_number = bool not in types and isinstance(value, bool)

@@ -32,7 +32,7 @@ class Keeper:
 
     def __init__(self) -> None:
         self._writer = Writer(NoReferences())
-        self._ways: dict[type, Callable[[Any], Any]] = {
+        self._ways: dict[type, Callable[[Any], object]] = {
             **dict.fromkeys((float, int, bool, str, np.float64), _itself),
             np.ndarray: self._array,
             list: self._list,
@@ -44,7 +44,7 @@ class Keeper:
         way = self._ways.get(type(value))
         return self.written(value) if way is None else way(value)
 
-    def way_of(self, kind: type) -> Callable[[Any], Any] | None:
+    def way_of(self, kind: type) -> Callable[[Any], object] | None:
         """The function that keeps values of a type; None if they are constant."""
         way = self._ways.get(kind, self.written)
         return None if way is _itself else way
@@ -63,13 +63,13 @@ class Keeper:
         copy.flags.writeable = False
         return copy
 
-    def _made(self, value: object) -> Any:
+    def _made(self, value: object) -> object:
         """A value that was made for the recording."""
         return value if type(value) is np.ndarray and value.dtype.kind in "biuf" else self.kept(value)
 
-    def _list(self, value: list[Any]) -> Any:
+    def _list(self, value: list[object]) -> object:
         return value[:] if _CONSTANT.issuperset(map(type, value)) else self.written(value)
 
 
-def _itself(value: object) -> Any:
+def _itself(value: object) -> object:
     return value

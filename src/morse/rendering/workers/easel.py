@@ -51,7 +51,7 @@ class Easel:
             answer = summary(error)
         return pickle.dumps(answer, protocol=5)
 
-    def _draw(self, job: Job) -> Any:
+    def _draw(self, job: Job) -> object:
         for scene in job.gone:
             for table in (self._painters, self._memories, self._lenses):
                 table.pop(scene, None)

@@ -31,7 +31,7 @@ class Arranging:
     """
 
     context: Context
-    rpc: Callable[..., Any]
+    rpc: Callable[..., object]
     _check_open: Callable[[], None]
     _all_handles: Callable[[], dict[str, Any]]
     _ticker: Ticker

@@ -144,11 +144,11 @@ class Handles(Arranging):
         self._check_open()
         return self._requests.call(component, service, *arguments)
 
-    def rpc(self, component: str, service: str, *arguments: object) -> Any:
+    def rpc(self, component: str, service: str, *arguments: object) -> object:
         """Call a service, run the simulation until it has ended, and return its result."""
         return self.call(component, service, *arguments).result()
 
-    def rpc_t(self, timeout: float | None, component: str, service: str, *arguments: object) -> Any:
+    def rpc_t(self, timeout: float | None, component: str, service: str, *arguments: object) -> object:
         """Call a service, and return its result.
 
         Raises:

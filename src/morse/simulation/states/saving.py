@@ -204,7 +204,7 @@ class Saving:
         yield "inputs", InputsState(simulation)
 
 
-def _state_of(name: str, holder: Any) -> Any:
+def _state_of(name: str, holder: Any) -> object:
     try:
         return holder.get_state()
     except ENDINGS:
@@ -213,7 +213,7 @@ def _state_of(name: str, holder: Any) -> Any:
         raise StateError(f"{name} cannot be saved: {describe(error)}") from error
 
 
-def _with_attributes(holder: Any) -> Any:
+def _with_attributes(holder: Any) -> object:
     """The holder, if its state consists of its attributes; None if MORSE itself writes it as data."""
     return holder if isinstance(holder, (Object, AbstractModifier, MorseOverlay)) else None
 

@@ -26,7 +26,7 @@ class StateParts:
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
-        self._classes: dict[str, type[Any]] = {}
+        self._classes: dict[str, type[object]] = {}
         self._globals: dict[int, str] = {}
         self._by_name: dict[str, Any] = {}
 
@@ -55,7 +55,7 @@ class StateParts:
             return f"component {value.name()}"
         return next((name for name, part in self._fixed().items() if part is value), None)
 
-    def find(self, name: str) -> Any:
+    def find(self, name: str) -> object:
         """The part of that name."""
         kind, _, rest = name.partition(" ")
         context = self._simulation.context
@@ -86,7 +86,7 @@ class StateParts:
             raise StateError(f"the project has no variable {name!r:.80}")
         return self._by_name[name]
 
-    def find_class(self, path: str) -> type[Any] | None:
+    def find_class(self, path: str) -> type[object] | None:
         """Return a class of MORSE, of the project, or of a module in the same directory as a component of the scene."""
         module_name, _, name = path.partition(":")
         found: Any = self._module(module_name)
@@ -136,7 +136,7 @@ class StateParts:
                     yield f"{module.__name__}:{name}", value
 
 
-def _constants(cls: type[Any]) -> Iterator[tuple[str, Any]]:
+def _constants(cls: type[object]) -> Iterator[tuple[str, Any]]:
     for name, value in list(vars(cls).items()):
         if name.startswith("__") or isinstance(value, (*_PLAIN, type, property, staticmethod, classmethod)):
             continue

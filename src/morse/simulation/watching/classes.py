@@ -173,6 +173,6 @@ def _modifiers(declaration: ComponentDeclaration, component: Object) -> list[Any
     return component.output_modifiers if declaration.kind == "sensor" else component.input_modifiers
 
 
-def _is_stream(call: Callable[..., Any], streams: list[Any]) -> bool:
+def _is_stream(call: Callable[..., object], streams: list[object]) -> bool:
     owner = getattr(call, "__self__", None)
     return isinstance(owner, AbstractDatastream) or any(owner is stream for stream in streams)

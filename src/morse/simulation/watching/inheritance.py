@@ -29,12 +29,12 @@ class _Replaced:
     def name_of(self, value: object) -> str | None:
         return self._parts.name_of(value)
 
-    def find(self, name: str) -> Any:
+    def find(self, name: str) -> object:
         if name.startswith(_COMPONENT) and name.removeprefix(_COMPONENT) in self._components:
             return self._components[name.removeprefix(_COMPONENT)]
         return self._parts.find(name)
 
-    def find_class(self, path: str) -> type[Any] | None:
+    def find_class(self, path: str) -> type[object] | None:
         return self._parts.find_class(path)
 
     def met_class(self, cls: type[Any]) -> None:
@@ -118,7 +118,7 @@ def _adapt_fields(
     data.update({**fresh, **kept})
 
 
-def _kind(field: DataField) -> tuple[Any, ...]:
+def _kind(field: DataField) -> tuple[object, ...]:
     return field.type, field.shape, field.dtype, field.angle, field.quaternion
 
 

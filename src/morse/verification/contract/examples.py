@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 #: a number that is valid for most quantities
 _SOME = 0.3
-_deep: list[Any] = []
+_deep: list[object] = []
 for _ in range(100):
     _deep = [_deep]
 _endless: dict[str, Any] = {}
 _endless["again"] = _endless
 
 #: invalid or malicious values of clients
-BAD_VALUES: tuple[Any, ...] = (
+BAD_VALUES: tuple[object, ...] = (
     None, True, "nonsense", "", "\ud800", b"bytes", math.nan, math.inf, -math.inf, 1e308, -1e308, 1e30, -1e30, 5e-324,
     -1, 0, 10**400, 2**63, [], {}, [[]], [math.nan] * 3, [1e308] * 3, ["a", "b", "c"], [1.0] * 1000, {"x": None}, _deep,
     _endless, object(),
@@ -38,7 +38,7 @@ def example(component: Object) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _example(field: DataField, value: Any) -> Any:
+def _example(field: DataField, value: Any) -> object:
     if isinstance(value, bool):
         return not value
     if isinstance(value, (int, float)):
@@ -48,7 +48,7 @@ def _example(field: DataField, value: Any) -> Any:
     return None
 
 
-def _inside(number: Any, field: DataField) -> Any:
+def _inside(number: Any, field: DataField) -> object:
     if field.low is not None and number < field.low:
         return field.low
     return field.high if field.high is not None and number > field.high else number

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.declarations import properties
@@ -25,7 +25,7 @@ COMMANDS, CALLS = "survives bad commands", "survives bad calls"
 
 _COMMON = {declaration.name for declaration in declared_services(Object)}
 _MOST_ARGUMENTS = 4
-_NO_COMMANDS: tuple[Any, ...] = (None, [], "text", {}, {"no_such_field": 1.0}, {1: 2})
+_NO_COMMANDS: tuple[object, ...] = (None, [], "text", {}, {"no_such_field": 1.0}, {1: 2})
 
 
 class Rough:

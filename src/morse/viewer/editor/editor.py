@@ -76,7 +76,7 @@ class Editor:
         """Write the script, or only show what would be written."""
         self._attempt(event.request, lambda: self._save(write=event.write))
 
-    def _attempt(self, request: int, action: Callable[[], Any]) -> None:
+    def _attempt(self, request: int, action: Callable[[], object]) -> None:
         values: list[Any] = []
         if self._services.attempt(request, lambda: values.append(action())):
             self._server.send(Answer(request, True, values[0]))

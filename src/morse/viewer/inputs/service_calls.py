@@ -123,7 +123,7 @@ class ServiceCalls(RequestManager):
             self._server.send(PropertyValue(event.component, event.name, value))
             self._server.send(Answer(event.request, True, value))
 
-    def _property(self, component: str, name: str) -> Any:
+    def _property(self, component: str, name: str) -> object:
         owner: Any = self._context.component(component)
         declarations = properties(type(owner)).items()
         return next((getattr(owner, python_name) for python_name, p in declarations if p.name == name), None)

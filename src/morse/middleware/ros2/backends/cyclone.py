@@ -211,7 +211,7 @@ class CycloneBackend(Backend):
         #: types of discovered publishers by the DDS names of the topics of this participant
         self._types: dict[str, set[str]] = {}
 
-    def _topic(self, topic: str, type_name: str) -> Any:
+    def _topic(self, topic: str, type_name: str) -> object:
         key = (topic, type_name)
         if key not in self._topics:
             self._topics[key] = Topic(self.participant, f"rt{topic}", sample_type(type_name))

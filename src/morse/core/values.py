@@ -1,0 +1,20 @@
+"""Names for data whose form is declared at run time: by components, by types of messages, by users.
+
+A type checker cannot know the types of their values. `morse.core.validation` checks them against the declarations where
+they come in.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+#: values of data fields, by name: ``local_data``, commands, measurements
+Fields: TypeAlias = dict[str, Any]
+#: options that scripts give to streams, modifiers and managers
+Options: TypeAlias = dict[str, Any]
+#: the state of a part as plain data, see `morse.core.state`
+StateData: TypeAlias = dict[str, Any]
+#: a message of ROS: names of its fields to numbers, texts, arrays, lists and messages
+RosMessage: TypeAlias = dict[str, Any]
+#: an object in JSON
+JsonObject: TypeAlias = dict[str, Any]
