@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
 
 #: drag coefficients of a vessel along its axes, after those of streamlined bodies and of plates
@@ -26,7 +27,7 @@ _THINNEST = 1e-3  # m
 _HEAVE = 0.3
 #: maximum force and torque of the engine, N and N·m
 _MOST = 1e8
-_SIZE: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e4}
+_SIZE: Fields = {"unit": "m", "low": 0.0, "high": 1e4}
 
 
 class Hydrodynamics(Actuator):

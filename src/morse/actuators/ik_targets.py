@@ -11,6 +11,7 @@ from morse.mathutils.rotations import product, quaternion_from_rotation, rotatio
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from morse.core.values import Fields
     from morse.core.world import Body
     from morse.helpers.chain import Chain
 
@@ -73,7 +74,7 @@ class Follower:
         return best.values
 
 
-def targets_of(obj: Body) -> dict[str, Any]:
+def targets_of(obj: Body) -> Fields:
     """The targets of an armature by name."""
     return {child.name: child for child in obj.children if BONE in child.properties}
 

@@ -14,6 +14,7 @@ from morse.helpers.trajectory_tolerances import beyond
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
     from morse.helpers.trajectory_tolerances import Bound
 
@@ -56,7 +57,7 @@ class JointPaths(JointGains):
 
     # -- the service -----------------------------------------------------------------------
 
-    def plan(self, trajectory: dict[str, Any]) -> Plan:
+    def plan(self, trajectory: Fields) -> Plan:
         """Check a trajectory without following it.
 
         Raises:
@@ -164,13 +165,13 @@ class JointPaths(JointGains):
             None if velocities is None else [velocities[place] for place in places],
         )
 
-    def progress(self) -> dict[str, Any]:
+    def progress(self) -> Fields:
         """Return the measured joints, the setpoints and their differences; of a trajectory, for its joints."""
         trajectory = self._trajectory
         if trajectory is None:
             return super().progress()
         desired, actual, speeds, present = self._followed(trajectory)
-        sides: dict[str, dict[str, Any]] = {
+        sides: dict[str, Fields] = {
             "desired": {"positions": list(desired), "velocities": list(speeds)},
             "actual": {"positions": actual},
             "error": {"positions": [a - b for a, b in zip(desired, actual, strict=True)]},

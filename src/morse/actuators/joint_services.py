@@ -18,6 +18,7 @@ from morse.scene import JointKind
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
 
 _Speed = Annotated[float, Range(0.0, 1e4)]
@@ -112,7 +113,7 @@ class JointServices(JointMotion):
         self._stop()
         super().interrupt()
 
-    def progress(self) -> dict[str, Any]:
+    def progress(self) -> Fields:
         """Return the values of the joints and their setpoints."""
         return of_joints(self.joints, self._values, self._wanted())
 

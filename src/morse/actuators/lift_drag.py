@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.helpers.components import add_property
@@ -13,11 +13,12 @@ from morse.mathutils.rotations import turn
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
 
 #: speed below which there are no forces, m/s
 _SLOWEST = 0.01
-_SLOPE: dict[str, Any] = {"low": -1e4, "high": 1e4}
+_SLOPE: Fields = {"low": -1e4, "high": 1e4}
 
 
 class LiftDrag(Actuator):

@@ -14,6 +14,7 @@ from morse.helpers.components import add_data, add_kind, add_property
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
+    from morse.core.values import StateData
     from morse.core.world import Body
 
 _BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
@@ -65,7 +66,7 @@ class Light(Actuator):
     def _looks(self) -> tuple[float, str, float, float]:
         return float(self._distance), self._color, float(self._size), float(self._energy)
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state; that of the lamp belongs to its object."""
         super().set_state(state)
         self._shown = self._looks()

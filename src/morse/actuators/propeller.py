@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.helpers.components import add_data, add_property, add_state
@@ -13,11 +13,12 @@ from morse.scene import Control
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
 
 #: N and N m
 _STRONGEST = 1e8
-_SPEED: dict[str, Any] = {"unit": "rad/s", "low": -1e5, "high": 1e5}
+_SPEED: Fields = {"unit": "rad/s", "low": -1e5, "high": 1e5}
 
 
 class Propeller(Actuator):

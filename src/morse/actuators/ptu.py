@@ -18,6 +18,7 @@ from morse.helpers.components import add_data, add_kind, add_property
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
 
 _BASE, _HEAD = "PanBase", "TiltBase"
@@ -103,7 +104,7 @@ class PTU(Actuator):
         self.local_data["pan"], self.local_data["tilt"] = self.pan, self.tilt
         super().interrupt()
 
-    def progress(self) -> dict[str, Any]:
+    def progress(self) -> Fields:
         """Return both angles and their setpoints."""
         return of_joints(("pan", "tilt"), (self.pan, self.tilt), (self.local_data["pan"], self.local_data["tilt"]))
 

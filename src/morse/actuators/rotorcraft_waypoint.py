@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.actuators.going import ARRIVED, STOP, TRANSIT, marker
 from morse.actuators.rotorcraft import BankingRotorcraft
@@ -15,6 +15,7 @@ from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
 
 
@@ -110,7 +111,7 @@ class RotorcraftWaypoint(BankingRotorcraft):
         self.robot_parent.move_status = STOP
         super().interrupt()
 
-    def progress(self) -> dict[str, Any]:
+    def progress(self) -> Fields:
         """Return the distance to the destination."""
         here = self.robot_parent.bge_object.world_pose()[0]
         return of_distance(math.dist(here, [self.local_data[name] for name in "xyz"]))

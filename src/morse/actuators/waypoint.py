@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.actuators.going import STOP, TRANSIT, Going, marker
 from morse.actuators.obstacle_radars import REACH, ObstacleRadars
@@ -17,9 +17,10 @@ from morse.helpers.components import add_data, add_kind, add_property, add_state
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
 
-_SPEED: dict[str, Any] = {"unit": "m/s", "low": 0.0, "high": 1e4}
+_SPEED: Fields = {"unit": "m/s", "low": 0.0, "high": 1e4}
 #: heading error above which the robot turns on the spot
 _TURN_ON_THE_SPOT = math.radians(60.0)
 #: distance of an obstacle from the radars below which the robot turns on the spot, m
@@ -170,7 +171,7 @@ class Waypoint(Going):
         self.robot_parent.move_status = STOP
         super().interrupt()
 
-    def progress(self) -> dict[str, Any]:
+    def progress(self) -> Fields:
         """Return the distance to the destination, and the time at the present speed."""
         data = self.local_data
         return of_distance(self._distance(data["x"], data["y"], data["z"]), data["speed"])

@@ -12,6 +12,8 @@ from morse.core.services import ServiceDeclaration, declared_services
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.values import Fields
+
 logger = logging.getLogger(__name__)
 
 
@@ -28,7 +30,7 @@ class AbstractObject:
     add_state("running_service", str | None, "Name of the service that runs")
 
     def __init__(self) -> None:
-        self.local_data: dict[str, Any] = {}
+        self.local_data: Fields = {}
         self.on_completion: Callable[[Any], None] | None = None
         self.running_service: str | None = None
 
@@ -62,7 +64,7 @@ class AbstractObject:
         if self.on_completion is not None:
             self.completed(_status.PREEMPTED)
 
-    def progress(self) -> dict[str, Any]:
+    def progress(self) -> Fields:
         """Return the progress of the running service for the feedback of actions; empty if it is not known.
 
         Keys are the names of fields of feedback messages, such as ``distance_remaining`` (`morse.core.calls.progress`).

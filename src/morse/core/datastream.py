@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.values import Fields, Options
 
 
 _SECOND = 10**9
@@ -46,13 +47,13 @@ class AbstractDatastream(ABC):
     manager: DatastreamManager
     direction: str = ""
 
-    def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
+    def __init__(self, component_instance: Object, kwargs: Options) -> None:
         self.component_instance = component_instance
         self.component_name = component_instance.name()
         self.kwargs = kwargs
 
     @property
-    def data(self) -> dict[str, Any]:
+    def data(self) -> Fields:
         """``local_data`` of the component."""
         return self.component_instance.local_data
 
@@ -109,7 +110,7 @@ class DatastreamManager(Observer):
         super().__init_subclass__(**kwargs)
         cls._mapped = mapped_kinds(cls)
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         self.context = context
         self.streams: dict[str, list[Any]] = {}
         if not self.classpath:
@@ -165,7 +166,7 @@ class DatastreamManager(Observer):
 
         common = self._common_options(type(stream))
         # a class without declared options may have others of these names
-        options: dict[str, Any] = {
+        options: Options = {
             name: value for name, value in declaration.options.items() if name in common and _is_number(value)
         }
         timeout, period = options.get("timeout"), options.get("period")

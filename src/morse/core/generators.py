@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import numpy as np
 
+    from morse.core.values import StateData
+
 _WIDE = 16
 
 
@@ -22,7 +24,7 @@ def generator_state(generator: np.random.Generator) -> dict[str, Any]:
     }
 
 
-def set_generator_state(generator: np.random.Generator, state: dict[str, Any]) -> None:
+def set_generator_state(generator: np.random.Generator, state: StateData) -> None:
     """Restore a state that `generator_state` returned."""
     generator.bit_generator.state = {
         "bit_generator": "PCG64",

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from morse.core.clients.complaints import Complaints
     from morse.core.clock import Clock
     from morse.core.services import ServiceDeclaration
+    from morse.core.values import Fields
     from morse.core.world import Body, World
     from morse.helpers.transformation import Transformation3d
     from morse.scene import Scene, StreamDeclaration
@@ -48,7 +49,7 @@ class Entry(Protocol):
 
     is_changed: bool
 
-    def data_of(self, member: Component) -> dict[str, Any]:
+    def data_of(self, member: Component) -> Fields:
         """Return the data of a component."""
 
     def release(self) -> None:
@@ -150,7 +151,7 @@ class Component(Offering, Protocol):
     """A component, see `morse.core.object.Object`."""
 
     bge_object: Body
-    local_data: dict[str, Any]
+    local_data: Fields
     frequency: float
     position_3d: Transformation3d
     input_functions: list[Callable[..., object]]

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import Option
     from morse.core.object import Object
+    from morse.core.values import Fields, Options, StateData
 
 logger = logging.getLogger(__name__)
 
@@ -42,21 +43,21 @@ class AbstractModifier(ABC):
     #: attributes that are not part of the state: they are created from the scene
     not_state: ClassVar[tuple[str, ...]] = ("component_instance", "kwargs", "_complaints", "covariances")
 
-    def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
+    def __init__(self, component_instance: Object, kwargs: Options) -> None:
         self.component_instance = component_instance
         self.kwargs = kwargs if self.options is None else checked_options(type(self).__name__, self.options, kwargs)
         self._complaints: set[str] = set()
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the state of the modifier: its attributes, except those in `not_state`."""
         return state_of(self)
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state that `get_state` returned."""
         replace(self, self.get_state(), state)
 
     @property
-    def data(self) -> dict[str, Any]:
+    def data(self) -> Fields:
         """The data of the component."""
         return self.component_instance.local_data
 

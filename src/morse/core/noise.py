@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.declarations import DataField
+    from morse.core.values import StateData
     from morse.scene.realism import NoiseModel
 
 
@@ -86,11 +87,11 @@ class Noise:
             values = np.where(np.isfinite(values), clipped, values)
         return values
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the state that determines the future errors, as plain data."""
         return {"random": generator_state(self._random), "bias": copy.copy(self._bias)}
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state that `get_state` returned."""
         set_generator_state(self._random, state["random"])
         self._bias = copy.copy(state["bias"])

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.interfaces import Carrier, Entry, Modifier
     from morse.core.parts.moving_parts import MovingPart
+    from morse.core.values import Fields, StateData
     from morse.core.world import Body
 
 logger = logging.getLogger(__name__)
@@ -163,7 +164,7 @@ class Object(Requesting, AbstractObject):
         """The joints of the component and the parts that they move, parents before their children."""
         return ()
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the state of the component: its attributes, except those in `not_state`.
 
         Override it together with `set_state` for a component that keeps a part of its state elsewhere.
@@ -175,7 +176,7 @@ class Object(Requesting, AbstractObject):
             own["local_data"] = own.pop("local_data", data)
         return own
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state that `get_state` returned.
 
         Raises:
@@ -289,7 +290,7 @@ class Object(Requesting, AbstractObject):
     @service(changes=False)
     def get_configurations(self) -> dict[str, Any]:
         """Return the values of the properties, and the pose of the component on its robot."""
-        configuration: dict[str, Any] = {
+        configuration: Fields = {
             prop.name: getattr(self, python_name) for python_name, prop in properties(type(self)).items()
         }
         if self.robot_parent is not None:

@@ -10,6 +10,8 @@ from morse.core.state.attributes import replace, state_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.values import StateData
+
 
 class MorseOverlay(AbstractObject):
     """Base of overlays.
@@ -26,11 +28,11 @@ class MorseOverlay(AbstractObject):
     #: attributes that are not part of the state: they are created from the scene
     not_state: ClassVar[tuple[str, ...]] = ("overlaid_object", "options", "on_completion")
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the state of the overlay: its attributes, except those in `not_state`."""
         return state_of(self)
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state that `get_state` returned."""
         replace(self, self.get_state(), state)
         # the client that called a running service may have disconnected

@@ -16,6 +16,7 @@ from morse.core.streams.local_data import LocalData
 if TYPE_CHECKING:
     from morse.core.interfaces import Component
     from morse.core.sensor import Sensor
+    from morse.core.values import Fields, StateData
     from morse.scene.realism import NoiseModel, RealismModel
 
 
@@ -53,7 +54,7 @@ class Realism:
         values = sensor.local_data if self.delay else self._noises
         self._truth = {name: copied(sensor.local_data[name]) for name in values}
         self._last: float | None = None
-        self._waiting: deque[tuple[float, dict[str, Any]]] = deque()
+        self._waiting: deque[tuple[float, Fields]] = deque()
 
     def changes(self) -> dict[str, dict[str, float]]:
         """Return the noise of each field like `AbstractModifier.changes`; an error of rounding is uniform."""
@@ -83,7 +84,7 @@ class Realism:
         data.clear()
         data.update(measurement)
 
-    def _change(self, measurement: dict[str, Any], time: float) -> bool:
+    def _change(self, measurement: Fields, time: float) -> bool:
         """Add noise to a measurement, complete its fields, and apply the modifiers; False if one of these has failed.
 
         Args:
@@ -111,7 +112,7 @@ class Realism:
             data.update(self._waiting.popleft()[1])
             self._publish()
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the state that determines the future data, as plain data."""
         return {
             "truth": copied(self._truth),
@@ -120,7 +121,7 @@ class Realism:
             "noises": {name: noise.get_state() for name, noise in self._noises.items()},
         }
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state that `get_state` returned."""
         self._truth = copied(state["truth"])
         self._last = state["last"]

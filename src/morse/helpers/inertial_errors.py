@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.generators import generator_state, set_generator_state
 
@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     import numpy as np
+
+    from morse.core.values import Fields, StateData
 
 #: the largest Allan deviation of a first-order Gauss-Markov process, in units of its standard deviation
 _GAUSS_MARKOV_PEAK = 0.6175
@@ -38,7 +40,7 @@ class ErrorTerms(NamedTuple):
         """Standard deviation of the bias with a correlation time, u."""
         return self.instability / _GAUSS_MARKOV_PEAK
 
-    def deviations(self, frequency: float) -> dict[str, Any]:
+    def deviations(self, frequency: float) -> Fields:
         """Return the errors of measurements with a frequency, Hz, like `AbstractModifier.changes`."""
         white = [math.hypot(density * math.sqrt(frequency), self.spread) for density in self.density]
         return {"stddev": white, "walk": self.random_walk}
@@ -85,11 +87,11 @@ class InertialErrors:
             z + bias_z + drift_z + sigma_z * white_z,
         ]
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the state that determines the future errors."""
         return {"random": generator_state(self._random), "bias": list(self._bias), "walk": list(self._walk)}
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state that `get_state` returned."""
         set_generator_state(self._random, state["random"])
         self._bias, self._walk = list(state["bias"]), list(state["walk"])

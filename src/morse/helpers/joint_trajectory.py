@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
@@ -12,6 +12,8 @@ from morse.helpers.trajectory_tolerances import Tolerances, bounds_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from morse.core.values import Fields
 
 _MOST_POINTS = 100_000
 _FARTHEST, _LONGEST = 1e6, 1e9
@@ -51,7 +53,7 @@ class Plan(NamedTuple):
     tolerances: Tolerances
 
 
-def plan_of(trajectory: dict[str, Any], names: Sequence[str]) -> Plan:
+def plan_of(trajectory: Fields, names: Sequence[str]) -> Plan:
     """Parse a trajectory of a client.
 
     Args:

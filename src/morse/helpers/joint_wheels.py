@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from morse.core.values import Fields
     from morse.core.world import Body
     from morse.scene import Bone
     from morse.scene.shapes import CollisionShape
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     _Points = npt.NDArray[np.float64]
 
 #: unit and range of the properties of drives that are lengths of wheels, or between wheels
-WHEEL_LENGTH: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 100.0}
+WHEEL_LENGTH: Fields = {"unit": "m", "low": 0.0, "high": 100.0}
 #: cosine of the largest angle between an axle and the Y axis of the robot
 _ALONG = 0.9
 #: a wheel that touches the ground is at most this part of its radius above the lowest one

@@ -10,6 +10,8 @@ from morse.many.pool import ONE_THREAD
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.values import Options
+
 #: how often Ray tries a pack whose node dies
 _RETRIES = 2
 
@@ -34,7 +36,7 @@ class RayExecutor(Executor):
             raise ImportError("Ray is not installed: pip install 'morse-simulator[ray]'") from None
         self._ray, self._starts = ray, not ray.is_initialized()
         if self._starts:
-            options: dict[str, Any] = {"log_to_driver": False, "logging_level": "ERROR"}
+            options: Options = {"log_to_driver": False, "logging_level": "ERROR"}
             if address == "local":
                 options |= {"num_cpus": workers, "include_dashboard": False}
             ray.init(address=address, **options)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from contextlib import AbstractContextManager
 
+    from morse.core.values import Options
     from morse.many.stock import Stock
     from morse.simulation.simulation import Simulation
 
@@ -48,7 +49,7 @@ class Run(NamedTuple):
 class Runs(Protocol):
     """What does runs: `morse.many.study.Study`."""
 
-    options: dict[str, Any]
+    options: Options
     timeout: float | None
 
     @property

@@ -13,6 +13,7 @@ from morse.scene import Scene
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.values import Options
     from morse.simulation.simulation import Simulation
 
 
@@ -35,7 +36,7 @@ class Scenes:
         TypeError: the number of rows is not an integer, or there is no such option.
     """
 
-    def __init__(self, scene: Scene, rows: int | None, arguments: Sequence[Any], options: dict[str, Any]) -> None:
+    def __init__(self, scene: Scene, rows: int | None, arguments: Sequence[Any], options: Options) -> None:
         for name in options:
             if name not in _OPTIONS:
                 text = f"morse.batch has no argument '{name}'{nearest(name, list(_ARGUMENTS))}"

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from concurrent.futures import Executor
 
+    from morse.core.values import Options
     from morse.many.table import Table
 
 #: arguments of `Study` that cannot be parameters
@@ -50,7 +51,7 @@ class Study:
         *,
         seeds: int | Sequence[int] = 1,
         arguments: Sequence[str] = (),
-        options: dict[str, Any] | None = None,
+        options: Options | None = None,
         timeout: float | None = None,
         **parameters: Any,
     ) -> None:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.object import Object
+    from morse.core.values import Options
 
 _AXES = ("x", "y", "z")
 _FIELDS = {"gyro_std": "angular_velocity", "accel_std": "linear_acceleration"}
@@ -38,7 +39,7 @@ class IMUNoiseModifier(AbstractModifier):
 
     add_state("_random", np.random.Generator, "Noise")
 
-    def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
+    def __init__(self, component_instance: Object, kwargs: Options) -> None:
         super().__init__(component_instance, kwargs)
         self._deviations = {
             field: list(deviations(option, self.parameter(option, default=0.5), _AXES).values())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.object import Object
+    from morse.core.values import Options
 
 _FULL_TURN = 2.0 * math.pi
 #: the axes x, y and yaw of a covariance of six axes
@@ -57,7 +58,7 @@ class OdometryNoiseModifier(AbstractModifier):
     add_state("_yaw_error", float, "Error of the yaw", unit="rad")
     add_state("_spread", tuple, "Covariance of the measured path: xx, xy, x yaw, yy, y yaw, yaw yaw")
 
-    def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
+    def __init__(self, component_instance: Object, kwargs: Options) -> None:
         super().__init__(component_instance, kwargs)
         parameters = {
             name: float(self.parameter(name, default=option.default)) for name, option in self.options.items()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.object import Object
+    from morse.core.values import Options
 
 _POSITION, _ANGLES = ("x", "y", "z"), ("roll", "pitch", "yaw")
 _FLAT = ("x", "y", "yaw")
@@ -40,7 +41,7 @@ class NoiseModifier(AbstractModifier):
 
     add_state("_random", np.random.Generator, "Noise")
 
-    def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
+    def __init__(self, component_instance: Object, kwargs: Options) -> None:
         super().__init__(component_instance, kwargs)
         position_deviations = deviations("pos_std", self.parameter("pos_std", default=0.05), _POSITION)
         position_deviations.update(deviations("rot_std", self.parameter("rot_std", default=math.radians(5.0)), _ANGLES))

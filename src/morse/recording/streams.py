@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.values import Options
     from morse.recording.disk import Disk
     from morse.recording.fields.messages import Batch
     from morse.rosmsgs.qos import Qos
@@ -266,7 +267,7 @@ class RecordedStreams(TopicManager):
             options = next((dict(s.options) for s in declared.streams if s.manager == ROS2_MANAGER), {})
             self._add(component, options)
 
-    def _add(self, component: Object, options: dict[str, Any]) -> None:
+    def _add(self, component: Object, options: Options) -> None:
         refusal: MorseError | None = None
         # of two sensors that could move a robot in the tree of frames, only one does
         for more in ({}, {"tf": False}):

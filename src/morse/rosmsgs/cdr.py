@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.values import RosMessage
     from morse.rosmsgs.definitions import MessageField
 
     Write = Callable[[bytearray, Any], None]
@@ -108,7 +109,7 @@ def encode_rows(type_name: str, message: Mapping[str, object], count: int) -> ND
     return rows.joined()
 
 
-def decode(type_name: str, data: bytes) -> dict[str, Any]:
+def decode(type_name: str, data: bytes) -> RosMessage:
     """Decode a message from untrusted bytes; sequences of numbers become numpy arrays.
 
     Raises:
@@ -117,7 +118,7 @@ def decode(type_name: str, data: bytes) -> dict[str, Any]:
     kind = bytes(data[:2])
     if len(data) < len(_HEADER) or kind not in (_BIG, _LITTLE):
         raise CdrError(f"{type_name}: not CDR version 1: {bytes(data[:4])!r}")
-    message: dict[str, Any] = _struct_reader(type_name, "<" if kind == _LITTLE else ">")(_Bytes(memoryview(data)[4:]))
+    message: RosMessage = _struct_reader(type_name, "<" if kind == _LITTLE else ">")(_Bytes(memoryview(data)[4:]))
     return message
 
 

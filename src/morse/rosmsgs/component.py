@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
     from morse.core.robot import Robot
+    from morse.core.values import Options, RosMessage
     from morse.core.world.body import Mounting
     from morse.rosmsgs.outlets import Outlet
     from morse.rosmsgs.poses import Motion
@@ -67,7 +68,7 @@ class ComponentMessages:
     table: ClassVar[TopicTable] = Ros2Topics()
     component_instance: Object
     component_name: str
-    kwargs: dict[str, Any]
+    kwargs: Options
     kinds: tuple[BoundKind, ...]
 
     def frames(self) -> set[str]:
@@ -198,7 +199,7 @@ class ComponentMessages:
             covariance_of_robot(message.twist_covariance, mounting, floats(arm)),
         )
 
-    def odometry(self, message: Message, frame: str, mounting: Transformation3d | None = None) -> dict[str, Any]:
+    def odometry(self, message: Message, frame: str, mounting: Transformation3d | None = None) -> RosMessage:
         """``nav_msgs/Odometry`` of the robot, wherever the sensor is mounted.
 
         Args:

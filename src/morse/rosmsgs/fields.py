@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
+    from morse.core.values import RosMessage
 
 _SINGLE = ((bool, "Bool"), (int, "Int64"), (float, "Float64"), (str, "String"))
 
@@ -43,12 +44,12 @@ def _are_numbers(value: object) -> bool:
     return array.ndim > 0 and array.dtype.kind in "biuf"
 
 
-def _single(component: Object, name: str) -> Callable[[Message, str], dict[str, Any]]:
+def _single(component: Object, name: str) -> Callable[[Message, str], RosMessage]:
     return lambda m, f: {"data": component.local_data[name]}
 
 
-def _array(component: Object, name: str) -> Callable[[Message, str], dict[str, Any]]:
-    def make(message: Message, frame: str) -> dict[str, Any]:
+def _array(component: Object, name: str) -> Callable[[Message, str], RosMessage]:
+    def make(message: Message, frame: str) -> RosMessage:
         array = np.asarray(component.local_data[name], dtype=np.float64)
         strides = [int(np.prod(array.shape[axis:])) for axis in range(array.ndim)]
         dimensions = [

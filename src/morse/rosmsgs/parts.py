@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.kinds import Message
+    from morse.core.values import RosMessage
 
 _SECOND = 10**9
 _NO_TURN = (0.0, 0.0, 0.0, 1.0)
@@ -28,12 +29,12 @@ def time(stamp: Any) -> dict[str, int]:
     return {"sec": stamp // _SECOND, "nanosec": stamp % _SECOND}
 
 
-def header_at(stamp: object, frame: str) -> dict[str, Any]:
+def header_at(stamp: object, frame: str) -> RosMessage:
     """``std_msgs/Header`` from whole ns."""
     return {"stamp": time(stamp), "frame_id": frame}
 
 
-def header(message: Message, frame: str) -> dict[str, Any]:
+def header(message: Message, frame: str) -> RosMessage:
     """``std_msgs/Header``."""
     return {"stamp": time(message.stamp), "frame_id": frame}
 

@@ -18,6 +18,7 @@ from morse.rosmsgs.names import checked_topic
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+    from morse.core.values import RosMessage
     from morse.rosmsgs.qos import Qos
 
 _RELIABILITY = {"reliable": True, "best_effort": False}
@@ -152,7 +153,7 @@ def _remap(value: object, where: str) -> Remap:
         return Remap(where, "/" + _checked(value, where).lstrip("/"))
     if not value:
         raise MorseMiddlewareError(f"{where}: expected a new name, or {', '.join(_ENTRIES)}")
-    changes: dict[str, Any] = {}
+    changes: RosMessage = {}
     for key, (entry, line) in value.items():
         if key == "topic":
             changes["topic"] = "/" + _checked(entry, line).lstrip("/")

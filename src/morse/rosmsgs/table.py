@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import RosMessage
     from morse.rosmsgs.outlets import Inlet, Outlet
 
 _F = TypeVar("_F", bound="Callable[..., Any]")
@@ -34,7 +35,7 @@ class Carrier(Protocol):
     def kinds(self) -> Sequence[BoundKind]:
         """All message kinds of the component."""
 
-    def odometry(self, message: Message, frame: str) -> dict[str, Any]:
+    def odometry(self, message: Message, frame: str) -> RosMessage:
         """``nav_msgs/Odometry`` of the robot."""
 
     def odometry_numbers(self, message: Message) -> tuple[float, ...]:

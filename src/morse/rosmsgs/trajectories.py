@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.kinds import BoundKind
+    from morse.core.values import RosMessage
 
 _SECOND = 1e9
 _QUANTITIES = ("positions", "velocities", "accelerations")
@@ -34,7 +35,7 @@ def service_call(message: Mapping[str, Any], bound: BoundKind) -> tuple[str, lis
     return "trajectory", [trajectory_of(message)]
 
 
-def trajectory_of(message: Mapping[str, Any]) -> dict[str, Any]:
+def trajectory_of(message: Mapping[str, Any]) -> RosMessage:
     """The trajectory of some joints; the other joints keep their setpoints.
 
     It starts at the stamp of its header, or now if that is 0.
@@ -48,8 +49,8 @@ def trajectory_of(message: Mapping[str, Any]) -> dict[str, Any]:
     return {"starttime": start, **trajectory} if start else trajectory
 
 
-def _point(point: Mapping[str, Any], count: int) -> dict[str, Any]:
-    result: dict[str, Any] = {"time_from_start": seconds(point["time_from_start"])}
+def _point(point: Mapping[str, Any], count: int) -> RosMessage:
+    result: RosMessage = {"time_from_start": seconds(point["time_from_start"])}
     for quantity in _QUANTITIES:
         values = point[quantity]
         if not len(values) and quantity != "positions":

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from morse.core.realism import Realism
     from morse.core.robot import Robot
     from morse.core.sensor import Pose
+    from morse.core.values import Fields
     from morse.core.watched_space import WatchedSpace
     from morse.core.world import Body
     from morse.rendering import CameraRequest, Lens, Picture
@@ -42,7 +43,7 @@ _OF_LENS = (
 #: methods whose override determines what an image depends on
 _OF_AN_IMAGE = {"take", "measure", "develop", "default_action", "action", "sensor_setup"}
 #: declaration of the field ``intrinsic_matrix``
-INTRINSIC: dict[str, Any] = {
+INTRINSIC: Fields = {
     "default_value": [[0.0] * 3] * 3,
     "type": "mat3<float>",
     "doc": "Focal lengths and principal point, px; the centre of the first pixel is at 0",
@@ -51,7 +52,7 @@ INTRINSIC: dict[str, Any] = {
     "shape": (3, 3),
 }
 #: slots of the kind ``camera_info``
-CAMERA_INFO: dict[str, Any] = {
+CAMERA_INFO: Fields = {
     "topic": "camera_info",
     "width": lambda camera: camera.image_width,
     "height": lambda camera: camera.image_height,
@@ -325,7 +326,7 @@ class Camera(Sensor):
 
     def shown(self) -> Mapping[str, Any]:
         """The fields ``image``, ``timestamp`` and ``objects`` as the live view shows them."""
-        data: dict[str, Any] = self.local_data
+        data: Fields = self.local_data
         return data
 
     def note(self) -> Any:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.sensor import Pose
+    from morse.core.values import Fields, StateData
     from morse.rendering import Lens, Picture
     from morse.rendering.shot import Shot
     from morse.scene.realism import RealismModel
@@ -61,7 +62,7 @@ class Exposure:
         """Return the image, and wait until it is complete."""
         return self._shot.picture()
 
-    def get_state(self, uses: Sequence[str]) -> dict[str, Any]:
+    def get_state(self, uses: Sequence[str]) -> StateData:
         """Return the complete image, with some of its fields, as plain data."""
         picture = self.picture()
         return {
@@ -73,7 +74,7 @@ class Exposure:
         }
 
     @classmethod
-    def from_state(cls, state: dict[str, Any], uses: Sequence[str]) -> Exposure:
+    def from_state(cls, state: StateData, uses: Sequence[str]) -> Exposure:
         """Restore an image with some of its fields.
 
         Raises:
@@ -84,7 +85,7 @@ class Exposure:
 
         if set(state["picture"]) != set(_stored(uses)):
             raise StateError("the saved state is damaged: an image lacks fields")
-        fields: dict[str, Any] = {"rgba": None, "normals": None, "nodes": [], "names": []}
+        fields: Fields = {"rgba": None, "normals": None, "nodes": [], "names": []}
         for name, (kind, axes) in _ARRAYS.items():
             values = state["picture"].get(name)
             if values is None:
@@ -172,11 +173,11 @@ class DelayedPictures(Realism):
         self.exposures.clear()
         return count
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the state, with all unfinished images, which are completed first."""
         return {**super().get_state(), "exposures": [exposure.get_state(self._uses) for exposure in self.exposures]}
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state that `get_state` returned."""
         super().set_state(state)
         self.exposures = deque(Exposure.from_state(one, self._uses) for one in state["exposures"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +18,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
     from morse.rendering import Picture
 
 
-_VELODYNE_BODY: dict[str, Any] = {"frequency": 20.0, "model": "velodyne", "part": "VelodyneMesh"}
+_VELODYNE_BODY: Fields = {"frequency": 20.0, "model": "velodyne", "part": "VelodyneMesh"}
 
 
 def _points(camera: DepthCamera) -> NDArray[np.float32]:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from morse.core.noise import Noise
     from morse.core.robot import Robot
+    from morse.core.values import Fields
     from morse.core.world import Body
 
 #: downward tilt of the fan of a rotating scanner
@@ -101,9 +102,9 @@ def _ranges_at(_snapshots: object, kept: Sequence[Sequence[NDArray[np.float64]]]
     return {"range_list": arrays_of(kept)}
 
 
-_SEPARATION: dict[str, Any] = {"unit": "deg", "low": -180.0, "high": 180.0}
-_OFFSET: dict[str, Any] = {"unit": "deg", "low": -360.0, "high": 360.0}
-_SCAN: dict[str, Any] = {
+_SEPARATION: Fields = {"unit": "deg", "low": -180.0, "high": 180.0}
+_OFFSET: Fields = {"unit": "deg", "low": -360.0, "high": 360.0}
+_SCAN: Fields = {
     "ranges": computed(_ranges, "laser_range", "scan_window", "range_min", by_rows=True),
     "intensities": computed(_remissions, "scan_window", by_rows=True),
     "angle_min": prop("scan_window", scale=-0.5),

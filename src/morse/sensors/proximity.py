@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
@@ -13,6 +13,9 @@ from morse.core.services import service
 from morse.core.validation.arguments import Range
 from morse.core.watched_space import WatchedSpace
 from morse.helpers.components import add_data, add_property
+
+if TYPE_CHECKING:
+    from morse.core.values import Fields
 
 Reach = Annotated[float, Range(**LENGTH, allow=("inf",))]
 
@@ -65,7 +68,7 @@ class Proximity(Sensor):
         """Find the nearby objects."""
         own, tag = self.robot_parent.bge_object, self._tag
         here = own.world_pose()[0]
-        near: dict[str, Any] = {}
+        near: Fields = {}
         for obj in self.context.world.objects():
             if tag in obj.properties and obj is not own:
                 distance = math.dist(here, obj.world_pose()[0])

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.robot import Robot
+    from morse.core.values import Fields, StateData
     from morse.core.world import Body
     from morse.rendering import Picture
     from morse.rendering.things import Things
@@ -37,7 +38,7 @@ def _ids(camera: SegmentationCamera) -> NDArray[np.uint16]:
     return camera.top_first(camera.local_data["image"])
 
 
-def _records(camera: SegmentationCamera) -> list[dict[str, Any]]:
+def _records(camera: SegmentationCamera) -> list[Fields]:
     """Return the visible objects in the form of messages."""
     fields = ("position", "orientation", "size", "box")
     return [
@@ -135,7 +136,7 @@ class SegmentationCamera(Camera):
         self._thing_ids: dict[str, int] = {}
         self._things: Things | None = None
         self._of_nodes: list[Node] | None = None
-        self._table: list[dict[str, Any]] = []
+        self._table: list[Fields] = []
 
     def _named_classes(self) -> dict[str, int]:
         names = dict.fromkeys(name.strip() for name in str(self.class_names).split(",") if name.strip())
@@ -150,7 +151,7 @@ class SegmentationCamera(Camera):
         if name in _OF_LABELS:
             self._of_nodes = None
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state, and compute the labels from it."""
         super().set_state(state)
         self._of_nodes = None
@@ -206,7 +207,7 @@ class SegmentationCamera(Camera):
             self._table = [self._label(node, node in robots) for node in self._things.nodes]
         return self._things
 
-    def _label(self, node: Node, is_robot: bool) -> dict[str, Any]:
+    def _label(self, node: Node, is_robot: bool) -> Fields:
         obj = self.context.world.object_of(node)
         kind = str(obj.get(self.class_tag, _ROBOT if is_robot else ""))
         return {
@@ -222,7 +223,7 @@ class SegmentationCamera(Camera):
             return 0
         return numbers.setdefault(name, len(numbers) + 1)
 
-    def _in_space(self, number: int) -> dict[str, Any]:
+    def _in_space(self, number: int) -> Fields:
         """Return the bounding box of an object in the frame given by ``relative``."""
         assert self._things is not None
         box = self._things.box(number)

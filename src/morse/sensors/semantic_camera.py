@@ -16,6 +16,7 @@ from morse.sensors.camera import Camera
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from morse.core.values import Fields
     from morse.core.world import Body
     from morse.rendering import Picture
 
@@ -27,7 +28,7 @@ _MOST_SHOWN = 200
 _TYPE = "Type"
 
 
-def _records(camera: SemanticCamera) -> list[dict[str, Any]]:
+def _records(camera: SemanticCamera) -> list[Fields]:
     """Return the objects in the form of messages."""
     return [
         {
@@ -78,7 +79,7 @@ class SemanticCamera(Camera):
     tag: str
     visibility: str
 
-    def note(self) -> list[tuple[dict[str, Any], list[str] | None]] | None:
+    def note(self) -> list[tuple[Fields, list[str] | None]] | None:
         """Return the objects that may be visible, for an image with a delay: their data, and their `_candidates`."""
         if not self.request.beside:
             return None
@@ -119,7 +120,7 @@ class SemanticCamera(Camera):
             }
         return {**self._shown, "timestamp": self.local_data.get("timestamp", 0.0)}
 
-    def _box(self, number: int, thing: Any, picture: Picture) -> dict[str, Any] | None:
+    def _box(self, number: int, thing: Any, picture: Picture) -> Fields | None:
         """The border of an object in the image, px; None if it is not in the image."""
         parts = {node.name for node in thing.node.walk()}
         mask = np.isin(picture.ids, [n for n, name in enumerate(picture.names) if name in parts])
@@ -167,7 +168,7 @@ class SemanticCamera(Camera):
         obstacle = self.bge_object.rayCastTo(obj)
         return obstacle is not None and (obstacle.node in obj.node.walk() or obstacle.node in obj.node.ancestors())
 
-    def _described(self, obj: Body) -> dict[str, Any]:
+    def _described(self, obj: Body) -> Fields:
         position, rotation = obj.world_pose()
         if self.relative:
             here, camera_rotation = self.bge_object.world_pose()

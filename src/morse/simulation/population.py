@@ -24,6 +24,7 @@ from morse.simulation.loader import connect, load_components
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from morse.core.values import StateData
     from morse.scene import ComponentDeclaration, Node, Zone
     from morse.simulation.running import Running
 
@@ -275,7 +276,7 @@ class Population:
         nodes = {node for root in roots for node in root.walk()}
         return Newcomer(roots, [declared for declared in scene.components if declared.node in nodes])
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the spawned objects with their kinds and poses, and the names of the deleted objects.
 
         An object that a function of the process created is saved by name only, and cannot be recreated in another
@@ -290,7 +291,7 @@ class Population:
             "gone": [root.name for root in self._launch[0] if root.name not in present],
         }
 
-    def set_state(self, state: dict[str, Any], makers: Mapping[str, Callable[[], Any]] = _NO_MAKERS) -> None:
+    def set_state(self, state: StateData, makers: Mapping[str, Callable[[], Any]] = _NO_MAKERS) -> None:
         """Spawn and delete robots and objects until they match the state.
 
         Args:

@@ -13,7 +13,7 @@ import sys
 import threading
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.script import ScriptError, load_scene
 from morse.core.exceptions import MorseError
@@ -27,6 +27,7 @@ from morse.verification.onlookers import Onlookers
 if TYPE_CHECKING:
     from typing import TextIO
 
+    from morse.core.values import Options
     from morse.simulation.simulation import Simulation
 
 #: timeout of a run in step with the wall clock, s
@@ -46,7 +47,7 @@ class Replay:
         paced: wait for the wall clock between ticks.
     """
 
-    options: dict[str, Any]
+    options: Options
     ticks: int
     restarts: int = 0
     clients: int = 0

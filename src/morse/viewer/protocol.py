@@ -13,13 +13,16 @@ import operator
 import reprlib
 import struct
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from morse.viewer import page_messages, view_messages
 from morse.viewer.page_messages import PageMessage
 from morse.viewer.view_messages import Payload, ServerMessage
+
+if TYPE_CHECKING:
+    from morse.core.values import JsonObject
 
 VERSION = 3
 """Increased whenever a page and a simulator of different versions would misunderstand each other."""
@@ -106,7 +109,7 @@ class _Writable:
     def __init__(self) -> None:
         self._left = _MOST_PARTS
 
-    def struct(self, value: msgspec.Struct) -> dict[str, Any]:
+    def struct(self, value: msgspec.Struct) -> JsonObject:
         config = value.__struct_config__
         tag = {} if config.tag is None else {str(config.tag_field): config.tag}
         return tag | {name: self.copy(part) for name, part in msgspec.structs.asdict(value).items()}

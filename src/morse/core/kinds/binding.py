@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from morse.core.kinds.kind import Kind, Slot
     from morse.core.kinds.sources import Source
     from morse.core.object import Object
+    from morse.core.values import Fields
 
 
 #: parts of the declaration of a field that a modifier can change
@@ -133,7 +134,7 @@ class BoundKind:
         """The simulated time of the measurement, even if the data are delivered later."""
         return int(self.component.clock.stamp(self.component.local_data.get("timestamp")))
 
-    def _present(self) -> dict[str, Any]:
+    def _present(self) -> Fields:
         return self._slots_of(self.values(self.component))
 
     @property
@@ -163,8 +164,8 @@ class BoundKind:
         """Return the message with the `values` of the slots at a time, whole ns."""
         return Message(self.kind, stamp, self.frame, self._slots_of(values))
 
-    def _slots_of(self, values: Sequence[object]) -> dict[str, Any]:
-        slots: dict[str, Any] = {
+    def _slots_of(self, values: Sequence[object]) -> Fields:
+        slots: Fields = {
             slot.name: as_slot(slot, value)
             for (slot, _), value in zip(self._sources, values, strict=True)
             if value is not None
@@ -186,7 +187,7 @@ class BoundKind:
         Raises:
             TypeError: the messages have to be made one by one.
         """
-        slots: dict[str, Any] = {
+        slots: Fields = {
             slot.name: as_slot_rows(slot, value)
             for (slot, _), value in zip(self._sources, values, strict=True)
             if value is not None
@@ -194,7 +195,7 @@ class BoundKind:
         slots.update(self._covariances)
         return Message(self.kind, stamps, self.frame, slots)
 
-    def scatter(self, slots: Mapping[str, object], frame: str = "") -> tuple[dict[str, Any], str | None]:
+    def scatter(self, slots: Mapping[str, object], frame: str = "") -> tuple[Fields, str | None]:
         """Return the fields that a command sets, for `morse.core.validation.Commands`; other fields stay unchanged.
 
         Args:
@@ -209,7 +210,7 @@ class BoundKind:
         """
         if self.kind.name == GENERAL:
             return dict(slots), None
-        fields: dict[str, Any] = {}
+        fields: Fields = {}
         remarks = []
         by_name = {slot.name: (slot, source) for slot, source in self._sources}
         for name, value in slots.items():

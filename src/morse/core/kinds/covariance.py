@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.kinds.kind import Kind, Slot
     from morse.core.object import Object
+    from morse.core.values import Fields
 
 _NOTHING = (0.0, 0.0, 0.0)
 
@@ -61,7 +62,7 @@ _EXACT = _Spread()
 
 def covariances(
     component: Object, kind: Kind, sources: Iterable[tuple[Slot, Source]], fields: Mapping[str, DataField]
-) -> tuple[dict[str, Any], list[tuple[Slot, Source]]]:
+) -> tuple[Fields, list[tuple[Slot, Source]]]:
     """Return the covariance slots that the component does not fill itself; none if no noise is declared.
 
     The variance of each axis is the variance of the noise of its field, in the unit of the slot. The fields are
@@ -77,7 +78,7 @@ def covariances(
         return {}, []
     realism = getattr(component, "realism", None)
     by_name = {slot.name: (slot, source) for slot, source in sources}
-    constant: dict[str, Any] = {}
+    constant: Fields = {}
     changing: list[tuple[Slot, Source]] = []
     for slot in kind.slots.values():
         if not slot.covariance_of or slot.name in by_name:

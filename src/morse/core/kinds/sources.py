@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.kinds.kind import Slot
     from morse.core.object import Object
+    from morse.core.values import Fields
 
 #: what the conversion between frames leaves of a zero
 _ROUNDING = 1e-9
@@ -64,7 +65,7 @@ class Source:
         """
         raise TypeError(f"{type(self).__name__} is read one by one")
 
-    def put(self, value: object, fields: dict[str, Any]) -> str | None:
+    def put(self, value: object, fields: Fields) -> str | None:
         """Convert a value of the slot into values of fields.
 
         Returns:
@@ -175,7 +176,7 @@ class FromField(Source):
         column = columns[self._name]
         return column if self._plain else numeric(column) * self._factor + self._offset
 
-    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+    def put(self, value: Any, fields: Fields) -> str | None:
         """The value in the unit of the field."""
         if not self._plain:
             value = ((_array(value) if hasattr(value, "__len__") else value) - self._offset) / self._factor
@@ -204,7 +205,7 @@ class Stack(Source):
         parts = [0.0 if name is None else numeric(columns[name]) * a + b for name, (a, b) in self._parts]
         return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
-    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+    def put(self, value: Any, fields: Fields) -> str | None:
         """Write each number to its field; numbers without a field have no effect."""
         unused = []
         for index, ((name, (factor, offset)), number) in enumerate(zip(self._parts, value, strict=True)):
@@ -244,7 +245,7 @@ class Among(Source):
         names, values = self._chosen(), self._stack.get(component)
         return [value if name in names else math.nan for name, value in zip(self.fields, values, strict=True)]
 
-    def put(self, value: object, fields: dict[str, Any]) -> str | None:
+    def put(self, value: object, fields: Fields) -> str | None:
         """Write the numbers of the fields to which the slot applies; NaN stands for no command."""
         names, numbers = self._chosen(), dict[str, Any]()
         remark = self._stack.put(value, numbers)
@@ -288,7 +289,7 @@ class FromEuler(Source):
         roll, pitch, yaw = angles
         return np.stack(quaternions_of(roll * factor, pitch * factor, yaw * factor), axis=-1)
 
-    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+    def put(self, value: Any, fields: Fields) -> str | None:
         """Write the angles; nothing if the quaternion is zero."""
         unit = normalized(value)
         if unit is None:
@@ -315,7 +316,7 @@ class FromWord(Source):
         word = component.local_data[self._name]
         return self._words.get(word, word)
 
-    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+    def put(self, value: Any, fields: Fields) -> str | None:
         """The word of the component."""
         fields[self._name] = self._own.get(value, value)
         return None

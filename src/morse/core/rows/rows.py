@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence, Sized
 
     from morse.core.interfaces import Component
+    from morse.core.values import Fields
     from morse.core.world.body import Mounting
 
 _M = TypeVar("_M", bound="Component")
@@ -148,9 +149,9 @@ class Rows(Generic[_M]):
         """Return the rigid group of a row, and its pose in the group, at its last action."""
         return self._snapshots.place(self._row_of[id(member)])
 
-    def data_of(self, member: Component) -> dict[str, Any]:
+    def data_of(self, member: Component) -> Fields:
         """Return the data of a row."""
-        data: dict[str, Any] = vars(member)["local_data"]
+        data: Fields = vars(member)["local_data"]
         return data
 
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.interfaces import Component
+    from morse.core.values import Fields
     from morse.core.world import Snapshot
 
 
@@ -22,7 +23,7 @@ class SensorRows(Rows[Sensor]):
     row is computed from these when its data are read.
     """
 
-    _datas: Sequence[dict[str, Any]] = ()
+    _datas: Sequence[Fields] = ()
 
     functions, modifiers = "output_functions", "output_modifiers"
 
@@ -113,7 +114,7 @@ class SensorRows(Rows[Sensor]):
 
     # -- reading -----------------------------------------------------------------------------
 
-    def data_of(self, member: Component) -> dict[str, Any]:
+    def data_of(self, member: Component) -> Fields:
         """Return the data of a row, which are valid until its next action."""
         row = self._row_of[id(member)]
         data = self._datas[row]
@@ -128,7 +129,7 @@ class SensorRows(Rows[Sensor]):
             own.pop("local_data", None)
         return data
 
-    def _measure(self, row: int, member: Any, data: dict[str, Any], last: int) -> None:
+    def _measure(self, row: int, member: Any, data: Fields, last: int) -> None:
         if self._remembers and last < self.stamp - 1:
             data["timestamp"] = self._time_before
             member.position_3d.set_pose(*self._before.pose(row))

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from morse.core.interfaces import Component
+    from morse.core.values import Fields
 
 
 class Unread:
@@ -38,7 +39,7 @@ class Unclaimed:
     is_changed = False
 
     def __init__(self, components: Iterable[Component] = ()) -> None:
-        self._data: dict[int, tuple[Component, dict[str, Any]]] = {}
+        self._data: dict[int, tuple[Component, Fields]] = {}
         for component in components:
             self.add(component)
 
@@ -49,7 +50,7 @@ class Unclaimed:
             self._data[id(component)] = component, own.pop("local_data")
             component._in_rows = self
 
-    def data_of(self, member: Component) -> dict[str, Any]:
+    def data_of(self, member: Component) -> Fields:
         """See `Entry`."""
         return self._data[id(member)][1]
 
@@ -68,8 +69,8 @@ class Unclaimed:
         self.release()
 
 
-def present_data(component: Component) -> dict[str, Any]:
+def present_data(component: Component) -> Fields:
     """Return ``local_data`` of a component for readers that do not keep it: it is valid until the next action."""
     rows = getattr(component, "_in_rows", None)  # streams also carry objects that are no components
-    data: dict[str, Any] = component.local_data if rows is None else rows.data_of(component)
+    data: Fields = component.local_data if rows is None else rows.data_of(component)
     return data

@@ -12,6 +12,8 @@ from morse.core.state.errors import StateError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.values import StateData
+
 Array = np.ndarray[Any, Any]
 _GENERATORS = ("PCG64", "PCG64DXSM", "MT19937", "Philox", "SFC64")
 #: sizes of the tables of generators, because numpy does not check the position in the table
@@ -80,7 +82,7 @@ def generator(name: str) -> np.random.Generator:
     return np.random.Generator(getattr(np.random, name)(0))
 
 
-def check_generator(name: str, state: dict[str, Any]) -> None:
+def check_generator(name: str, state: StateData) -> None:
     """Raise an error for a state that would make numpy read beyond its table."""
     if name in _PLACES:
         part, key, size = _PLACES[name]

@@ -13,6 +13,8 @@ from morse.core.state.kinds import assigned_by, is_of_morse, word_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from morse.core.values import StateData
+
 
 @cache
 def left_out(cls: Any) -> frozenset[str]:
@@ -30,7 +32,7 @@ def left_out(cls: Any) -> frozenset[str]:
     return frozenset(names | (assigned - users - state_variables(cls).keys() - properties(cls).keys()))
 
 
-def state_of(owner: object) -> dict[str, Any]:
+def state_of(owner: object) -> StateData:
     """The attributes of an object that are part of its state."""
     cls: Any = type(owner)
     without = left_out(cls)
@@ -79,7 +81,7 @@ def replace(owner: Any, present: Iterable[str], state: Mapping[str, Any]) -> Non
     reorder(attributes, state)
 
 
-def reorder(attributes: dict[str, Any], order: Iterable[str]) -> None:
+def reorder(attributes: StateData, order: Iterable[str]) -> None:
     """Reorder attributes as in a saved state, because the order is part of bitwise comparisons of states.
 
     Names that are not in the order come first.

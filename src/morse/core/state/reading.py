@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from morse.core.state.references import References
+    from morse.core.values import StateData
 
 #: words of values whose items do not count for the values that contain them
 _OBJECTS = frozenset(("own", "object", "namespace", "global", "part", "method"))
@@ -340,7 +341,7 @@ class Reader:
             set.update(target, Extents.spread(items))
         return target
 
-    def _assign(self, target: object, data: list[Any], present: dict[str, Any]) -> None:
+    def _assign(self, target: object, data: list[Any], present: StateData) -> None:
         for name, _ in data:
             check_name(type(target), name)
         for name, value in self._attributes(type(target), data, present):
@@ -350,7 +351,7 @@ class Reader:
                 object.__delattr__(target, name)
             reorder(getattr(target, "__dict__", {}), [name for name, _ in data])
 
-    def _attributes(self, cls: Any, data: list[Any], present: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    def _attributes(self, cls: Any, data: list[Any], present: StateData) -> Iterator[tuple[str, Any]]:
         """Iterate over the names and the values of the attributes of an object of a class."""
         outer, of_morse = (self._strict, self._deep, self._created), own_attributes(cls)
         for name, item in data:

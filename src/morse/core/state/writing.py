@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from morse.core.state.references import References
+    from morse.core.values import StateData
 
 AS_IS = ["as is"]
 #: maximum nesting depth of lists, dictionaries and objects; `Reader` accepts a little more
@@ -54,7 +55,7 @@ _PLAIN = frozenset((type(None), bool, float, bytes))
 _LARGEST = 2**63
 _DICTS: dict[type, str] = {dict: "dict", OrderedDict: "ordered dict", LocalData: "local data", Counter: "counter"}
 #: factories of a `defaultdict` that are saved; others stay unchanged
-FACTORIES: dict[str, Any] = {cls.__name__: cls for cls in (list, dict, set, int, float, str, bool, tuple, deque)}
+FACTORIES: StateData = {cls.__name__: cls for cls in (list, dict, set, int, float, str, bool, tuple, deque)}
 _VALUES = (Vector, Quaternion, Euler, Color)
 #: subclasses of these have their items saved
 ITEMS = (list, dict, set)
@@ -266,9 +267,9 @@ def _pose(value: Transformation3d) -> list[Any]:
     return ["pose", *(list(part) for part in value.get_pose())]
 
 
-def attributes_of(value: object) -> dict[str, Any]:
+def attributes_of(value: object) -> StateData:
     """The attributes of an object, from its dictionary and its slots."""
-    attributes: dict[str, Any] = {}
+    attributes: StateData = {}
     for cls in type(value).__mro__:
         slots = vars(cls).get("__slots__", ())
         for name in (slots,) if isinstance(slots, str) else slots:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import Message
     from morse.core.object import Object
+    from morse.core.values import Fields
 
     #: returns the payload of a message of a stream
     Form = Callable[[Any, Message], Any]
@@ -133,7 +134,7 @@ class KindStream(AbstractDatastream):
         queue = self._queue
         return [queue.popleft() for _ in range(len(queue))] if queue and not self.rests else ()
 
-    def _read(self, data: Any) -> dict[str, Any] | None:
+    def _read(self, data: Any) -> Fields | None:
         """Return the fields that a command sets; None if it is none for this component."""
         if type(data) is _Slots:
             return self._scattered(*data)
@@ -155,7 +156,7 @@ class KindStream(AbstractDatastream):
             return commands[0] if commands else None
         return {name: value for command in commands for name, value in command.items()}
 
-    def _scattered(self, entry: BoundKind, slots: Mapping[str, object], frame: str = "") -> dict[str, Any]:
+    def _scattered(self, entry: BoundKind, slots: Mapping[str, object], frame: str = "") -> Fields:
         fields, remark = entry.scatter(slots, frame)
         if remark is not None:
             self.complain(remark, remark)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable, ItemsView, Iterator, ValuesView
 
+    from morse.core.values import Fields
+
 
 class Later:
     """An array that is computed on demand.
@@ -79,7 +81,7 @@ class LocalData(dict[str, Any]):
         self.all_present()
         return super().values()
 
-    def copy(self) -> dict[str, Any]:
+    def copy(self) -> Fields:
         """See `dict`."""
         return dict(self.items())
 

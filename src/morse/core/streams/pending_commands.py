@@ -8,6 +8,7 @@ from morse.core.validation.commands import Commands
 
 if TYPE_CHECKING:
     from morse.core.actuator import Actuator
+    from morse.core.values import Fields
 
 
 class PendingCommands:
@@ -18,14 +19,14 @@ class PendingCommands:
 
     def __init__(self, actuator: Actuator) -> None:
         self._commands = Commands(actuator)
-        self._waiting: dict[str, Any] = {}
+        self._waiting: Fields = {}
         actuator.input_functions.append(self._take)
 
     def move_to(self, actuator: Actuator) -> None:
         """Switch to an actuator that replaces the present one and has taken over its input functions."""
         self._commands = Commands(actuator)
 
-    def fitting(self, message: object) -> dict[str, Any]:
+    def fitting(self, message: object) -> Fields:
         """Return the fields of a message in the form that `put` takes.
 
         Raises:
@@ -33,7 +34,7 @@ class PendingCommands:
         """
         return self._commands.fitting(message)
 
-    def put(self, fields: dict[str, Any]) -> None:
+    def put(self, fields: Fields) -> None:
         """Set fields that `fitting` has returned, as `give` does."""
         self._waiting.update(fields)
 
@@ -47,7 +48,7 @@ class PendingCommands:
         self.put(self.fitting(message))
 
     @property
-    def waiting(self) -> dict[str, Any]:
+    def waiting(self) -> Fields:
         """Return the fields that have not been applied yet; always the same object, because groups rely on it."""
         return self._waiting
 

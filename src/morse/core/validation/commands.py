@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.interfaces import Component
+    from morse.core.values import Fields
 
 #: largest number of undeclared fields that a component keeps
 _MOST_EXTRA = 64
@@ -44,7 +45,7 @@ class Commands:
         self._extra: dict[str, int] = {}
         self._is_full = False
 
-    def fitting(self, message: object) -> dict[str, Any]:
+    def fitting(self, message: object) -> Fields:
         """Return the fields of a message as they would be stored; undeclared fields are refused.
 
         Raises:
@@ -70,7 +71,7 @@ class Commands:
         self._component.local_data.update(accepted)
         return remark
 
-    def checked(self, message: object) -> tuple[dict[str, Any], dict[str, Any]]:
+    def checked(self, message: object) -> tuple[Fields, Fields]:
         """Return the fields of a message as they would be stored, and the undeclared fields.
 
         Raises:
@@ -81,8 +82,8 @@ class Commands:
             raise CommandError("", f"expected a JSON object with some of {fields}, got {shown(message)}")
         if len(message) > _MOST_FIELDS:
             raise CommandError("", f"a message has at most {_MOST_FIELDS} fields, got {len(message)}")
-        accepted: dict[str, Any] = {}
-        unknown: dict[str, Any] = {}
+        accepted: Fields = {}
+        unknown: Fields = {}
         checks = self._checks
         for name, value in message.items():
             check = checks.get(name)
@@ -95,11 +96,11 @@ class Commands:
                 raise CommandError(name, f"'{name}' is {shown(value)}, expected {error}") from None
         return accepted, unknown
 
-    def _refuse(self, unknown: dict[str, Any]) -> NoReturn:
+    def _refuse(self, unknown: Fields) -> NoReturn:
         name = next(iter(unknown))
         raise CommandError(shown(name), self._remark(name))
 
-    def _take_unknown(self, unknown: dict[str, Any]) -> str | None:
+    def _take_unknown(self, unknown: Fields) -> str | None:
         if self._component.context.strict:
             self._refuse(unknown)
         values, remarks = {}, []

@@ -13,9 +13,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.declarations import Option
+    from morse.core.values import Fields
 
 
-def checked_options(owner: str, declarations: Mapping[str, Option], values: Mapping[str, object]) -> dict[str, Any]:
+def checked_options(owner: str, declarations: Mapping[str, Option], values: Mapping[str, object]) -> Fields:
     """Return the given options as they are to be stored.
 
     Args:
@@ -44,6 +45,6 @@ def _checked(owner: str, name: str, option: Option, value: object) -> Any:
         raise OptionError(f"option '{name}' of {owner} is {shown(value)}, expected {error}") from None
 
 
-def with_defaults(declarations: Mapping[str, Option], values: Mapping[str, object]) -> dict[str, Any]:
+def with_defaults(declarations: Mapping[str, Option], values: Mapping[str, object]) -> Fields:
     """Return all options: the given values, and the defaults of the others."""
     return {name: values.get(name, option.default) for name, option in declarations.items()}

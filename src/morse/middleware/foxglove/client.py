@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.server import ServerConnection
 
+    from morse.core.values import RosMessage
     from morse.middleware.web.topics import WebTopic
 
 _ENCODINGS = ("cdr", "json")
@@ -120,7 +121,7 @@ class FoxgloveClient(HubClient):
         """See `HubClient.tick`."""
         self.offer("time", frames.time(stamp), 1)
 
-    def _subscribe(self, message: dict[str, Any]) -> None:
+    def _subscribe(self, message: RosMessage) -> None:
         offered = self.hub.topics.offered.values() if self.hub.topics is not None else ()
         by_number = {topic.number: topic for topic in offered}
         for one in _records(message, "subscriptions"):
@@ -136,7 +137,7 @@ class FoxgloveClient(HubClient):
             for stamp, data in tuple(topic.kept):
                 self.show(topic, self.hub.frame(topic, stamp, data))
 
-    def _unsubscribe(self, message: dict[str, Any]) -> None:
+    def _unsubscribe(self, message: RosMessage) -> None:
         for number in _numbers(message, "subscriptionIds"):
             topic = self._subscriptions.pop(number, None)
             if topic is None:
@@ -146,7 +147,7 @@ class FoxgloveClient(HubClient):
 
     # -- messages of the client --------------------------------------------------------------
 
-    def _advertise(self, message: dict[str, Any]) -> None:
+    def _advertise(self, message: RosMessage) -> None:
         heard = self.hub.topics.heard if self.hub.topics is not None else {}
         for one in _records(message, "channels"):
             number, topic, kind = _number(one, "id"), one.get("topic"), one.get("schemaName")
@@ -160,7 +161,7 @@ class FoxgloveClient(HubClient):
                 self.keep(_LONGEST_TOPIC, "a channel")
             self._channels[number] = topic
 
-    def _unadvertise(self, message: dict[str, Any]) -> None:
+    def _unadvertise(self, message: RosMessage) -> None:
         for number in _numbers(message, "channelIds"):
             if self._channels.pop(number, None) is not None:
                 self.release(_LONGEST_TOPIC)
@@ -187,7 +188,7 @@ class FoxgloveClient(HubClient):
             self._say(op="advertiseServices", services=[self._service(number, known[number]) for number in new])
         self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
-    def _service(self, number: int, path: str) -> dict[str, Any]:
+    def _service(self, number: int, path: str) -> RosMessage:
         request = self.hub.arguments_of(path)  # type: ignore[attr-defined] # it is a FoxgloveHub
         return {
             "id": number,
@@ -221,10 +222,10 @@ class FoxgloveClient(HubClient):
 
     # -- parameters --------------------------------------------------------------------------
 
-    def _get_parameters(self, message: dict[str, Any]) -> None:
+    def _get_parameters(self, message: RosMessage) -> None:
         self._ask(GET, _Asked(_id(message), told=True), _names(message))
 
-    def _set_parameters(self, message: dict[str, Any]) -> None:
+    def _set_parameters(self, message: RosMessage) -> None:
         # an answer is due if the client has given an id
         self._ask(SET, _Asked(_id(message), told="id" in message), _records(message, "parameters"))
 
@@ -244,12 +245,12 @@ class FoxgloveClient(HubClient):
         if call.told:
             self._say(op="parameterValues", parameters=answered["parameters"], **call.id)
 
-    def _watch_more(self, message: dict[str, Any]) -> None:
+    def _watch_more(self, message: RosMessage) -> None:
         for name in set(_names(message)) - self.watched:
             self.keep(_LONGEST_TOPIC, "a watched parameter")
             self.watched |= {name}
 
-    def _watch_less(self, message: dict[str, Any]) -> None:
+    def _watch_less(self, message: RosMessage) -> None:
         for name in self.watched & set(_names(message)):
             self.release(_LONGEST_TOPIC)
             self.watched -= {name}
@@ -272,13 +273,13 @@ class FoxgloveClient(HubClient):
         """The topics on which this client publishes."""
         return set(self._channels.values())
 
-    def _show_graph(self, message: dict[str, Any]) -> None:
+    def _show_graph(self, message: RosMessage) -> None:
         if self._graph is not None:
             raise ValueError("the connection graph is subscribed already")
         self._graph = graph.EMPTY
         self.tell_graph(graph.graph_of(self.hub))
 
-    def _hide_graph(self, message: dict[str, Any]) -> None:
+    def _hide_graph(self, message: RosMessage) -> None:
         if self._graph is None:
             raise ValueError("the connection graph is not subscribed")
         self._graph = None
@@ -298,7 +299,7 @@ class FoxgloveClient(HubClient):
 
     # -- assets ------------------------------------------------------------------------------
 
-    def _fetch(self, message: dict[str, Any]) -> None:
+    def _fetch(self, message: RosMessage) -> None:
         uri, number = message.get("uri"), _number(message, "requestId")
         if not isinstance(uri, str):
             raise ValueError(f"'uri' is {shown(uri)}, expected a text")
@@ -332,7 +333,7 @@ class FoxgloveClient(HubClient):
             message = msgspec.json.decode(frame)
         except (msgspec.DecodeError, RecursionError, UnicodeDecodeError, UnicodeEncodeError) as error:
             raise ValueError(f"not JSON: {error}") from None
-        operations: dict[str, Callable[[dict[str, Any]], None]] = {
+        operations: dict[str, Callable[[RosMessage], None]] = {
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
             "advertise": self._advertise,
@@ -353,26 +354,26 @@ class FoxgloveClient(HubClient):
             self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
 
-def _schema(name: str, schema: dict[str, Any]) -> dict[str, str]:
+def _schema(name: str, schema: RosMessage) -> dict[str, str]:
     text = msgspec.json.encode(schema).decode()
     return {"encoding": "json", "schemaName": name, "schemaEncoding": "jsonschema", "schema": text}
 
 
-def _records(message: dict[str, Any], name: str) -> list[dict[str, Any]]:
+def _records(message: RosMessage, name: str) -> list[RosMessage]:
     given = message.get(name)
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
         raise ValueError(f"'{name}' is {shown(given)}, expected a list of objects")
     return given
 
 
-def _names(message: dict[str, Any]) -> list[str]:
+def _names(message: RosMessage) -> list[str]:
     given = message.get("parameterNames")
     if not isinstance(given, list) or not all(isinstance(one, str) for one in given):
         raise ValueError(f"'parameterNames' is {shown(given)}, expected a list of texts")
     return given
 
 
-def _id(message: dict[str, Any]) -> dict[str, str]:
+def _id(message: RosMessage) -> dict[str, str]:
     """The id of a request, as it is returned; empty if it has none."""
     given = message.get("id")
     if given is not None and not isinstance(given, str):
@@ -380,14 +381,14 @@ def _id(message: dict[str, Any]) -> dict[str, str]:
     return {} if given is None else {"id": given}
 
 
-def _numbers(message: dict[str, Any], name: str) -> list[int]:
+def _numbers(message: RosMessage, name: str) -> list[int]:
     given = message.get(name)
     if not isinstance(given, list):
         raise ValueError(f"'{name}' is {shown(given)}, expected a list of numbers")
     return [_number({"item": one}, "item") for one in given]
 
 
-def _number(record: dict[str, Any], name: str) -> int:
+def _number(record: RosMessage, name: str) -> int:
     given = record.get(name)
     if isinstance(given, bool) or not isinstance(given, int) or not 0 <= given <= _LARGEST:
         raise ValueError(f"'{name}' is {shown(given)}, expected a number from 0 to {_LARGEST}")

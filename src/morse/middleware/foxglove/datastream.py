@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.middleware.foxglove.hub import FoxgloveHub
 from morse.middleware.foxglove.mapping import MANAGER_OPTIONS
@@ -11,11 +11,14 @@ from morse.middleware.web.hub import hub_of
 from morse.middleware.web.topics import WebTopics
 from morse.rosmsgs.topics.manager import TopicManager
 
+if TYPE_CHECKING:
+    from morse.core.values import RosMessage
+
 
 class FoxgloveTopics(WebTopics):
     """Topics whose messages are CDR; clients may also send JSON."""
 
-    def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
+    def decode(self, type_name: str, data: bytes) -> RosMessage:
         """See `morse.rosmsgs.topics.backend.Backend.decode`."""
         # the first byte of CDR is 0, that of JSON never
         if data[:1] == b"\0":

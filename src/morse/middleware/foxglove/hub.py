@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.services import signature_of
 from morse.middleware.foxglove import graph
@@ -13,6 +13,7 @@ from morse.middleware.web.hub import Hub
 
 if TYPE_CHECKING:
     from morse.core.context import Context
+    from morse.core.values import RosMessage
     from morse.middleware.web.topics import WebTopic
     from morse.scene.articulation import Articulation
 
@@ -61,7 +62,7 @@ class FoxgloveHub(Hub):
         robots = [robot.bge_object for robot in list(self.context.robots.values())]
         return [body.node.articulation for body in robots if body.node.articulation is not None]
 
-    def arguments_of(self, path: str) -> dict[str, Any]:
+    def arguments_of(self, path: str) -> RosMessage:
         """The arguments of a service as JSON schema."""
         offered = None
         if self.requests is not None and path in self.requests.paths:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from morse.core.values import RosMessage
 
 _IMAGE, _INFO = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
 _ODOMETRY, _FIX = "nav_msgs/msg/Odometry", "sensor_msgs/msg/NavSatFix"
@@ -18,7 +20,7 @@ _SHOWN = (
 _MOST_IMAGES, _MOST_TELEOPS = 4, 2
 
 
-def layout_of(published: Mapping[str, str], heard: Mapping[str, str] | None = None) -> dict[str, Any]:
+def layout_of(published: Mapping[str, str], heard: Mapping[str, str] | None = None) -> RosMessage:
     """A layout as JSON: three dimensions and images, beside plots, panels that drive, parameters, diagnostics.
 
     Args:
@@ -48,20 +50,20 @@ def _first(topics: Mapping[str, str], kind: str) -> str:
     return min(name for name, one in topics.items() if one == kind)
 
 
-def _panel(kind: str, config: dict[str, Any]) -> dict[str, Any]:
+def _panel(kind: str, config: RosMessage) -> RosMessage:
     return {"type": "panel", "panelType": kind, "config": config, "version": 1}
 
 
-def _split(direction: str, items: list[tuple[float, dict[str, Any]]]) -> dict[str, Any]:
+def _split(direction: str, items: list[tuple[float, RosMessage]]) -> RosMessage:
     contents = [{"proportion": proportion, "content": content} for proportion, content in items]
     return {"type": "split", "direction": direction, "items": contents}
 
 
-def _column(panels: list[dict[str, Any]]) -> dict[str, Any]:
+def _column(panels: list[RosMessage]) -> RosMessage:
     return _split("column", [(1.0, one) for one in panels])
 
 
-def _three_dimensions(published: Mapping[str, str]) -> dict[str, Any]:
+def _three_dimensions(published: Mapping[str, str]) -> RosMessage:
     described = [name for name in published if name.rpartition("/")[2] == "robot_description"]
     shown = [name for name, kind in published.items() if kind in _SHOWN]
     topics = {name: {"visible": True} for name in sorted([*described, *shown])}
@@ -70,7 +72,7 @@ def _three_dimensions(published: Mapping[str, str]) -> dict[str, Any]:
     return _panel("ThreeDee", config)
 
 
-def _images(published: Mapping[str, str]) -> list[dict[str, Any]]:
+def _images(published: Mapping[str, str]) -> list[RosMessage]:
     panels = []
     for name in sorted(name for name, kind in published.items() if kind == _IMAGE):
         mode = {"imageTopic": name}
@@ -81,14 +83,14 @@ def _images(published: Mapping[str, str]) -> list[dict[str, Any]]:
     return panels
 
 
-def _plot(published: Mapping[str, str]) -> dict[str, Any]:
+def _plot(published: Mapping[str, str]) -> RosMessage:
     topic = _first(published, _ODOMETRY)
     fields = ("twist.twist.linear.x", "twist.twist.angular.z")
     paths = [{"value": f"{topic}.{field}", "timestampMethod": "headerStamp", "enabled": True} for field in fields]
     return _panel("Plot", {"paths": paths})
 
 
-def _teleop(topic: str) -> dict[str, Any]:
+def _teleop(topic: str) -> RosMessage:
     buttons = {
         "upButton": {"field": "linear-x", "value": 0.5},
         "downButton": {"field": "linear-x", "value": -0.5},

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from morse.core.context import Context
+    from morse.core.values import RosMessage
 
 #: what a client has asked for
 GET, SET, WATCH = "getParameters", "setParameters", "subscribeParameterUpdates"
@@ -41,11 +42,11 @@ class Parameters:
                 names += [f"{name}.{one.name}" for one in properties(type(component)).values()]
         return names
 
-    def read(self, names: Iterable[str]) -> list[dict[str, Any]]:
+    def read(self, names: Iterable[str]) -> list[RosMessage]:
         """Name, value and type of parameters, of all if there are no names; unknown ones are left out."""
         return [one for name in names or self._names() if (one := self._read(name)) is not None]
 
-    def _read(self, name: str) -> dict[str, Any] | None:
+    def _read(self, name: str) -> RosMessage | None:
         owner, _, wanted = name.rpartition(".")
         component = self._context.component(owner) if owner in self._components() else None
         if component is None:

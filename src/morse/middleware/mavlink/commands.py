@@ -12,6 +12,7 @@ from morse.mathutils.rotations import both_eulers, rotation_from_quaternion
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
+    from morse.core.values import Fields
     from morse.middleware.mavlink.stream import MavlinkStream
 
 #: bits of type_mask: fields to ignore
@@ -40,7 +41,7 @@ class CommandKinds:
         """SET_ATTITUDE_TARGET."""
         if message.get_type() != "SET_ATTITUDE_TARGET":
             return None
-        slots: dict[str, Any] = {}
+        slots: Fields = {}
         by_rate = bound.has("rates")
         if not message.type_mask & _NO_ATTITUDE:
             turned = stream.axes_of(bound.frame).quaternion(_unit(message.q))

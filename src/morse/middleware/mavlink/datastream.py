@@ -28,6 +28,7 @@ from morse.middleware.mavlink.vehicle import Vehicle
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.values import Options
     from morse.middleware.mavlink.links import Link
     from morse.middleware.mavlink.stream import MavlinkStream
     from morse.scene import StreamDeclaration
@@ -55,7 +56,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
     classpath = "morse.middleware.mavlink_datastream.MavlinkDatastreamManager"
     manager_options = MANAGER_OPTIONS
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         try:
             from pymavlink.dialects.v20 import common

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.kinds import Message
+    from morse.core.values import Options
     from morse.middleware.moos.streams import MoosPublisher, MoosStream
 
 logger = logging.getLogger(__name__)
@@ -35,7 +36,7 @@ class MOOSDatastreamManager(DatastreamManager):
     manager_options = MANAGER_OPTIONS
     by_component = True
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         self._databases: dict[tuple[Any, ...], Database] = {}
         self._takers: dict[tuple[Database, str], list[Callable[[str, float | str], object]]] = {}

@@ -14,6 +14,7 @@ from morse.wire.encoding import from_json
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
+    from morse.core.values import Fields
     from morse.middleware.moos.database import Database
     from morse.middleware.moos.datastream import MOOSDatastreamManager
 
@@ -85,7 +86,7 @@ class MoosReader(MoosStream):
         """Register the variables."""
         super().initialize()
         #: the last value of each field that has arrived
-        self._values: dict[str, Any] = {}
+        self._values: Fields = {}
         self.fields = {f"{self.prefix}_{name}": field for name, field in commands_of(self.component_instance).items()}
         for variable in self.fields:
             self.manager.listen(self.database, variable, self.take)
@@ -121,7 +122,7 @@ class MoosReader(MoosStream):
             return value
         return from_json(value.encode("utf-8", "replace"))
 
-    def arrived(self) -> Iterable[dict[str, Any]]:
+    def arrived(self) -> Iterable[Fields]:
         """The fields that have arrived, one by one: a wrong variable does not invalidate the others."""
         if not self._values or self.rests:
             return ()

@@ -18,6 +18,7 @@ from morse.wire.encoding import from_json, plain
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import Fields, Options
     from morse.middleware.mqtt.streams import MqttStream
 
     #: name of a topic below that of the component, and its payload
@@ -42,7 +43,7 @@ class MqttDatastreamManager(DatastreamManager):
     manager_options = MANAGER_OPTIONS
     by_component = True
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         self.broker = Broker(self.options, context.arrivals)
         logger.info("mqtt: the broker is expected at %s", self.broker.place)
@@ -104,7 +105,7 @@ class MqttDatastreamManager(DatastreamManager):
         self.broker.close()
 
 
-def _about(message: Message, carried: str, about: dict[str, Any]) -> bytes:
+def _about(message: Message, carried: str, about: Fields) -> bytes:
     large = (carried, "point_list", "range_list", "remission_list")
     rest = {name: value for name, value in message.fields.items() if name not in large}
     return _encoder.encode({**rest, **about})

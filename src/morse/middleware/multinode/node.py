@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.clients.complaints import Complaints
 from morse.core.observer import Observer
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from msgspec import Raw
 
     from morse.core.context import Context
+    from morse.core.values import Options
     from morse.middleware.multinode.messages import Pose, Poses
 
 logger = logging.getLogger(__name__)
@@ -38,9 +39,7 @@ class Node(Observer):
         MorseMultinodeError: the protocol is not available, or the server's host is unknown.
     """
 
-    def __init__(
-        self, context: Context, options: dict[str, Any], name: str, move: Callable[[str, Pose], object]
-    ) -> None:
+    def __init__(self, context: Context, options: Options, name: str, move: Callable[[str, Pose], object]) -> None:
         self._context, self._name, self._move = context, name, move
         self._place = f"{options['server_address']}:{options['server_port']}"
         self._connection = ServerConnection(options["server_address"], int(options["server_port"]))

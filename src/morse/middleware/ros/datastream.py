@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.datastream import AbstractDatastream
     from morse.core.object import Object
+    from morse.core.values import Options, RosMessage
     from morse.middleware.ros.own_classes import ROSPublisher, ROSSubscriber
     from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
     from morse.scene import StreamDeclaration
@@ -43,12 +44,12 @@ class ROSDatastreamManager(TopicManager):
     log_topic = LogTopicOfRos1
     backend: RospyBackend
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         if self.options["frames"] == "1.4":
             self.transforms = TransformsOf14(False, self._send_tf, self._send_static)
 
-    def _send_static(self, message: dict[str, Any]) -> None:
+    def _send_static(self, message: RosMessage) -> None:
         if message["transforms"]:
             self._publish(self._tf_static, TF, message)
 
@@ -99,7 +100,7 @@ class ROSDatastreamManager(TopicManager):
     def _topic_of(self, stream: AbstractDatastream) -> str:
         return self.names.topic(stream.component_instance, {"namespace": None, "topic": None, **stream.kwargs})
 
-    def send_transform(self, transform: dict[str, Any]) -> None:
+    def send_transform(self, transform: RosMessage) -> None:
         """Publish a transform on ``/tf``, unless the scene has switched it off."""
         if self.wants_transforms():
             self._publish(self._tf, TF, {"transforms": [transform]})

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
+    from morse.core.values import RosMessage
     from morse.rosmsgs.table import Carrier
 
 logger = logging.getLogger(__name__)
@@ -77,8 +78,8 @@ class Ros1Topics(Ros2Topics):
         """As in 1.4: from a minimum range of 0.3 m to the maximum range, which rays that hit nothing have."""
         infinite = stream.kwargs["infinite"]
 
-        def limited(make: Callable[..., Any]) -> Callable[[Message, str], dict[str, Any]]:
-            def scan(message: Message, frame: str) -> dict[str, Any]:
+        def limited(make: Callable[..., Any]) -> Callable[[Message, str], RosMessage]:
+            def scan(message: Message, frame: str) -> RosMessage:
                 made = {**make(message, frame), "range_min": _NEAREST}
                 if not infinite:
                     made["ranges"] = np.minimum(made["ranges"], made["range_max"])
@@ -135,14 +136,14 @@ class Ros1Topics(Ros2Topics):
         return super().take_joints(stream, bound)
 
 
-def _metres(message: Message, frame: str) -> dict[str, Any]:
+def _metres(message: Message, frame: str) -> RosMessage:
     x, y, z = message.position
     return {"header": header(message, frame), "latitude": float(x), "longitude": float(y), "altitude": float(z)}
 
 
-def _from_pose(message: Mapping[str, Any]) -> dict[str, Any]:
+def _from_pose(message: Mapping[str, Any]) -> RosMessage:
     return {"position": from_xyz(message["position"]), "orientation": from_quaternion(message["orientation"])}
 
 
-def _from_wrench(message: Mapping[str, Any]) -> dict[str, Any]:
+def _from_wrench(message: Mapping[str, Any]) -> RosMessage:
     return {"force": from_xyz(message["force"]), "torque": from_xyz(message["torque"])}

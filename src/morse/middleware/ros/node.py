@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping
 
     from morse.core.clients.arrivals import Arrivals
+    from morse.core.values import RosMessage
     from morse.rosmsgs.qos import Qos
 
 logger = logging.getLogger(__name__)
@@ -147,9 +148,9 @@ class RospyBackend(Backend):
         """See `Backend.encode`."""
         return message(type_name, fields)
 
-    def decode(self, type_name: str, data: object) -> dict[str, Any]:
+    def decode(self, type_name: str, data: object) -> RosMessage:
         """See `Backend.decode`."""
-        made: dict[str, Any] = plain(data)
+        made: RosMessage = plain(data)
         return made
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:

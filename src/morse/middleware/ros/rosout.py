@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.rosmsgs.parts import header_at
 from morse.rosmsgs.qos import Qos
@@ -10,6 +10,8 @@ from morse.rosmsgs.topics.rosout import LogTopic, text_of
 
 if TYPE_CHECKING:
     import logging
+
+    from morse.core.values import RosMessage
 
 #: levels of rosgraph_msgs/Log are powers of two, from DEBUG on
 _LEVELS, _STEP = (1, 2, 4, 8, 16), 10
@@ -21,7 +23,7 @@ class LogTopicOfRos1(LogTopic):
     type: ClassVar = "rosgraph_msgs/msg/Log"
     qos: ClassVar = Qos(1000)
 
-    def message(self, record: logging.LogRecord, stamp: int) -> dict[str, Any]:
+    def message(self, record: logging.LogRecord, stamp: int) -> RosMessage:
         """See `LogTopic.message`."""
         return {
             "header": header_at(stamp, ""),

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import RosMessage
     from morse.helpers.transformation import Transformation3d
     from morse.rosmsgs.outlets import Outlet
 
@@ -69,7 +70,7 @@ class RosStream(TopicStream):
         several = self.direction == "OUT" and len(self.kinds) > 1
         return several and all(bound.kind.name == "joints" for bound in self.kinds)
 
-    def _all_joints(self, message: Message, frame: str) -> dict[str, Any]:
+    def _all_joints(self, message: Message, frame: str) -> RosMessage:
         return joint_state([bound.gather() for bound in self.kinds])
 
     # -- transforms of 1.4 -------------------------------------------------------------------

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.core.kinds import BoundKind
+    from morse.core.values import RosMessage
     from morse.middleware.ros.stream import Frame
 
 _BASE = "/base_link"
@@ -105,7 +106,7 @@ class TwistPublisher(RosStream):
             return super().ports(bound)
         data = self.component_instance.local_data
 
-        def make(message: Any, frame: str) -> dict[str, Any]:
+        def make(message: Any, frame: str) -> RosMessage:
             x, y, z = (float(speed) for speed in data["velocity"])
             return {"header": header(message, frame), "twist": {"linear": {"x": x, "y": y, "z": z}}}
 
@@ -132,7 +133,7 @@ class RangePublisher(RosStream):
             return super().ports(bound)
         scanner: Any = self.component_instance
 
-        def make(message: Any, frame: str) -> dict[str, Any]:
+        def make(message: Any, frame: str) -> RosMessage:
             return {
                 "header": header(message, frame),
                 "radiation_type": _INFRARED,

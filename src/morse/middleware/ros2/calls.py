@@ -19,6 +19,8 @@ from morse.rosmsgs.json_text import as_json, from_json
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from morse.core.values import RosMessage
+
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 SET_PARAMETERS = "rcl_interfaces/srv/SetParametersAtomically"
 #: fields of rcl_interfaces/ParameterValue by its type
@@ -64,7 +66,7 @@ class Call:
             return []
         if self.type == SET_BOOL:
             return [bool(request["data"])]
-        given: dict[str, Any] = {}
+        given: RosMessage = {}
         for one in request["parameters"]:
             name = one["name"]
             if name not in self._parameters:
@@ -102,7 +104,7 @@ class Call:
                 return given
         return given
 
-    def answer(self, state: str, result: object) -> dict[str, Any]:
+    def answer(self, state: str, result: object) -> RosMessage:
         """The response: the result as JSON, or an error message."""
         good = state == status.SUCCESS
         text = "" if result is None else result if isinstance(result, str) and not good else as_json(result)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.middleware.ros2.diagnostics import Diagnostics
 from morse.middleware.ros2.domain import join
@@ -12,6 +12,7 @@ from morse.rosmsgs.topics.manager import TopicManager
 
 if TYPE_CHECKING:
     from morse.core.context import Context
+    from morse.core.values import Options
     from morse.rosmsgs.topics.backend import Backend
 
 
@@ -25,7 +26,7 @@ class Ros2DatastreamManager(TopicManager):
     manager_options = MANAGER_OPTIONS
     title = "ros2"
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         self._diagnostics = Diagnostics(self) if self.options["diagnostics"] else None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.rosmsgs.names import robot_of
 from morse.rosmsgs.parts import header_at
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.core.context import Context
+    from morse.core.values import RosMessage
     from morse.middleware.ros2.datastream import Ros2DatastreamManager
 
 TYPE = "diagnostic_msgs/msg/DiagnosticArray"
@@ -53,7 +54,7 @@ class Diagnostics:
             self._publisher.close()
 
 
-def _of_simulation(context: Context, speed: float | None) -> dict[str, Any]:
+def _of_simulation(context: Context, speed: float | None) -> RosMessage:
     failures = sorted(context.failed)
     text = f"{', '.join(failures)} failed" if failures else "running"
     values = {"tick": context.clock.tick, "simulator frequency (Hz)": context.clock.frequency}
@@ -62,7 +63,7 @@ def _of_simulation(context: Context, speed: float | None) -> dict[str, Any]:
     return _status("morse: simulation", _WARN if failures else _OK, text, "morse", values)
 
 
-def _of_components(context: Context) -> Iterator[dict[str, Any]]:
+def _of_components(context: Context) -> Iterator[RosMessage]:
     for name, component in [*context.robots.items(), *context.components.items()]:
         if name in context.failed:
             level, text = _ERROR, "deactivated after an error: see /rosout"
@@ -77,6 +78,6 @@ def _of_components(context: Context) -> Iterator[dict[str, Any]]:
         yield _status(f"morse: {name}", level, text, robot_of(component).name(), values)
 
 
-def _status(name: str, level: int, text: str, hardware: str, values: dict[str, Any]) -> dict[str, Any]:
+def _status(name: str, level: int, text: str, hardware: str, values: RosMessage) -> RosMessage:
     pairs = [{"key": key, "value": str(value)} for key, value in values.items()]
     return {"level": level, "name": name, "message": text, "hardware_id": hardware, "values": pairs}

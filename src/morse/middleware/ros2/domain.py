@@ -15,12 +15,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.context import Context
+    from morse.core.values import RosMessage
     from morse.rosmsgs.topics.backend import Backend
 
 _joined: WeakKeyDictionary[Context, Backend] = WeakKeyDictionary()
 
 
-def options_of(context: Context) -> dict[str, Any]:
+def options_of(context: Context) -> RosMessage:
     """The options of ``env.configure_stream_manager('ros2', ...)`` with defaults.
 
     Raises:

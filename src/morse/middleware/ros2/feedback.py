@@ -17,6 +17,8 @@ from morse.rosmsgs.poses import quaternion_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from morse.core.values import RosMessage
+
 logger = logging.getLogger(__name__)
 
 #: time between two messages, ns of simulated time: five messages per second, as in 1.4
@@ -41,7 +43,7 @@ class Feedback:
         callback: Callable[..., Any],
         kind: type,
         kinds: Mapping[str, str],
-        make: Callable[[dict[str, Any]], Any],
+        make: Callable[[RosMessage], Any],
     ) -> None:
         self._owner: Any = getattr(callback, "__self__", None)
         self._kind = kind
@@ -89,10 +91,10 @@ class Feedback:
             raise TypeError(f"{self._method} returned a {type(message).__name__}, expected a {self._kind.__name__}")
         return message
 
-    def _known(self, begun: int, stamp: int) -> dict[str, Any]:
+    def _known(self, begun: int, stamp: int) -> RosMessage:
         component = getattr(self._owner, "overlaid_object", self._owner)
         robot = getattr(component, "robot_parent", None) or component
-        known: dict[str, Any] = {"navigation_time": (stamp - begun) / _SECOND, **self._owner.progress()}
+        known: RosMessage = {"navigation_time": (stamp - begun) / _SECOND, **self._owner.progress()}
         for name, kind in self._kinds.items():
             if name in _POSES and hasattr(robot, "position_3d"):
                 pose = robot.position_3d

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.declarations import Property
     from morse.core.request_manager import Outcome
+    from morse.core.values import RosMessage
     from morse.middleware.ros2.served import Reply
     from morse.rosmsgs.topics.backend import Backend
 
@@ -58,7 +59,7 @@ class _Parameter:
             return _OF_LISTS.get(kind, _STRING) if kind is not None else _STRING
         return next((kind for cls, kind in ((bool, 1), (int, 2), (float, 3)) if isinstance(value, cls)), _STRING)
 
-    def value(self) -> dict[str, Any]:
+    def value(self) -> RosMessage:
         """``rcl_interfaces/ParameterValue``; none for a number or a text that is not set."""
         kind, value = self.type, self.present
         if value is None:
@@ -87,7 +88,7 @@ class _Parameter:
         names = [_WORDS.get(one, "list") for one in (kind, self.type)]
         raise PropertyError(f"the value is a {names[0]}, expected a {names[1]}")
 
-    def descriptor(self, name: str) -> dict[str, Any]:
+    def descriptor(self, name: str) -> RosMessage:
         """``rcl_interfaces/ParameterDescriptor``."""
         one = self.declaration
         if one is None:
@@ -97,7 +98,7 @@ class _Parameter:
         bounds = [f"{sign} {limit:g}" for sign, limit in ((">=", one.low), ("<=", one.high)) if limit is not None]
         limits = ["one of " + ", ".join(map(str, one.choices))] if one.choices else bounds
         described = {"description": "; ".join(filter(None, words)), "additional_constraints": " and ".join(limits)}
-        ranges: dict[str, Any] = {}
+        ranges: RosMessage = {}
         if one.low is not None and one.high is not None and self.type in (_INTEGER, _DOUBLE) and not one.allow:
             cast, key = (int, "integer_range") if self.type == _INTEGER else (float, "floating_point_range")
             ranges[key] = [{"from_value": cast(one.low), "to_value": cast(one.high)}]
@@ -147,19 +148,19 @@ class Parameters(Served):
         pairs = properties(type(component)).items()
         return next((_Parameter(component, own, one) for own, one in pairs if one.name == wanted), None)
 
-    def _get(self, request: dict[str, Any], reply: Reply) -> None:
+    def _get(self, request: RosMessage, reply: Reply) -> None:
         found = [self._parameter(name) for name in request["names"]]
         reply({"values": [{"type": _NOT_SET} if one is None else one.value() for one in found]})
 
-    def _types(self, request: dict[str, Any], reply: Reply) -> None:
+    def _types(self, request: RosMessage, reply: Reply) -> None:
         found = [self._parameter(name) for name in request["names"]]
         reply({"types": [_NOT_SET if one is None else one.type for one in found]})
 
-    def _describe(self, request: dict[str, Any], reply: Reply) -> None:
+    def _describe(self, request: RosMessage, reply: Reply) -> None:
         pairs = [(name, self._parameter(name)) for name in request["names"]]
         reply({"descriptors": [{"name": n, "type": _NOT_SET} if p is None else p.descriptor(n) for n, p in pairs]})
 
-    def _list(self, request: dict[str, Any], reply: Reply) -> None:
+    def _list(self, request: RosMessage, reply: Reply) -> None:
         prefixes, depth = list(request["prefixes"]), request["depth"]
         chosen = []
         for name in self._names():
@@ -188,7 +189,7 @@ class Parameters(Served):
             return f"{name}: {error}"
         return one.component.name(), one.declaration.name, value
 
-    def _done(self, change: tuple[str, str, object] | str) -> dict[str, Any]:
+    def _done(self, change: tuple[str, str, object] | str) -> RosMessage:
         if isinstance(change, str):
             return {"successful": not change, "reason": change}
         component, name, value = change
@@ -198,10 +199,10 @@ class Parameters(Served):
         good = state == status.SUCCESS
         return {"successful": good, "reason": "" if good else str(text or state)}
 
-    def _set(self, request: dict[str, Any], reply: Reply) -> None:
+    def _set(self, request: RosMessage, reply: Reply) -> None:
         reply({"results": [self._done(self._checked(given)) for given in request["parameters"]]})
 
-    def _set_together(self, request: dict[str, Any], reply: Reply) -> None:
+    def _set_together(self, request: RosMessage, reply: Reply) -> None:
         changes = [self._checked(given) for given in request["parameters"]]
         wrong = [change for change in changes if isinstance(change, str) and change]
         results = [{"successful": False, "reason": wrong[0]}] if wrong else [self._done(change) for change in changes]

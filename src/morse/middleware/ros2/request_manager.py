@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
+    from morse.core.values import RosMessage
     from morse.middleware.ros2.served import Served
     from morse.rosmsgs.topics.backend import Backend, ServiceServer
 
@@ -235,7 +236,7 @@ class Ros2RequestManager(AnsweredRequests):
         """The components whose properties may be set."""
         return [component for component, name in self._services if name == "set_property"]
 
-    def _handle(self, component: str, service: str, offer: _Offer, caller: object, request: dict[str, Any]) -> None:
+    def _handle(self, component: str, service: str, offer: _Offer, caller: object, request: RosMessage) -> None:
         def answer(outcome: Outcome) -> None:
             state, result = outcome
             try:

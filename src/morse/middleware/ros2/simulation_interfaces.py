@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
+    from morse.core.values import RosMessage
     from morse.middleware.ros2.served import Reply
     from morse.rosmsgs.topics.backend import Backend
 
@@ -86,14 +87,14 @@ class SimulationInterfaces(Served):
 
     # -- the simulation ----------------------------------------------------------------------
 
-    def _features(self, request: dict[str, Any], reply: Reply) -> None:
+    def _features(self, request: RosMessage, reply: Reply) -> None:
         info = "MORSE: entities are robots (ATRV) and models (props/crates) by name, or described by a text"
         reply({"features": {"features": list(FEATURES), "spawn_formats": list(_FORMATS), "custom_info": info}})
 
-    def _state(self, request: dict[str, Any], reply: Reply) -> None:
+    def _state(self, request: RosMessage, reply: Reply) -> None:
         reply({"state": {"state": _PAUSED if self._context.paused() else _PLAYING}, "result": _result()})
 
-    def _set_state(self, request: dict[str, Any], reply: Reply) -> None:
+    def _set_state(self, request: RosMessage, reply: Reply) -> None:
         wanted = request["state"]["state"]
         services = {_STOPPED: ("reset", "pause"), _PLAYING: ("resume",), _PAUSED: ("pause",), _QUITTING: ("quit",)}
         if wanted not in services:
@@ -107,14 +108,14 @@ class SimulationInterfaces(Served):
             bad = [text for state, text in outcomes if state != status.SUCCESS]
             reply({"result": _result(_FAILED, str(bad[0])) if bad else _result()})
 
-    def _reset(self, request: dict[str, Any], reply: Reply) -> None:
+    def _reset(self, request: RosMessage, reply: Reply) -> None:
         if request["scope"] not in _WHOLE:
             text = "only everything together can be reset: time, state and what was spawned (scope 0 or 255)"
             reply({"result": _result(_UNSUPPORTED, text)})
             return
         self._call("simulation", "reset", [], _then(reply))
 
-    def _step(self, request: dict[str, Any], reply: Reply) -> None:
+    def _step(self, request: RosMessage, reply: Reply) -> None:
         if not self._context.paused():
             reply({"result": _result(_INCORRECT_STATE, "the simulation is not paused")})
             return
@@ -127,7 +128,7 @@ class SimulationInterfaces(Served):
             if root.name in self._context.world.objects_by_name:
                 yield root.name
 
-    def _chosen(self, request: dict[str, Any]) -> tuple[list[str], dict[str, Any]]:
+    def _chosen(self, request: RosMessage) -> tuple[list[str], RosMessage]:
         filters = request["filters"]
         pattern = filters["filter"]
         wanted = {category["category"] for category in filters["categories"]}
@@ -152,15 +153,15 @@ class SimulationInterfaces(Served):
                 return [], _result(_FAILED, "the filter takes too long: use fewer *")
         return chosen, _result()
 
-    def _entities(self, request: dict[str, Any], reply: Reply) -> None:
+    def _entities(self, request: RosMessage, reply: Reply) -> None:
         names, result = self._chosen(request)
         reply({"result": result, "entities": names})
 
-    def _entities_states(self, request: dict[str, Any], reply: Reply) -> None:
+    def _entities_states(self, request: RosMessage, reply: Reply) -> None:
         names, result = self._chosen(request)
         reply({"result": result, "entities": names, "states": [self._state_of(name) for name in names]})
 
-    def _entity_state(self, request: dict[str, Any], reply: Reply) -> None:
+    def _entity_state(self, request: RosMessage, reply: Reply) -> None:
         name = request["entity"]
         if name not in self._names():
             reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
@@ -170,7 +171,7 @@ class SimulationInterfaces(Served):
     def _category(self, name: str) -> int:
         return _ROBOT if name in self._context.robots else _OBJECT
 
-    def _entity_info(self, request: dict[str, Any], reply: Reply) -> None:
+    def _entity_info(self, request: RosMessage, reply: Reply) -> None:
         name = request["entity"]
         if name not in self._names():
             reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
@@ -180,7 +181,7 @@ class SimulationInterfaces(Served):
         info = {"category": {"category": self._category(name)}, "description": text, "tags": []}
         reply({"result": _result(), "info": info})
 
-    def _state_of(self, name: str) -> dict[str, Any]:
+    def _state_of(self, name: str) -> RosMessage:
         found = self._context.world.objects_by_name[name]
         from morse.helpers.transformation import Transformation3d
 
@@ -192,7 +193,7 @@ class SimulationInterfaces(Served):
             "twist": {"linear": xyz(linear), "angular": xyz(angular)},
         }
 
-    def _set_entity_state(self, request: dict[str, Any], reply: Reply) -> None:
+    def _set_entity_state(self, request: RosMessage, reply: Reply) -> None:
         name, state = request["entity"], request["state"]
         speeds = [*from_xyz(state["twist"]["linear"]), *from_xyz(state["twist"]["angular"])]
         if name not in self._names():
@@ -208,7 +209,7 @@ class SimulationInterfaces(Served):
 
     # -- spawning and deleting ---------------------------------------------------------------
 
-    def _spawn(self, request: dict[str, Any], reply: Reply) -> None:
+    def _spawn(self, request: RosMessage, reply: Reply) -> None:
         name, wrong = self._name_of(request)
         pose = request["initial_pose"]
         kind = request["resource_string"] or request["uri"]
@@ -229,7 +230,7 @@ class SimulationInterfaces(Served):
         arguments = [name, kind, position, [roll, pitch, yaw]]
         self._call("simulation", "spawn", arguments, _then(reply, {"entity_name": name}))
 
-    def _name_of(self, request: dict[str, Any]) -> tuple[str, dict[str, Any] | None]:
+    def _name_of(self, request: RosMessage) -> tuple[str, RosMessage | None]:
         described = _NAME.search(request["resource_string"]) if request["resource_string"] else None
         kind = described[1] if described is not None else request["uri"].rpartition("/")[2]
         wanted = request["name"] or re.sub(r"\W", "_", kind).lower()
@@ -244,7 +245,7 @@ class SimulationInterfaces(Served):
             number += 1
         return f"{wanted}_{number}", None
 
-    def _delete(self, request: dict[str, Any], reply: Reply) -> None:
+    def _delete(self, request: RosMessage, reply: Reply) -> None:
         name = request["entity"]
         if name not in self._names():
             reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
@@ -252,11 +253,11 @@ class SimulationInterfaces(Served):
             self._call("simulation", "delete", [name], _then(reply))
 
 
-def _result(code: int = _OK, text: str = "") -> dict[str, Any]:
+def _result(code: int = _OK, text: str = "") -> RosMessage:
     return {"result": code, "error_message": text}
 
 
-def _then(reply: Reply, more: dict[str, Any] | None = None) -> Callable[[Outcome], object]:
+def _then(reply: Reply, more: RosMessage | None = None) -> Callable[[Outcome], object]:
     """A callback that answers with the outcome of a service."""
 
     def ended(outcome: Outcome) -> None:
@@ -267,7 +268,7 @@ def _then(reply: Reply, more: dict[str, Any] | None = None) -> Callable[[Outcome
     return ended
 
 
-def _turn(pose: dict[str, Any]) -> list[float]:
+def _turn(pose: RosMessage) -> list[float]:
     """W, x, y, z; the identity if all are 0."""
     given = from_quaternion(pose["orientation"])
     if not any(given):

@@ -14,6 +14,8 @@ from morse.rosmsgs.topics.manager import TopicManager
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.values import RosMessage
+
 
 class RosbridgeTopics(WebTopics):
     """Topics with messages in JSON."""
@@ -22,7 +24,7 @@ class RosbridgeTopics(WebTopics):
         """See `morse.rosmsgs.topics.backend.Backend.encode`."""
         return json_form.encode(type_name, message)
 
-    def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
+    def decode(self, type_name: str, data: bytes) -> RosMessage:
         """See `morse.rosmsgs.topics.backend.Backend.decode`."""
         return json_form.decode(type_name, data)
 

@@ -19,6 +19,7 @@ from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from morse.core.values import RosMessage
     from morse.rosmsgs.definitions import MessageField
 
 #: fields of ROS 1 that clients may still send
@@ -36,7 +37,7 @@ def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
     return _encoder.encode(_plain(type_name, message))
 
 
-def decode(type_name: str, data: bytes) -> dict[str, Any]:
+def decode(type_name: str, data: bytes) -> RosMessage:
     """Decode a message from untrusted JSON; sequences of numbers become numpy arrays.
 
     Raises:
@@ -52,7 +53,7 @@ def decode(type_name: str, data: bytes) -> dict[str, Any]:
 # -- writing -----------------------------------------------------------------------------------
 
 
-def _plain(type_name: str, message: Mapping[str, object]) -> dict[str, Any]:
+def _plain(type_name: str, message: Mapping[str, object]) -> RosMessage:
     known = _writers(type_name)
     if not known.keys() >= message.keys():
         raise ValueError(f"{type_name} has no field {sorted(message.keys() - known.keys())}")
@@ -102,7 +103,7 @@ def _list_writer(field: MessageField) -> Callable[[Any], list[Any]]:
 # -- reading -----------------------------------------------------------------------------------
 
 
-def _message(type_name: str, value: object, where: str) -> dict[str, Any]:
+def _message(type_name: str, value: object, where: str) -> RosMessage:
     if not isinstance(value, dict):
         raise ValueError(f"{where or 'the message'} is {shown(value)}, expected an object of {type_name}")
     known = _readers(type_name)

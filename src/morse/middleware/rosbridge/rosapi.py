@@ -10,6 +10,7 @@ from morse.rosmsgs.definitions import PRIMITIVES, definition, fields_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.values import RosMessage
     from morse.middleware.web.hub import Hub
 
 
@@ -28,19 +29,19 @@ def _services(hub: Hub) -> list[str]:
     return sorted(hub.requests.paths) if hub.requests is not None else []
 
 
-def _topics(hub: Hub, _: str) -> dict[str, Any]:
+def _topics(hub: Hub, _: str) -> RosMessage:
     types = sorted(_types(hub).items())
     return {"topics": [name for name, _ in types], "types": [kind for _, kind in types]}
 
 
-def _time(hub: Hub, _: str) -> dict[str, Any]:
+def _time(hub: Hub, _: str) -> RosMessage:
     stamp = hub.context.clock.stamp()
     seconds, rest = stamp // 10**9, stamp % 10**9
     # the second pair has the names of ROS 1, which roslibpy reads
     return {"time": {"sec": seconds, "nanosec": rest, "secs": seconds, "nsecs": rest}}
 
 
-def _node_details(hub: Hub, node: str) -> dict[str, Any]:
+def _node_details(hub: Hub, node: str) -> RosMessage:
     if node != _NODE or hub.topics is None:
         return {"publishing": [], "subscribing": [], "services": _services(hub) if node == _NODE else []}
     return {
@@ -50,12 +51,12 @@ def _node_details(hub: Hub, node: str) -> dict[str, Any]:
     }
 
 
-def _raw_types(hub: Hub, _: str) -> dict[str, Any]:
+def _raw_types(hub: Hub, _: str) -> RosMessage:
     found = _topics(hub, "")
     return {**found, "typedefs_full_text": [definition(kind) for kind in found["types"]]}
 
 
-def _message_details(hub: Hub, kind: str) -> dict[str, Any]:
+def _message_details(hub: Hub, kind: str) -> RosMessage:
     """Describe a message and all messages in it."""
     wanted, found = [kind.replace("/", "/msg/") if kind.count("/") == 1 else kind], list[dict[str, Any]]()
     for name in wanted:
@@ -81,7 +82,7 @@ def _message_details(hub: Hub, kind: str) -> dict[str, Any]:
 
 
 #: services, and the response for their argument
-_ANSWERS: dict[str, tuple[str, Callable[[Hub, str], dict[str, Any]]]] = {
+_ANSWERS: dict[str, tuple[str, Callable[[Hub, str], RosMessage]]] = {
     "/rosapi/topics": ("", _topics),
     "/rosapi/topic_type": ("topic", lambda hub, topic: {"type": _types(hub).get(topic, "")}),
     "/rosapi/topics_for_type": (
@@ -117,7 +118,7 @@ _ANSWERS: dict[str, tuple[str, Callable[[Hub, str], dict[str, Any]]]] = {
 SERVICES = tuple(_ANSWERS)
 
 
-def answer(hub: Hub, service: str, args: object) -> dict[str, Any] | None:
+def answer(hub: Hub, service: str, args: object) -> RosMessage | None:
     """The response of a service; None if there is no such service.
 
     Args:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.kinds import Message
     from morse.core.object import Object
+    from morse.core.values import Options
     from morse.middleware.socket.frame_channel import FrameChannel
     from morse.scene import StreamDeclaration
 
@@ -53,7 +54,7 @@ class SocketDatastreamManager(DatastreamManager):
     manager_options = MANAGER_OPTIONS
     by_component = True
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         self._servers: dict[str, StreamServer] = {}
         self._ports: dict[str, int] = {}

@@ -34,6 +34,8 @@ from morse.wire.encoding import plain
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.values import JsonObject
+
 VERSION = 1
 NOTICE, DATA, LINE = 0, 1, 2
 """A notice about the connection; a message; a message of a publisher that writes its own lines."""
@@ -48,7 +50,7 @@ _FLOATS = {float}
 _encoder = msgspec.json.Encoder(enc_hook=plain)
 
 
-def data_frame(number: int, fields: dict[str, Any]) -> bytes:
+def data_frame(number: int, fields: JsonObject) -> bytes:
     """Encode a message as a frame; floats, numpy arrays and bytes are binary, all other values are JSON.
 
     Args:
@@ -60,7 +62,7 @@ def data_frame(number: int, fields: dict[str, Any]) -> bytes:
         ValueError: a value contains itself, or the message is too large.
     """
     # copying a LocalData by its own methods takes several times as long as the rest
-    values: dict[str, Any] = dict.copy(fields)
+    values: JsonObject = dict.copy(fields)
     if {*map(type, values.values())} == _FLOATS:
         beginning, packed = _prepared(number, tuple(values))
         return beginning + packed.pack(*values.values())
@@ -80,11 +82,11 @@ def _described(numbers: tuple[str, ...], arrays: tuple[object, ...]) -> bytes:
     return _compact({"numbers": numbers, "arrays": arrays, "fields": {}})
 
 
-def _mixed_frame(number: int, fields: Mapping[str, object], values: dict[str, Any]) -> bytes:
+def _mixed_frame(number: int, fields: Mapping[str, object], values: JsonObject) -> bytes:
     numbers: list[float] = []
     names: list[str] = []
     arrays: list[tuple[str, str, tuple[int, ...]]] = []
-    others: dict[str, Any] = {}
+    others: JsonObject = {}
     parts: list[bytes | memoryview] = []
     for name, value in values.items():
         if type(value) is Later:

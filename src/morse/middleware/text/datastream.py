@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.classes.classpath import load_class
 from morse.core.datastream import DatastreamManager
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.kinds import Message
     from morse.core.object import Object
+    from morse.core.values import Options
     from morse.scene import StreamDeclaration
 
 
@@ -30,7 +31,7 @@ class TextDatastreamManager(DatastreamManager):
     by_component = True
     manager_options = {}  # noqa: RUF012 - declared by the base
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         self._files: dict[Path, TextFile] = {}
         self._in_use: dict[Path, str] = {}

@@ -19,6 +19,8 @@ from morse.wire.encoding import plain
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from morse.core.values import Fields
+
 INT32, INT64, FLOAT64, STRING, BLOB, VOCAB, LIST, DICT = 1, 17, 10, 4, 12, 9, 256, 512
 _INT8, _INT16, _FLOAT32 = 32, 64, 128
 _UNIT = 255
@@ -166,7 +168,7 @@ def word(data: bytes) -> Vocab | bool:
     return Vocab(data.rstrip(b"\0").decode("latin-1"))
 
 
-def as_dict(pairs: Iterable[Any]) -> dict[str, Any] | None:
+def as_dict(pairs: Iterable[Any]) -> Fields | None:
     """The dictionary of a list of pairs; None if it is none."""
     found = list(pairs)
     if all(isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str) for pair in found):

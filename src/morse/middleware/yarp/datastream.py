@@ -15,6 +15,7 @@ from morse.middleware.yarp.ports import ports_of
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import Options
     from morse.middleware.yarp.port import Port
     from morse.middleware.yarp.streams import YarpReader, YarpStream
 
@@ -34,7 +35,7 @@ class YarpDatastreamManager(DatastreamManager):
     manager_options = MANAGER_OPTIONS
     by_component = True
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         self.ports = ports_of(context)
         self._outgoing: list[tuple[Port, bytes]] = []

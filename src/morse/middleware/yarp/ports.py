@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.context import Context
+    from morse.core.values import Options
 
 logger = logging.getLogger(__name__)
 
@@ -48,7 +49,7 @@ class Ports:
         names: the name server.
     """
 
-    def __init__(self, context: Context, options: dict[str, Any]) -> None:
+    def __init__(self, context: Context, options: Options) -> None:
         self._context = context
         self.users = 0
         self.names = NameServer(options["host"], options["port"])

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.values import Fields
     from morse.recording.fields.values import Keeper
 
 #: number of values of a row in the flat list
@@ -114,7 +115,7 @@ class Columns:
             return None
         del self._rows[: _STRIDE * count]
         packed, others = some[1 : _STRIDE * count : _STRIDE], some[2 : _STRIDE * count : _STRIDE]
-        columns: dict[str, Any] = {}
+        columns: Fields = {}
         if self._number_names:
             numbers = np.frombuffer(b"".join(packed), dtype=self._dtype)
             columns.update({name: np.ascontiguousarray(numbers[name]) for name in self._number_names})

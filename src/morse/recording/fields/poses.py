@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.values import Fields
     from morse.physics.poses.pose_rows import Numbers, PoseRows
     from morse.rosmsgs.moving import MovingFrame
 
@@ -73,7 +74,7 @@ class World(NamedTuple):
         message = {"header": header_at(stamps, MAP), "poses": poses}
         return [*made, Batch(self.channels.poses, ticks, encode_rows(POSES_TYPE, message, count))]
 
-    def _transforms(self, stamps: NDArray[np.int64], positions: Numbers, rotations: Numbers) -> list[dict[str, Any]]:
+    def _transforms(self, stamps: NDArray[np.int64], positions: Numbers, rotations: Numbers) -> list[Fields]:
         assert self.frames is not None
         first, bases, others = self.nodes, len(self.starts), len(self.frames) - len(self.starts)
         children = slice(first, first + bases + others)
@@ -121,5 +122,5 @@ def _each(numbers: Numbers) -> list[list[NDArray[np.float64]]]:
     return [[part[:, column] for part in numbers] for column in range(numbers[0].shape[1])]
 
 
-def _named(axes: str, numbers: Sequence[NDArray[np.float64]]) -> dict[str, Any]:
+def _named(axes: str, numbers: Sequence[NDArray[np.float64]]) -> Fields:
     return dict(zip(axes, numbers, strict=True))

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.object import Object
+    from morse.core.values import RosMessage
     from morse.scene import CollisionShape, ComponentDeclaration, Image, Material, Mesh, Node, Scene
 
 _encoder = msgspec.msgpack.Encoder()
@@ -88,7 +89,7 @@ class Packing:
         return self._packed[id(source)][1]
 
     def _arrays(self, source: object, kinds: dict[str, str]) -> str:
-        found: dict[str, Any] = {}
+        found: RosMessage = {}
         for name, kind in kinds.items():
             values: NDArray[Any] | None = getattr(source, name)
             if values is not None:
@@ -230,7 +231,7 @@ def _triple(values: Sequence[float]) -> form.Triple:
     return float(x), float(y), float(z)
 
 
-def _plain_items(values: Any) -> dict[str, Any]:
+def _plain_items(values: Any) -> RosMessage:
     """The items that a file can hold; objects of a program stay behind."""
     found = {}
     for name, value in values.items():

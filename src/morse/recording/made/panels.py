@@ -11,6 +11,7 @@ from morse.core.sensor import Sensor
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.values import Fields
     from morse.recording.made.form import PanelForm
 
 #: property of a node with the panel of its component
@@ -28,7 +29,7 @@ class _Recorded:
         }
         super().__init__(obj, parent)  # type: ignore[call-arg]
         self._name, self._short_desc = panel.title, panel.doc
-        self.local_data: dict[str, Any]
+        self.local_data: Fields
         for name, field in self._fields.items():
             self.local_data.setdefault(name, field.default)
 

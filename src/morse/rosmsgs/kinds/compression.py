@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.kinds import Message
+    from morse.core.values import RosMessage
     from morse.rosmsgs.kinds.image_forms import Form
 
 _TYPE = "sensor_msgs/msg/CompressedImage"
@@ -55,7 +56,7 @@ def compressed_outlet(encoding: str, unit: str | None, form: Form | None) -> Out
     return Outlet(_TYPE, partial(make, form=form), topic, or_none=True, takes_long=True)
 
 
-def _jpeg(message: Message, frame: str, form: Form | None) -> dict[str, Any]:
+def _jpeg(message: Message, frame: str, form: Form | None) -> RosMessage:
     pixels, encoding = _converted(message, form)
     order = _COLOURS.get(encoding)
     pixels = np.reshape(pixels, pixels.shape[:2]) if order is None else pixels[..., order]
@@ -64,7 +65,7 @@ def _jpeg(message: Message, frame: str, form: Form | None) -> dict[str, Any]:
     return {"header": header(message, frame), "format": f"{encoding}; jpeg compressed {suffix}", "data": data}
 
 
-def _depth(message: Message, frame: str, form: Form | None) -> dict[str, Any]:
+def _depth(message: Message, frame: str, form: Form | None) -> RosMessage:
     pixels, encoding = _converted(message, form)
     pixels, numbers = np.reshape(pixels, pixels.shape[:2]), (0.0, 0.0)
     if encoding == "32FC1":

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import RosMessage
     from morse.rosmsgs.table import Carrier
 
 #: constants of visualization_msgs/Marker
@@ -37,12 +38,12 @@ class DetectingKinds(TopicTable):
         ]
 
 
-def _detections(message: Message, frame: str) -> dict[str, Any]:
+def _detections(message: Message, frame: str) -> RosMessage:
     head = header(message, frame)
     return {"header": head, "detections": [_detection(head, record) for record in message.records]}
 
 
-def _detection(head: Mapping[str, Any], record: Mapping[str, Any]) -> dict[str, Any]:
+def _detection(head: Mapping[str, Any], record: Mapping[str, Any]) -> RosMessage:
     pose = _pose(record)
     hypothesis = {"class_id": str(record.get("label", "")), "score": float(record.get("score", 1.0))}
     return {
@@ -53,13 +54,13 @@ def _detection(head: Mapping[str, Any], record: Mapping[str, Any]) -> dict[str, 
     }
 
 
-def _pose(record: Mapping[str, Any]) -> dict[str, Any]:
+def _pose(record: Mapping[str, Any]) -> RosMessage:
     return {"position": xyz(record.get("position")), "orientation": quaternion(record.get("orientation"))}
 
 
-def _markers(message: Message, frame: str) -> dict[str, Any]:
+def _markers(message: Message, frame: str) -> RosMessage:
     # removes the markers of objects that are no longer visible
-    made: list[dict[str, Any]] = [{"header": header(message, frame), "action": _DELETE_ALL}]
+    made: list[RosMessage] = [{"header": header(message, frame), "action": _DELETE_ALL}]
     for number, record in enumerate(message.records):
         size = record.get("size") or _SIZE
         common = {"header": header(message, frame), "id": number, "action": _ADD, "pose": _pose(record)}

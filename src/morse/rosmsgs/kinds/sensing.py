@@ -14,6 +14,7 @@ from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import RosMessage
     from morse.rosmsgs.table import Carrier
 
 _NAN = math.nan
@@ -100,7 +101,7 @@ class SensingKinds(TopicTable):
         ]
 
 
-def _imu(message: Message, frame: str) -> dict[str, Any]:
+def _imu(message: Message, frame: str) -> RosMessage:
     turned = message.orientation is not None
     return {
         "header": header(message, frame),
@@ -113,7 +114,7 @@ def _imu(message: Message, frame: str) -> dict[str, Any]:
     }
 
 
-def _magnetic_field(message: Message, frame: str) -> dict[str, Any]:
+def _magnetic_field(message: Message, frame: str) -> RosMessage:
     return {
         "header": header(message, frame),
         "magnetic_field": xyz(message.field),
@@ -121,7 +122,7 @@ def _magnetic_field(message: Message, frame: str) -> dict[str, Any]:
     }
 
 
-def _fix(message: Message, frame: str) -> dict[str, Any]:
+def _fix(message: Message, frame: str) -> RosMessage:
     return {
         "header": header(message, frame),
         "status": {"status": _FIX, "service": _GPS},
@@ -141,13 +142,13 @@ def _covariance_type(matrix: Any) -> int:
     return _KNOWN if np.any(matrix - np.diag(np.diagonal(matrix))) else _DIAGONAL
 
 
-def _ground_velocity(message: Message, frame: str) -> dict[str, Any] | None:
+def _ground_velocity(message: Message, frame: str) -> RosMessage | None:
     if message.velocity is None:
         return None
     return {"header": header(message, frame), "twist": {"linear": xyz(message.velocity)}}
 
 
-def _time_reference(message: Message, frame: str) -> dict[str, Any] | None:
+def _time_reference(message: Message, frame: str) -> RosMessage | None:
     try:
         moment = datetime.fromisoformat(message.utc)
     except (TypeError, ValueError):
@@ -158,7 +159,7 @@ def _time_reference(message: Message, frame: str) -> dict[str, Any] | None:
     return {"header": header(message, frame), "time_ref": reference, "source": "GPS"}
 
 
-def _pressure(message: Message, frame: str) -> dict[str, Any]:
+def _pressure(message: Message, frame: str) -> RosMessage:
     return {"header": header(message, frame), "fluid_pressure": message.absolute, "variance": message.variance}
 
 
@@ -166,7 +167,7 @@ def _or_nan(value: float | None) -> float:
     return _NAN if value is None else value
 
 
-def _battery(message: Message, frame: str) -> dict[str, Any]:
+def _battery(message: Message, frame: str) -> RosMessage:
     return {
         "header": header(message, frame),
         "percentage": message.charge,
@@ -181,7 +182,7 @@ def _battery(message: Message, frame: str) -> dict[str, Any]:
     }
 
 
-def _range(message: Message, frame: str) -> dict[str, Any]:
+def _range(message: Message, frame: str) -> RosMessage:
     return {
         "header": header(message, frame),
         "radiation_type": _RADIATION.get(message.radiation, 1),

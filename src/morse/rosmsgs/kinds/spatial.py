@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import RosMessage
     from morse.rosmsgs.table import Carrier
 
 _FLOAT = "std_msgs/msg/Float64"
@@ -92,7 +93,7 @@ class SpatialKinds(TopicTable):
         """A goal from rviz or nav2; an orientation has no effect if the actuator does not use it."""
         turns = bound.has("orientation")
 
-        def take(message: Mapping[str, Any]) -> dict[str, Any]:
+        def take(message: Mapping[str, Any]) -> RosMessage:
             pose = message["pose"]
             slots = {"position": from_xyz(pose["position"])}
             return {**slots, "orientation": from_quaternion(pose["orientation"])} if turns else slots
@@ -140,7 +141,7 @@ class SpatialKinds(TopicTable):
 
 
 def _stamped(
-    name: str, part: str, content: Callable[[Message], dict[str, Any]], numbers: Callable[[Message], tuple[float, ...]]
+    name: str, part: str, content: Callable[[Message], RosMessage], numbers: Callable[[Message], tuple[float, ...]]
 ) -> Outlet:
     return Outlet(
         f"geometry_msgs/msg/{name}",
@@ -151,7 +152,7 @@ def _stamped(
     )
 
 
-def _with_covariance(name: str, part: str, content: Callable[[Message], dict[str, Any]]) -> Outlet:
+def _with_covariance(name: str, part: str, content: Callable[[Message], RosMessage]) -> Outlet:
     return Outlet(
         f"geometry_msgs/msg/{name}",
         lambda m, f: {"header": header(m, f), part: {part: content(m), "covariance": covariance(m.covariance)}},
@@ -159,7 +160,7 @@ def _with_covariance(name: str, part: str, content: Callable[[Message], dict[str
     )
 
 
-def _point(message: Message, frame: str) -> dict[str, Any]:
+def _point(message: Message, frame: str) -> RosMessage:
     return {"header": header(message, frame), "point": xyz(message.position)}
 
 
@@ -167,26 +168,26 @@ def _number(slot: str) -> Inlet:
     return Inlet(_FLOAT, lambda message: {slot: message["data"]}, slot)
 
 
-def pose_message(message: Message) -> dict[str, Any]:
+def pose_message(message: Message) -> RosMessage:
     """``geometry_msgs/Pose``."""
     return {"position": xyz(message.position), "orientation": quaternion(message.orientation)}
 
 
-def _twist(message: Message) -> dict[str, Any]:
+def _twist(message: Message) -> RosMessage:
     return {"linear": xyz(message.linear), "angular": xyz(message.angular)}
 
 
-def _from_twist(message: Mapping[str, Any]) -> dict[str, Any]:
+def _from_twist(message: Mapping[str, Any]) -> RosMessage:
     return {"linear": from_xyz(message["linear"]), "angular": from_xyz(message["angular"])}
 
 
-def _from_car(drive: Mapping[str, Any], car: Any) -> dict[str, Any]:
+def _from_car(drive: Mapping[str, Any], car: Any) -> RosMessage:
     speed = float(drive["speed"])
     angular = car.turning_speed(speed, float(drive["steering_angle"]))
     return {"linear": [speed, 0.0, 0.0], "angular": [0.0, 0.0, angular]}
 
 
-def _from_stick(message: Mapping[str, Any], *, by_rate: bool) -> dict[str, Any]:
+def _from_stick(message: Mapping[str, Any], *, by_rate: bool) -> RosMessage:
     if len(message["data"]) != len(_STICK):
         raise ValueError(f"{len(message['data'])} numbers, expected {', '.join(_STICK)}")
     roll, pitch, yaw, thrust = (float(number) for number in message["data"])
@@ -197,7 +198,7 @@ def _from_stick(message: Mapping[str, Any], *, by_rate: bool) -> dict[str, Any]:
     return {"orientation": quaternion_of(roll, pitch, yaw), "thrust": thrust}
 
 
-def _attitude(message: Message, frame: str) -> dict[str, Any]:
+def _attitude(message: Message, frame: str) -> RosMessage:
     return {
         "header": header(message, frame),
         "orientation": quaternion(message.orientation),

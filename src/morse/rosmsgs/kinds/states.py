@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import RosMessage
     from morse.rosmsgs.table import Carrier
 
 _STRING, _BOOL, _FLOATS = "std_msgs/msg/String", "std_msgs/msg/Bool", "std_msgs/msg/Float32MultiArray"
@@ -102,18 +103,18 @@ class StateKinds(TopicTable):
         return [Inlet(_STRING, _from_text)]
 
 
-def clock(stamp: int) -> dict[str, Any]:
+def clock(stamp: int) -> RosMessage:
     """``rosgraph_msgs/Clock`` from whole ns."""
     return {"clock": time(stamp)}
 
 
-def _total_force(message: Message, frame: str) -> dict[str, Any] | None:
+def _total_force(message: Message, frame: str) -> RosMessage | None:
     if message.forces is None:
         return None
     return {"header": header(message, frame), "wrench": {"force": xyz(np.sum(message.forces, axis=0))}}
 
 
-def _joints(message: Message, frame: str) -> dict[str, Any]:
+def _joints(message: Message, frame: str) -> RosMessage:
     quantities = {name: getattr(message, name) for name in _QUANTITIES}
     return {
         "header": header(message, ""),
@@ -122,7 +123,7 @@ def _joints(message: Message, frame: str) -> dict[str, Any]:
     }
 
 
-def joint_state(messages: Sequence[Message]) -> dict[str, Any]:
+def joint_state(messages: Sequence[Message]) -> RosMessage:
     """Return a JointState of the joints in several messages; of the quantities, those that all messages have."""
     first, *others = [_joints(message, "") for message in messages]
     for name in ("name", *_QUANTITIES):
@@ -131,10 +132,10 @@ def joint_state(messages: Sequence[Message]) -> dict[str, Any]:
     return first
 
 
-def _from_joints(message: Mapping[str, Any], bound: BoundKind) -> dict[str, Any]:
+def _from_joints(message: Mapping[str, Any], bound: BoundKind) -> RosMessage:
     present = bound.gather()
     names = list(present.names)
-    slots: dict[str, Any] = {}
+    slots: RosMessage = {}
     for joint in message["name"]:
         if joint not in names:
             raise ValueError(f"there is no joint {joint!r}; known: {', '.join(names)}")
@@ -153,7 +154,7 @@ def _from_joints(message: Mapping[str, Any], bound: BoundKind) -> dict[str, Any]
     return slots
 
 
-def _from_numbers(numbers: Any, bound: BoundKind) -> dict[str, Any]:
+def _from_numbers(numbers: Any, bound: BoundKind) -> RosMessage:
     """Commands of the quantity that the motors control, in the order of the joints."""
     present = bound.gather()
     names, controlled = list(present.names), [quantity for quantity in _QUANTITIES if bound.has(quantity)]
@@ -164,13 +165,13 @@ def _from_numbers(numbers: Any, bound: BoundKind) -> dict[str, Any]:
     return {quantity: np.where(np.isnan(column), column, numbers) for quantity, column in columns.items()}
 
 
-def _from_point(message: Mapping[str, Any], bound: BoundKind) -> dict[str, Any]:
+def _from_point(message: Mapping[str, Any], bound: BoundKind) -> RosMessage:
     point = message["points"][0]
     quantities = {"position": point["positions"], "velocity": point["velocities"], "effort": point["effort"]}
     return _from_joints({"name": message["joint_names"], **quantities}, bound)
 
 
-def _from_text(message: Mapping[str, Any]) -> dict[str, Any]:
+def _from_text(message: Mapping[str, Any]) -> RosMessage:
     fields = from_json(message["data"])
     if not isinstance(fields, dict):
         raise ValueError(f"a JSON object of fields is expected, not {type(fields).__name__}")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import RosMessage
     from morse.rosmsgs.kinds.image_forms import Form
     from morse.rosmsgs.table import Carrier
 
@@ -65,7 +66,7 @@ class VisionKinds(TopicTable):
         return [Inlet("sensor_msgs/msg/Image", _from_image)]
 
 
-def _scan(message: Message, frame: str, period: float) -> dict[str, Any]:
+def _scan(message: Message, frame: str, period: float) -> RosMessage:
     first, step, count = message.angle_min, message.angle_increment, message.ranges.shape[-1]
     return {
         "header": header(message, frame),
@@ -81,7 +82,7 @@ def _scan(message: Message, frame: str, period: float) -> dict[str, Any]:
     }
 
 
-def _cloud(message: Message, frame: str) -> dict[str, Any]:
+def _cloud(message: Message, frame: str) -> RosMessage:
     points = message.points
     height, width = points.shape[:2] if points.ndim == 3 else (1, len(points))
     count = height * width
@@ -118,7 +119,7 @@ def _packed(color: Any) -> Any:
     return red << 16 | green << 8 | blue
 
 
-def _image(message: Message, frame: str, form: Form | None = None) -> dict[str, Any]:
+def _image(message: Message, frame: str, form: Form | None = None) -> RosMessage:
     pixels, encoding = message.pixels, message.encoding
     if form is not None:
         pixels, encoding = form(pixels, encoding)
@@ -136,7 +137,7 @@ def _image(message: Message, frame: str, form: Form | None = None) -> dict[str, 
     }
 
 
-def _from_image(message: Mapping[str, Any]) -> dict[str, Any]:
+def _from_image(message: Mapping[str, Any]) -> RosMessage:
     height, width, encoding = message["height"], message["width"], message["encoding"]
     if encoding not in _ENCODINGS:
         raise ValueError(f"the encoding {encoding!r}; known: {', '.join(_ENCODINGS)}")
@@ -152,7 +153,7 @@ def _from_image(message: Mapping[str, Any]) -> dict[str, Any]:
     return {"pixels": pixels.astype(dtype.newbyteorder("="), copy=False)}
 
 
-def _camera_info(message: Message, frame: str) -> dict[str, Any]:
+def _camera_info(message: Message, frame: str) -> RosMessage:
     k = np.asarray(message.k, dtype=np.float64)
     p = message.p if message.p is not None else np.hstack([k, np.zeros((3, 1))])
     distortion = message.d if len(message.d) else np.zeros(5)

@@ -11,6 +11,7 @@ from morse.rosmsgs import cdr
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.values import RosMessage
     from morse.rosmsgs.qos import Qos
 
 logger = logging.getLogger(__name__)
@@ -56,7 +57,7 @@ class ServiceServer(ABC):
     """Receives the calls of a service."""
 
     @abstractmethod
-    def take(self, most: int) -> list[tuple[Any, dict[str, Any]]]:
+    def take(self, most: int) -> list[tuple[Any, RosMessage]]:
         """The received calls, oldest first, up to a maximum number: the caller, and the request; non-blocking."""
 
     @abstractmethod
@@ -105,7 +106,7 @@ class Backend(ABC):
         """Whether publishers take CDR, so that parts of the encoding may be prepared."""
         return type(self).encode is Backend.encode
 
-    def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
+    def decode(self, type_name: str, data: bytes) -> RosMessage:
         """Decode data of a subscription into a message with all its fields.
 
         Raises:

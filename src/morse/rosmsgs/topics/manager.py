@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import Options, RosMessage
     from morse.rosmsgs.outlets import Inlet, Outlet
     from morse.rosmsgs.table import TopicTable
     from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
@@ -58,7 +59,7 @@ class TopicManager(DatastreamManager):
     table: ClassVar[TopicTable] = Ros2Topics()
     log_topic: ClassVar[type[LogTopic]] = LogTopic
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         self.names = Names(self.options)
         self._remaps = Remaps(self.options.get("remap"), context.scene.nearby_paths)
@@ -83,7 +84,7 @@ class TopicManager(DatastreamManager):
             lambda message: self._publish(self._tf_static, TF, message),
         )
 
-    def _send_tf(self, message: dict[str, Any]) -> None:
+    def _send_tf(self, message: RosMessage) -> None:
         self._publish(self._tf, TF, message)
 
     @abstractmethod
@@ -108,7 +109,7 @@ class TopicManager(DatastreamManager):
         self._claims[name] = (type_name, owner)
         return made
 
-    def tell(self, publisher: Publisher | None, type_name: str, message: dict[str, Any]) -> None:
+    def tell(self, publisher: Publisher | None, type_name: str, message: RosMessage) -> None:
         """Publish a message that belongs to no component."""
         self._publish(publisher, type_name, message)
 
@@ -135,7 +136,7 @@ class TopicManager(DatastreamManager):
     def _lacks(self, type_name: str) -> str:
         return f"{self.backend.name} has no {type_name} here (sudo apt install ros-$ROS_DISTRO-{_package(type_name)})"
 
-    def _publish(self, publisher: Publisher | None, type_name: str, message: dict[str, Any]) -> None:
+    def _publish(self, publisher: Publisher | None, type_name: str, message: RosMessage) -> None:
         if publisher is not None:
             publisher.publish(self.backend.encode(type_name, message))
 

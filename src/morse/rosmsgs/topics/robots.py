@@ -18,6 +18,7 @@ from morse.rosmsgs.urdf_of_file import describe_file
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
     from morse.core.robot import Robot
+    from morse.core.values import RosMessage
     from morse.rosmsgs.component import ComponentMessages
     from morse.rosmsgs.moving import Joint
     from morse.rosmsgs.topics.backend import Publisher
@@ -131,7 +132,7 @@ class Robots:
             self._manager.tell(known.states, _JOINTS, union(messages, newest, known.joints))
 
 
-def union(messages: list[tuple[Any, Message]], stamp: int, joints: list[Joint]) -> dict[str, Any]:
+def union(messages: list[tuple[Any, Message]], stamp: int, joints: list[Joint]) -> RosMessage:
     """Merge several ``sensor_msgs/JointState``: missing values are NaN; without any values, lists are empty."""
     names: list[str] = []
     values: dict[str, list[float]] = {quantity: [] for quantity in _QUANTITIES}

@@ -10,6 +10,7 @@ from morse.rosmsgs.parts import time
 from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
+    from morse.core.values import RosMessage
     from morse.rosmsgs.topics.backend import Publisher
 
 #: levels of rcl_interfaces/Log are those of logging
@@ -68,7 +69,7 @@ class LogTopic(logging.Handler):
         for _ in range(min(len(self.lines), _EACH_TICK)):
             self._manager.tell(self._publisher, self.type, self.message(self.lines.popleft(), stamp))
 
-    def message(self, record: logging.LogRecord, stamp: int) -> dict[str, Any]:
+    def message(self, record: logging.LogRecord, stamp: int) -> RosMessage:
         """A log record as a message, at a simulated time, ns."""
         return {
             "stamp": time(stamp),

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from morse.core.robot import Robot
+    from morse.core.values import RosMessage
 
     _Send = Callable[[dict[str, Any]], object]
 
@@ -236,7 +237,7 @@ class Transforms:
             yield from poses_of(frames.moving)
 
 
-def transform(stamp: int, parent: str, child: str, pose: Transformation3d) -> dict[str, Any]:
+def transform(stamp: int, parent: str, child: str, pose: Transformation3d) -> RosMessage:
     """``geometry_msgs/TransformStamped`` from whole ns."""
     return {
         "header": {"stamp": time(stamp), "frame_id": parent},

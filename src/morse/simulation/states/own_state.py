@@ -14,6 +14,7 @@ from morse.core.validation.commands import Commands
 from morse.core.validation.errors import CommandError
 
 if TYPE_CHECKING:
+    from morse.core.values import StateData
     from morse.simulation.running import Running
 
 #: largest tick whose time is exact
@@ -45,10 +46,10 @@ def _converted(name: str, state: object, kind: type[Any]) -> Any:
         raise StateError(f"{name}: the saved state is damaged: {error}") from None
 
 
-def check_population(state: Any) -> dict[str, Any]:
+def check_population(state: Any) -> StateData:
     """Return the validated state of a population; raise `StateError` if it is not valid."""
     _converted("population", state, _Population)
-    checked: dict[str, Any] = state
+    checked: StateData = state
     if any(len(place) != 3 or len(turn) != 3 for _, _, place, turn in checked["came"]):
         raise StateError("population: the saved state is damaged: a position and a rotation have 3 numbers")
     return checked
@@ -60,10 +61,10 @@ class ClockState:
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Number of ticks, the seed of all random numbers, and what is not usual: time of tick 0, seeds of robots."""
         clock, context = self._simulation.clock, self._simulation.context
-        state: dict[str, Any] = {"tick": clock.tick, "seed": context.seed}
+        state: StateData = {"tick": clock.tick, "seed": context.seed}
         if clock.origin:
             state["origin"] = clock.origin
         if context.robot_seeds:
@@ -78,7 +79,7 @@ class ClockState:
         if not 0.0 <= found.origin <= _LAST_TICK:
             raise StateError("clock: the saved state is damaged: the time of its start is not a time")
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state that `get_state` returned."""
         self._simulation.clock.go_to(state["tick"], state.get("origin", 0.0))
         self._simulation.context.seed = state["seed"]
@@ -91,7 +92,7 @@ class ControlsState:
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Keys, axes and the selected robot."""
         keys, axes, robot = self._simulation.context.controls
         return {"keys": sorted(keys), "axes": list(axes), "robot": robot}
@@ -100,7 +101,7 @@ class ControlsState:
         """Raise `StateError` if the state is not a state of controls."""
         _converted("controls", state, _Controls)
 
-    def set_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: StateData) -> None:
         """Restore a state that `get_state` returned."""
         controls = Controls(frozenset(state["keys"]), tuple(state["axes"]), state["robot"])
         self._simulation.context.controls = controls
@@ -112,11 +113,11 @@ class InputsState:
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
 
-    def get_state(self) -> dict[str, dict[str, Any]]:
+    def get_state(self) -> dict[str, StateData]:
         """Return the pending fields by name of the actuator."""
         found = {}
         for actuator in self._simulation.loaded.actuators:
-            fields: dict[str, Any] = {}
+            fields: StateData = {}
             for pending in PendingCommands.all_of(actuator):
                 fields |= pending.waiting
             if fields:
@@ -135,7 +136,7 @@ class InputsState:
             except CommandError as error:
                 raise StateError(f"inputs: {name}: {error}") from None
 
-    def set_state(self, state: dict[str, dict[str, Any]]) -> None:
+    def set_state(self, state: dict[str, StateData]) -> None:
         """Restore a state that `get_state` returned."""
         for actuator in self._simulation.loaded.actuators:
             pending = PendingCommands.all_of(actuator)

@@ -20,6 +20,7 @@ from morse.simulation.states.state_parts import StateParts
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from morse.core.values import StateData
     from morse.core.world import World
     from morse.simulation.running import Running
 
@@ -117,7 +118,7 @@ class Saving:
         clock.check(parts["clock"])
         clock.set_state(parts["clock"])
 
-    def _read_population(self, state: State) -> dict[str, Any]:
+    def _read_population(self, state: State) -> StateData:
         """Return the state of the population, after a first check that the state belongs to this scene."""
         check = Reader(self._parts, fresh=True)
         if "population" not in state.parts:
@@ -146,7 +147,7 @@ class Saving:
             elif holder is self._simulation.world:
                 _check_physics(holder, read)
 
-    def _compare(self, state: State, holders: dict[str, Any]) -> None:
+    def _compare(self, state: State, holders: StateData) -> None:
         lacking = [name for name in holders if name not in state.parts]
         alien = [name for name in state.parts if name not in holders]
         if lacking or alien:

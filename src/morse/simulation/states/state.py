@@ -18,6 +18,8 @@ from morse.system.regular_files import read_regular
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from morse.core.values import StateData
+
 _HEAD = b"MORSE state 1\n"
 #: maximum size of a file, bytes; the state of hundreds of robots with scanners is much smaller
 _LARGEST = 1 << 30
@@ -36,7 +38,7 @@ class State:
 
     def __init__(
         self,
-        parts: dict[str, Any],
+        parts: StateData,
         unsaved: tuple[str, ...] = (),
         makers: Mapping[str, Callable[[], Any]] = MappingProxyType({}),
     ) -> None:

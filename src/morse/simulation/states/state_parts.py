@@ -16,6 +16,7 @@ from morse.physics import GameObject
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from morse.core.values import StateData
     from morse.simulation.running import Running
 
 _PLAIN = (type(None), bool, int, float, complex, str, bytes, tuple, frozenset, ModuleType, Enum)
@@ -28,7 +29,7 @@ class StateParts:
         self._simulation = simulation
         self._classes: dict[str, type[object]] = {}
         self._globals: dict[int, str] = {}
-        self._by_name: dict[str, Any] = {}
+        self._by_name: StateData = {}
 
     def look_up(self) -> None:
         """Look up the present values of the variables of the project."""
@@ -37,7 +38,7 @@ class StateParts:
 
     # -- the simulation --------------------------------------------------------------------
 
-    def _fixed(self) -> dict[str, Any]:
+    def _fixed(self) -> StateData:
         context = self._simulation.context
         return {
             "context": context,

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.core.context import Context
+    from morse.core.values import Options
     from morse.verification.contract.stand import Stand
 
 CARRIED = "carried by every middleware"
@@ -32,7 +33,7 @@ class Listener(DatastreamManager):
         heard: number of messages.
     """
 
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
+    def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
         self.heard = 0
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.context import Context
+    from morse.core.values import JsonObject
     from morse.rendering.lens import Lens
     from morse.viewer.server import ViewServer
 
@@ -27,7 +28,7 @@ class ViewFrustums:
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._sent: dict[str, Any] = {}
+        self._sent: JsonObject = {}
 
     def restarted(self) -> None:
         """Send everything again, because the components are described again."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.journal import COMMAND
@@ -13,6 +13,7 @@ from morse.viewer.view_messages import Values
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.values import JsonObject
     from morse.recording.fields.reading import RecordedFields
     from morse.simulation.recordings.recorded_timeline import RecordedTimeline
     from morse.viewer.server import ViewServer
@@ -52,7 +53,7 @@ class RecordedValuesFeed:
             if data or note:
                 self._server.send(Values(name, time, {field: shown(value) for field, value in data.items()}, note))
 
-    def measured(self, name: str) -> tuple[dict[str, Any], str]:
+    def measured(self, name: str) -> tuple[JsonObject, str]:
         """The last recorded data of a sensor, and a note."""
         if name not in self._fields:
             return {}, "not recorded"
@@ -62,7 +63,7 @@ class RecordedValuesFeed:
             return {}, ""
         return ({}, "no data recorded until here") if fields is None else (fields.values, "")
 
-    def _commanded(self, component: Object) -> tuple[dict[str, Any], str]:
+    def _commanded(self, component: Object) -> tuple[JsonObject, str]:
         """The last command; an actuator that was not commanded has the values of its declaration."""
         command = self._timeline.last_input(COMMAND, component.name())
         return (dict(component.local_data), "") if command is None else (dict(command), "the last recorded command")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import properties
 from morse.viewer.view_messages import Activity, Capturing, PropertyValue
@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.interfaces import Component
     from morse.core.sensor import Sensor
+    from morse.core.values import JsonObject
     from morse.viewer.server import ViewServer
 
 
@@ -21,7 +22,7 @@ class StatesFeed:
         self._context = context
         self._server = server
         self._active: dict[str, bool] = {}
-        self._values: dict[str, dict[str, Any]] = {}
+        self._values: dict[str, JsonObject] = {}
         self._capturing: bool | None = None
 
     def restarted(self) -> None:

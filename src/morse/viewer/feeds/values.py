@@ -11,6 +11,7 @@ from morse.viewer.view_messages import Values
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.values import JsonObject
     from morse.viewer.server import ViewServer
 
 #: maximum number of displayed values of an array: a scan, but not an image
@@ -34,7 +35,7 @@ class ValuesFeed:
                 self._server.send(Values(name, now, data or {}, "The data cannot be read." if data is None else ""))
 
 
-def _data_of(component: Object) -> dict[str, Any]:
+def _data_of(component: Object) -> JsonObject:
     return {str(field): shown(value) for field, value in present_data(component).items()}
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.streams.pending_commands import PendingCommands
 
 if TYPE_CHECKING:
     from morse.core.context import Context
+    from morse.core.values import JsonObject
 
 
 class Commands:
@@ -22,7 +23,7 @@ class Commands:
         """The components were created again."""
         self._pending.clear()
 
-    def set(self, name: str, fields: dict[str, Any]) -> None:
+    def set(self, name: str, fields: JsonObject) -> None:
         """Set fields of an actuator.
 
         Raises:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.values import JsonObject
     from morse.scene import Scene
     from morse.viewer.snapshot import MovingNode
     from morse.viewer.view_messages import ServerMessage
@@ -48,8 +49,8 @@ class Tape:
         self._key: str | None = None
         self._revision = 0
         self._files: dict[str, tuple[str, bytes]] = {}
-        self._messages: list[tuple[float, str, dict[str, Any], bytes]] = []
-        self._last: dict[str, Any] = {}
+        self._messages: list[tuple[float, str, JsonObject, bytes]] = []
+        self._last: JsonObject = {}
         #: of each world: revision, times, poses
         self._poses: list[tuple[int, list[float], list[NDArray[np.int32]]]] = []
 
@@ -117,7 +118,7 @@ class Tape:
             data = self._packed(facts, [*others, *_every(pictures, step)])
         return data
 
-    def _packed(self, facts: dict[str, Any], messages: list[tuple[float, str, dict[str, Any], bytes]]) -> bytes:
+    def _packed(self, facts: JsonObject, messages: list[tuple[float, str, JsonObject, bytes]]) -> bytes:
         parts: list[bytes] = []
         size = 0
 
@@ -144,7 +145,7 @@ class Tape:
         return gzip.compress(len(head).to_bytes(4, "little") + head + b"".join(parts), compresslevel=9, mtime=0)
 
 
-def _every(pictures: list[tuple[float, str, dict[str, Any], bytes]], step: int) -> list[Any]:
+def _every(pictures: list[tuple[float, str, JsonObject, bytes]], step: int) -> list[Any]:
     """Every ``step``-th image of each camera."""
     counts: dict[str, int] = {}
     kept = []

@@ -9,8 +9,10 @@ from morse.core.exceptions import MorseRPCInvokationError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.values import RosMessage
 
-def in_order_of(joints: Sequence[str], trajectory: Any) -> dict[str, Any]:
+
+def in_order_of(joints: Sequence[str], trajectory: Any) -> RosMessage:
     """The argument of the service ``trajectory`` of an armature, from ``trajectory_msgs/JointTrajectory``.
 
     Args:
@@ -27,7 +29,7 @@ def in_order_of(joints: Sequence[str], trajectory: Any) -> dict[str, Any]:
     order = [given.index(joint) for joint in joints]
     points = []
     for point in trajectory.points:
-        made: dict[str, Any] = {"time_from_start": point.time_from_start.to_sec()}
+        made: RosMessage = {"time_from_start": point.time_from_start.to_sec()}
         for name in ("positions", "velocities", "accelerations"):
             values = list(getattr(point, name))
             if values and len(values) != len(order):

@@ -24,6 +24,7 @@ from morse.rosmsgs.topics.backend import Backend, Publisher, ServiceServer, Subs
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from morse.core.values import RosMessage
     from morse.rosmsgs.qos import Qos
 
 _LOOPBACK = ("", "lo", "127.0.0.1", "localhost")
@@ -125,7 +126,7 @@ class _Service(ServiceServer):
     def __init__(self, node: Any, service: Any) -> None:
         self._node, self._service = node, service
 
-    def take(self, most: int) -> list[tuple[Any, dict[str, Any]]]:
+    def take(self, most: int) -> list[tuple[Any, RosMessage]]:
         return [(caller, plain(request)) for caller, request in self.take_messages(most)]
 
     def take_messages(self, most: int) -> list[tuple[Any, Any]]:
