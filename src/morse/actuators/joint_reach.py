@@ -29,8 +29,9 @@ if TYPE_CHECKING:
     from morse.helpers.chain import Pose
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-#: largest distance (m) and angle (rad) at the end, and the time within which the motors remove the sag, s
-_NEAR, _ALIGNED, _PATIENCE = 1e-3, 5e-3, 3.0
+#: distance (m) and angle (rad) at which a motion ends, half of those that are promised, because the arm comes to rest
+#: there; and the time within which the motors remove the sag, s
+_NEAR, _ALIGNED, _PATIENCE = 5e-4, 2.5e-3, 3.0
 #: share of the remaining error that each tick adds to the setpoints, and the largest correction, rad or m
 _SHARE, _MOST = 0.2, 0.2
 #: peak speed of a polynomial of degree 3 from rest to rest, as a multiple of its mean speed
