@@ -86,6 +86,7 @@ def command(
         str | None, typer.Option("--duration", metavar="SECONDS", help="Stop after this simulated time, s.")
     ] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of all random numbers.")] = None,
+    verbose: Annotated[bool, typer.Option("--verbose", help="List all services at the start.")] = False,
     strict: Annotated[
         bool, typer.Option("--strict", help="Treat unknown fields and wrong types in messages of clients as errors.")
     ] = False,
@@ -157,6 +158,7 @@ def command(
         seed=_seed(seed),
         profile=profile,
         strict=strict,
+        verbose=verbose,
         interfaces=["ros2"] if ros2 else [],
         record=_record(record),
         keep_last=_kept(keep_last),

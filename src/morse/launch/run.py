@@ -168,13 +168,13 @@ def _start(scene: Scene, options: RunOptions, leave: Leave = None) -> Simulation
     context = simulation.context
     # an error is reported in the first tick, with the component
     context.guard.run(lambda: prepare(context.components.values()), lambda _: None)
+    if simulation.view is not None:
+        simulation.view.announce()
     managers = list(context.stream_managers)
-    for line in summary(context, simulation.loaded.modifiers, managers):
+    for line in summary(context, simulation.loaded.modifiers, managers, verbose=options.verbose):
         logger.info("%s", line)
     for recorder in simulation.recorders:
         logger.info("the run is recorded in %s", recorder.path)
-    if simulation.view is not None:
-        simulation.view.announce()
     endsection("SCENE INITIALIZED")
     return simulation
 

@@ -29,6 +29,7 @@ class RunOptions:
         seed: seed of all random numbers; None for the value of the scene.
         profile: whether to measure the time of each phase and component.
         watch: whether to reload models and components that are saved while the simulation runs.
+        verbose: whether the summary lists all services.
         strict: whether an unknown or ill-typed field in a message is an error.
         record: path of the file in which the run is recorded; None for no recording.
         keep_last: simulated seconds before a failure that are kept, to be simulated again; 0 for none.
@@ -56,6 +57,7 @@ class RunOptions:
     profile: bool = False
     watch: bool = False
     strict: bool = False
+    verbose: bool = False
     record: str | None = None
     keep_last: float = 0.0
     record_only: list[str] | None = None

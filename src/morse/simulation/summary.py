@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 _RULE = "-" * 36
 
 
-def summary(context: Context, modifiers: list[str], datastreams: list[str]) -> list[str]:
-    """Return the lines of the summary."""
+def summary(context: Context, modifiers: list[str], datastreams: list[str], *, verbose: bool = False) -> list[str]:
+    """Return the lines of the summary; the names of all services only if ``verbose``."""
     lines = [_RULE, "-        SIMULATION SUMMARY        -", _RULE, "Robots in the simulation:"]
     for name in context.robots:
         lines += _robot(context, name)
@@ -21,7 +21,12 @@ def summary(context: Context, modifiers: list[str], datastreams: list[str]) -> l
     lines.append("Available services:")
     for classpath, manager in context.services.request_managers().items():
         lines.append(f"\t- Interface {classpath}")
-        lines += [f"\t\t- {component}: {services}" for component, services in manager.services().items()]
+        offered = manager.services()
+        if verbose:
+            lines += [f"\t\t- {component}: {services}" for component, services in offered.items()]
+        else:
+            count = sum(map(len, offered.values()))
+            lines.append(f"\t\t- {count} services of {len(offered)} components; --verbose lists them")
     lines.append("Modifiers in use:")
     lines += [f"\t- '{classpath}'" for classpath in modifiers] or ["\tNone"]
     lines.append("Datastream interfaces configured:")

@@ -30,7 +30,7 @@ from morse.viewer.inputs.history import Rewinder
 from morse.viewer.inputs.moving import Moving
 from morse.viewer.inputs.service_calls import ServiceCalls
 from morse.viewer.looks import appearances, moving_nodes
-from morse.viewer.notebook import Frame, frame
+from morse.viewer.notebook import Frame, frame, proxy_token
 from morse.viewer.requests import PageLeft
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import Snapshot
@@ -83,7 +83,7 @@ class View(Observer):
             context.network,
             host=options.host,
             port=options.view_port,
-            token=options.view_token,
+            token=options.view_token or proxy_token(),
             title=title_of(options.script, simulation.scene.environment),
             origins=options.view_origins,
         )

@@ -1,3 +1,4 @@
+import { fileAddress } from "./address";
 import type { ServerMessage } from "../generated/protocol";
 
 type Place = [begin: number, length: number];
@@ -46,7 +47,7 @@ export const tape: Promise<Tape> | null = element === null ? null : unpack(eleme
 
 /** Fetch a file of the simulator, or take it from the tape. */
 export async function fetchFile(url: string): Promise<Response> {
-  if (tape === null) return fetch(url);
+  if (tape === null) return fetch(fileAddress(url, location.href));
   const file = (await tape).files.get(url);
   return new Response(file ?? null, { status: file ? 200 : 404, statusText: file ? "" : "Not Found" });
 }
@@ -54,7 +55,7 @@ export async function fetchFile(url: string): Promise<Response> {
 /** An address for elements that load a file themselves. */
 export async function addressOf(url: string): Promise<string> {
   const file = tape === null ? null : (await tape).files.get(url);
-  return file ? URL.createObjectURL(file) : url;
+  return file ? URL.createObjectURL(file) : fileAddress(url, location.href);
 }
 
 async function unpack(text: string): Promise<Tape> {

@@ -1,4 +1,5 @@
 /* The connection runs in a worker: rendering never delays a key or a heartbeat. */
+import { fileAddress } from "./address";
 import type { Hello, PageMessage, SceneDescription, ServerMessage } from "../generated/protocol";
 import { VERSION } from "../generated/protocol";
 import { decodePayload, kindOf, POSES } from "./frames";
@@ -46,8 +47,8 @@ function showNewest(): void {
 
 /** While the page initialises its canvas: load what it will fetch next into the browser's cache. */
 async function prefetch(world: string): Promise<void> {
-  const { meshes } = (await (await fetch(new URL(world, pageUrl))).json()) as SceneDescription;
-  await Promise.all([...new Set(meshes.map((mesh) => mesh.url))].map((file) => fetch(new URL(file, pageUrl))));
+  const { meshes } = (await (await fetch(fileAddress(world, pageUrl))).json()) as SceneDescription;
+  await Promise.all([...new Set(meshes.map((mesh) => mesh.url))].map((file) => fetch(fileAddress(file, pageUrl))));
 }
 
 function receive(data: string | ArrayBuffer): void {

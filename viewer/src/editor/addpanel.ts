@@ -1,3 +1,4 @@
+import { fileAddress } from "../connection/address";
 import type { Connection } from "../connection/connection";
 import type { Model } from "../generated/protocol";
 import { h } from "../ui/dom";
@@ -98,13 +99,13 @@ export class AddPanel {
     const url = this.pictures.get(kind);
     image.hidden = url === undefined;
     if (url === undefined) return;
-    image.src = new URL(url, location.href).pathname;
+    image.src = fileAddress(url, location.href);
     image.previousElementSibling?.remove();
   }
 
   private carry(model: Model, x: number, y: number): void {
     const url = this.pictures.get(model.kind);
-    this.ghost.style.backgroundImage = url === undefined ? "" : `url("${url}")`;
+    this.ghost.style.backgroundImage = url === undefined ? "" : `url("${fileAddress(url, location.href)}")`;
     this.ghost.textContent = url === undefined ? model.name : "";
     this.ghost.style.transform = `translate(${x + 12}px, ${y + 12}px)`;
     this.ghost.hidden = false;
