@@ -13,6 +13,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _SEGMENTS = 32
+#: m, error of the surfaces of balls and cylinders, which lasers hit exactly
+_EXACT = 1e-4
+#: half the height of the spherical cap over a face of an icosahedron, in radii; each subdivision divides it by four
+_COARSE = 0.146
+_MOST_SIDES, _MOST_SUBDIVISIONS = 256, 5
 _Point = tuple[float, float, float]
 _Face = tuple[int, ...]
 
@@ -50,10 +55,9 @@ def plane() -> Mesh:
 
 
 @cache
-def cylinder() -> Mesh:
-    """A cylinder of radius 1 m, 2 m high, along Z."""
-    n = _SEGMENTS
-    points = _ring(1.0, -1.0) + _ring(1.0, 1.0)
+def cylinder(n: int = _SEGMENTS) -> Mesh:
+    """A cylinder of radius 1 m, 2 m high, along Z, with ``n`` sides."""
+    points = _ring(1.0, -1.0, n) + _ring(1.0, 1.0, n)
     sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
     return polyhedron("Cylinder", points, [*sides, tuple(range(n, 2 * n)), tuple(range(n - 1, -1, -1))])
 
@@ -113,6 +117,29 @@ def ico_sphere(subdivisions: int = 2) -> Mesh:
             finer += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
         faces = finer
     return polyhedron("IcoSphere", points, faces, smooth=True)
+
+
+def round_cylinder(radius: float) -> Mesh:
+    """A cylinder of radius 1 m whose sides are within 0.1 mm of the circle when it is scaled to a radius, m."""
+    sides = math.pi * math.sqrt(max(radius, 0.0) / (2.0 * _EXACT))
+    return cylinder(min(max(_SEGMENTS, 16 * math.ceil(sides / 16.0)), _MOST_SIDES))
+
+
+def ball(radius: float) -> Mesh:
+    """A sphere of radius 1 m that is within 0.1 mm of the exact one when it is scaled to a radius of up to 0.7 m."""
+    subdivisions = 2
+    while subdivisions < _MOST_SUBDIVISIONS and _COARSE * radius > _EXACT * 4**subdivisions:
+        subdivisions += 1
+    return _ball(subdivisions)
+
+
+@cache
+def _ball(subdivisions: int) -> Mesh:
+    """A sphere of triangles whose corners are as far outside as their middles are inside."""
+    mesh = ico_sphere(subdivisions)
+    # the bounding box is that of the sphere
+    vertices = (mesh.vertices * (1.0 + _COARSE / 4**subdivisions)).clip(-1.0, 1.0)
+    return Mesh("Ball", vertices.astype("float32"), mesh.triangles, mesh.material_index, normals=mesh.normals)
 
 
 def _unit(point: _Point) -> _Point:

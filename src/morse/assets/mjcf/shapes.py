@@ -123,9 +123,9 @@ def _mesh(geom: GeomData) -> tuple[Mesh, tuple[float, ...]]:
     if geom.kind == "plane":
         return solids.cube(), plane_box(size)
     if geom.kind == "ellipsoid":
-        return solids.sphere(), size
+        return solids.ball(max(size)), size
     if geom.kind == "sphere":
-        return solids.sphere(), (size[0],) * 3
+        return solids.ball(size[0]), (size[0],) * 3
     if geom.kind == "cylinder":
-        return solids.cylinder(), (size[0], size[0], size[1])
+        return solids.round_cylinder(size[0]), (size[0], size[0], size[1])
     return solids.capsule(*size), (1.0, 1.0, 1.0)

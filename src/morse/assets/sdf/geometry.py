@@ -127,10 +127,10 @@ class Geometry:
             node.mesh, node.scale, kind = solids.cube(), list(size), ShapeKind.BOX
         elif shape.tag == "sphere":
             size = _sizes(shape, "radius")
-            node.mesh, node.scale, kind = solids.sphere(), list(size * 3), ShapeKind.SPHERE
+            node.mesh, node.scale, kind = solids.ball(size[0]), list(size * 3), ShapeKind.SPHERE
         elif shape.tag == "ellipsoid":
             size = _positive(shape, "radii", vector(shape, "radii", (1.0, 1.0, 1.0)))
-            node.mesh, node.scale, kind = solids.sphere(), list(size), ShapeKind.ELLIPSOID
+            node.mesh, node.scale, kind = solids.ball(max(size)), list(size), ShapeKind.ELLIPSOID
         else:
             radius, length = _sizes(shape, "radius", "length")
             size = (radius, 0.5 * length)
@@ -138,7 +138,7 @@ class Geometry:
             if kind is ShapeKind.CAPSULE:
                 node.mesh = solids.capsule(*size)
             else:
-                node.mesh, node.scale = solids.cylinder(), [radius, radius, 0.5 * length]
+                node.mesh, node.scale = solids.round_cylinder(radius), [radius, radius, 0.5 * length]
         node.shapes = [CollisionShape(kind, size)]
         return node
 

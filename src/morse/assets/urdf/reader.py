@@ -230,8 +230,8 @@ def _primitive(shape: Shape) -> tuple[Mesh, tuple[float, ...]]:
         return solids.cube(), (0.5 * x, 0.5 * y, 0.5 * z)
     if shape.kind == "cylinder":
         radius, length = shape.size
-        return solids.cylinder(), (radius, radius, 0.5 * length)
-    return solids.sphere(), (shape.size[0],) * 3
+        return solids.round_cylinder(radius), (radius, radius, 0.5 * length)
+    return solids.ball(shape.size[0]), (shape.size[0],) * 3
 
 
 def _turn(joint: Joint) -> Matrix:
