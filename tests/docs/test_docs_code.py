@@ -82,6 +82,7 @@ PROGRAMS = [block for block in blocks("python") if block.text.startswith("import
 @pytest.mark.parametrize("block", named(PROGRAMS))
 def test_programs_run(block: Block, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setenv("MORSE_RESOURCE_PATH", str(DOCS.parent))  # for models of examples
     script = tmp_path / "program.py"
     script.write_text(block.text, encoding="utf-8")
     done = run([sys.executable, str(script)], tmp_path)
