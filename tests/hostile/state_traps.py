@@ -371,3 +371,19 @@ def message(component: str, attribute: str, value: Any) -> str:
     except StateError as error:
         return str(error)
     return ""
+
+
+def exchange(names: Iterable[str], values: Iterable[str]) -> list[str]:
+    """Let attributes of the user's sensor hold other values; return those with which its own state is refused."""
+    simulation, kept, wrong = _victims[0].simulation, _victims[0].kept, []
+    trap = simulation.context.components["r0.trap"]
+    for name in names:
+        for value in values:
+            setattr(trap, name, {"nothing": None, "a list": [1.0], "a text": "x", "a number": 1.5}.get(value, {}))
+            try:
+                simulation.restore(kept)
+            except StateError as error:
+                wrong.append(f"{name} = {value}: {error}")
+            if simulation.state_hash() != kept.hash():
+                wrong.append(f"{name} = {value}: the state is not restored")
+    return wrong

@@ -151,3 +151,9 @@ def test_shared_lists_and_cycles_are_restored() -> None:
     assert read[12][0] is read[11]
     ring = Reader(NoReferences()).part("x", ["list", [["again", 0]]], [])
     assert ring[0] is ring
+
+
+def test_an_own_state_is_restored_whatever_attributes_hold_now(victim: Any) -> None:
+    names = ("estimate", "history", "table", "space", "step", "hook", "random", "draw", "array", "path")
+    values = ("nothing", "a list", "a text", "a number", "a dictionary")
+    assert victim.apply(traps.exchange, (names, values)) == []
