@@ -17,7 +17,7 @@ pytestmark = pytest.mark.long
 CHECKED = "MORSE_TESTED_KERNEL"
 OPTIONS = ["-Og", "-g1", "-shared", "-fPIC", "-fno-omit-frame-pointer", "-Wno-psabi"]
 #: tests of Python only
-_NOT_NATIVE = ("test_build.py", "test_loading.py", "test_sanitizers.py")
+_NOT_NATIVE = ("test_build.py", "test_loading.py", "test_release.py", "test_sanitizers.py")
 WORDS = ["-n0", "-q", "-x", "-p", "no:cacheprovider", "--timeout", "3000"]
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 

@@ -29,20 +29,22 @@ class Looks:
         return True
 
     def get_state(self) -> dict[str, Any]:
-        """Return the differences from the scene; see `morse.physics.state.saved.SavedObject`."""
-        node, (color, lamp) = self._node, self._start
+        """Return the lamp, and a colour that differs from the scene; see `morse.physics.state.saved.SavedObject`."""
+        node = self._node
         state: dict[str, Any] = {}
-        if node.color != color and node.color is not None:
+        if node.color != self._start[0] and node.color is not None:
             state["color"] = tuple(map(float, node.color))
-        if node.light != lamp and node.light is not None:
+        # the whole lamp, because an actuator may have set it before the first tick, and in the scene
+        if node.light is not None:
             state["lamp"] = {name: getattr(node.light, name) for name in _LAMP}
         return state
 
     def set_state(self, state: SavedObject) -> bool:
         """Restore a validated state of an object that has the looks of the scene; return whether it differs."""
         node = self._node
+        before = node.color, node.light
         if state.color is not None:
             node.color = state.color
         if state.lamp is not None and node.light is not None:
             node.light = replace(node.light, **{name: getattr(state.lamp, name) for name in _LAMP})
-        return state.color is not None or state.lamp is not None
+        return (node.color, node.light) != before
