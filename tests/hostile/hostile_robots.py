@@ -153,8 +153,8 @@ ROBOTS: dict[str, Maker] = {
     "urdf: 30,000 links and joints": late(".urdf", lambda: _links(30_000)),
     "urdf: 2,000 joints that follow": text(".urdf", _links(1990, '<mimic joint="j1"/>')),
     "urdf: 1,990 moving links with masses": text(".urdf", _with_masses(_links(1990))),
-    "urdf: 1,000 moving links with masses": text(".urdf", _with_masses(_links(1000))),
-    "urdf: 900 moving links in five chains": text(".urdf", _with_masses(_chains(5, 180))),
+    "urdf: 800 moving links with masses": text(".urdf", _with_masses(_links(800))),
+    "urdf: 750 moving links in five chains": text(".urdf", _with_masses(_chains(5, 150))),
     "urdf: 40,000 boxes": late(".urdf", lambda: urdf('<link name="a">' + (
         '<collision><geometry><box size="1 1 1"/></geometry></collision>' * 40_000) + "</link>")),
     "urdf: 40,000 visuals": late(".urdf", lambda: urdf('<link name="a">' + (

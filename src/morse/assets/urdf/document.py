@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _FARTHEST = 1e6
 #: maximum number of links, of joints that move, each of which the engine compares with each other, and of joints in a
 #: chain
-_MOST_LINKS, _MOST_MOVING, _DEEPEST = 2000, 1000, 200
+_MOST_LINKS, _MOST_MOVING, _DEEPEST = 2000, 800, 200
 #: rad or m, for joints without limits
 _ENDLESS = 1e4
 #: elements whose number is limited
