@@ -51,7 +51,7 @@ def test_small_balls_have_few_triangles():
 
     counts = [len(solids.ball(radius).triangles) for radius in (0.01, 0.05, 0.2, 0.5, 5.0)]
     assert counts == sorted(counts)
-    assert counts[0] <= 320
+    assert counts[0] <= 1280
     assert counts[-1] <= 20480
     for radius in (0.01, 0.05, 0.2, 0.5):
         mesh = solids.ball(radius)
