@@ -47,3 +47,19 @@ def many(plan: Plan) -> Iterator[Result]:
         yield failure("many", "memory", str(error))
         return
     yield Result("many", "a further row", trial.median("row_mb"), "MB", at_most(0.5))
+    yield from _sweeps(plan)
+
+
+def _sweeps(plan: Plan) -> Iterator[Result]:
+    """What a run costs besides its function, and what a second worker brings."""
+    module, runs = "benchmarks.programs.sweeps", "8" if plan.quick else "40"
+    try:
+        cost = Program("morse", module, ("overhead", "--runs", runs)).run()
+        pair = Program("morse", module, ("workers", "--runs", runs, "--rounds", "1" if plan.quick else "5")).run()
+    except TrialFailed as error:
+        yield failure("many", "sweeps", str(error))
+        return
+    share, load = 100.0 * cost["overhead"], 100.0 * cost["of_a_load"]
+    case = "a run of 0.05 s: all but its function"
+    yield Result("many", case, share, "% of the function", at_most(10.0), details={"with a load": load})
+    yield Result("many", "two workers, of one", pair["two_of_one"], "x", at_least(1.8))

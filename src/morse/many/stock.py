@@ -72,10 +72,13 @@ class Stock:
         with simulation:
             yield simulation
         if kept.scene is not None:
-            # restores the colours and lamps of the scene
-            simulation.world.reset()
-            if simulation.world.arrangement or _digest(kept.scene) != kept.begun:
+            if simulation.world.arrangement:
                 return
+            if _digest(kept.scene) != kept.begun:
+                # restores colours and lamps
+                simulation.world.reset()
+                if _digest(kept.scene) != kept.begun:
+                    return
         self._scenes[key] = kept
         while len(self._scenes) > _MOST:
             del self._scenes[next(iter(self._scenes))]
