@@ -1,7 +1,7 @@
 """What a run of a sweep costs besides its function, and what a second worker brings.
 
-``overhead`` compares the processor time of a run with that of its function, for scenes that are used again and for loads.
-``workers`` compares the wall-clock times of one and of two workers, in turns.
+``overhead`` compares the processor time of a run with that of its function, for scenes that are used again and for
+loads. ``workers`` compares the wall-clock times of one and of two workers, in turns.
 """
 
 from __future__ import annotations
