@@ -6,7 +6,12 @@ import math
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from effort import examples
+from morse.helpers.inverse_kinematics import Target
+from morse.helpers.reaching import reach
 from pymorse import MorseServiceFailed
 
 PICKER = Path(__file__).parents[2] / "examples" / "joints" / "picker.urdf"
@@ -133,3 +138,18 @@ def test_an_arm_without_masses_reaches_a_pose(simulate):
     names = sim.robot.arm.get_links().result()
     sim.robot.arm.reach(names[-1], [0.4, 0.3, 0.6]).result(30.0)
     assert math.dist(link(sim, names[-1])[0], (0.4, 0.3, 0.6)) < 1e-3
+
+
+@pytest.mark.long
+@given(shares=st.lists(st.floats(0.0, 1.0), min_size=6, max_size=6))
+@settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_every_pose_of_the_hand_is_found(shared, shares):
+    chain = shared.context.component("picker.arm").chain
+    values = [low + share * (high - low) for share, (_, low, high) in zip(shares, chain.limits[:6], strict=True)]
+    bone = chain.index("spin")
+    position, rotation = chain.frames([*values, 0.0, 0.0])[bone]
+    target = Target(bone, (position, rotation), 0.3, ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)))
+    nearby = reach(chain, target, [0.02] * 8)
+    place, _ = chain.frames(nearby.values)[bone]
+    assert math.dist(place, position) <= 1e-4
+    assert all(low <= value <= high for value, (_, low, high) in zip(nearby.values, chain.limits, strict=True))
