@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import re
+from keyword import iskeyword
 from typing import TYPE_CHECKING
 
 from morse.builder.editing.changes import UnwritableError
@@ -59,11 +60,12 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
 
 def variable_name(kind: str, names: Container[str]) -> str:
     """A free name for a new object: ``atrv`` for ``ATRV``, ``cup_blue`` for ``props/kitchen_objects#Cup_Blue``."""
-    stem = re.sub(r"\W+", "_", kind.rpartition("#")[2].rpartition("/")[2]).strip("_")
+    own = kind.rpartition("#")[2].rpartition("/")[2]
+    stem = re.sub("_+", "_", "".join(c if f"_{c}".isidentifier() else "_" for c in own)).strip("_")
     stem = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", stem).lower() or "thing"
     stem = f"_{stem}".strip("_") if not stem[0].isdigit() else f"object_{stem}"
     number, candidate = 1, stem
-    while candidate in names:
+    while candidate in names or iskeyword(candidate):
         number += 1
         candidate = f"{stem}_{number}"
     return candidate

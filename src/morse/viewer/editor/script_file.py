@@ -10,6 +10,7 @@ from pathlib import Path
 import morse
 from morse.builder.editing.changes import Changes, UnwritableError
 from morse.builder.editing.writing import changed_script
+from morse.system.python_text import quoted
 
 _PACKAGE = Path(morse.__file__).parent
 
@@ -36,7 +37,7 @@ class ScriptFile:
             with open(own, encoding="utf-8", newline="") as file:
                 self.text = file.read()
         else:
-            self.text = f'from morse.builder import *\n\nenv = Environment("{own.as_posix()}")\n'
+            self.text = f"from morse.builder import *\n\nenv = Environment({quoted(own.as_posix())})\n"
         belongs = own.suffix == ".py" and not own.is_relative_to(_PACKAGE)
         stem = own.parent.name if own.stem in ("scene", "default") else own.stem
         self.path = own if belongs else _free(Path.cwd() / f"{stem}.py")
