@@ -26,9 +26,11 @@ class Halved(AbstractModifier):
 """
 SILENT = """
 from morse.core.datastream import DatastreamManager
+from morse.core.declarations import Option
 from morse.core.mapping import maps
 
 class Silent(DatastreamManager):
+    manager_options = {"volume": Option(int, 0, "how loud", low=0)}
     sent = []
 
     @maps("general")
@@ -41,7 +43,7 @@ class Silent(DatastreamManager):
 MAPPING = """
 from morse.middleware.registry import Middleware
 
-MIDDLEWARE = Middleware("silent", stream_manager="lab.silent.Silent")
+MIDDLEWARE = Middleware("silent", stream_manager="lab.silent.Silent", manager_options=None)
 """
 PROJECT = """
 [project.entry-points."morse.modifiers"]
@@ -120,6 +122,14 @@ def test_a_middleware_that_is_not_declared_is_named_with_the_mend(tmp_path: Path
     script.write_text(SCENE.replace('pose.alter("Halved")', ""))
     with pytest.raises(ScriptError, match=r"'morse\.middlewares' in pyproject\.toml"):
         morse.load(script, sockets=True)
+
+
+@pytest.mark.parametrize("sockets", [False, True])
+def test_a_wrong_option_of_a_manager_is_refused_at_its_line(tmp_path: Path, sockets: bool) -> None:
+    script = project(tmp_path)
+    script.write_text(SCENE + 'env.configure_stream_manager("silent", volme=3)\n')
+    with pytest.raises(ScriptError, match=r"scene\.py:10: .* no option 'volme'; did you mean 'volume'"):
+        morse.load(script, sockets=sockets)
 
 
 def test_a_function_of_a_project_finds_its_models(tmp_path: Path) -> None:

@@ -73,9 +73,23 @@ def manager_options(manager: str, values: Mapping[str, object]) -> dict[str, Any
         OptionError: there is no such option, or the value is not valid.
     """
     middleware = registry.middleware_of_stream_manager(manager)
-    if middleware is None or middleware.manager_options is None:
+    if middleware is None:
         return dict(values)
-    return checked_options(f"the stream manager of {middleware.name}", middleware.manager_options, values)
+    options = middleware.manager_options
+    if options is None and not manager.startswith("morse."):
+        options = _declared_by_manager(manager)
+    if options is None:
+        return dict(values)
+    return checked_options(f"the stream manager of {middleware.name}", options, values)
+
+
+def _declared_by_manager(manager: str) -> Mapping[str, Option] | None:
+    """The options that the class of a user's manager declares; None if it cannot be loaded here."""
+    try:
+        options: Mapping[str, Option] | None = getattr(load_class(manager), "manager_options", None)
+    except MorseBuilderNoComponentError:
+        return None
+    return options
 
 
 def modifier_options(classpath: str, values: Mapping[str, object]) -> dict[str, Any]:
