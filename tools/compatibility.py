@@ -13,7 +13,6 @@ import subprocess
 from collections import defaultdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -31,28 +30,26 @@ compatibility` runs these tests and writes this page; programs that are not inst
 _WORDS = {"passed": "", "failed": " (failed)", "skipped": " (not run)"}
 
 
-class Outcomes:
-    """Collects the outcomes of the tests, as a plugin of pytest."""
+#: program to what is done with it to the outcomes of its tests
+_outcomes: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
 
-    def __init__(self) -> None:
-        #: program to what is done with it to the outcomes of its tests
-        self.of: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
 
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Reports of other processes have the properties of their test, not its marks."""
-        for item in items:
-            mark = item.get_closest_marker("peer")
-            if mark is not None:
-                does = mark.kwargs.get("does") or _sentence(item.originalname)  # type: ignore[attr-defined]
-                item.user_properties.append(("peer", (mark.args[0], does)))
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tell the program of each test: reports of other processes have the properties of their test, not its marks."""
+    for item in items:
+        mark = item.get_closest_marker("peer")
+        if mark is not None:
+            does = mark.kwargs.get("does") or _sentence(item.originalname)  # type: ignore[attr-defined]
+            item.user_properties.append(("peer", (mark.args[0], does)))
 
-    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Keep the outcome of a test: that of its call, or why there was none."""
-        if report.when == "call" or (report.when == "setup" and report.outcome != "passed"):
-            for name, value in report.user_properties:
-                if name == "peer":
-                    program, does = value
-                    self.of[program][does].append(report.outcome)
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Keep the outcome of a test: that of its call, or why there was none."""
+    if report.when == "call" or (report.when == "setup" and report.outcome != "passed"):
+        for name, value in report.user_properties:
+            if name == "peer":
+                program, does = value
+                _outcomes[program][does].append(report.outcome)
 
 
 def _sentence(name: str) -> str:
@@ -109,9 +106,9 @@ def _system() -> str:
 
 def main(arguments: list[str]) -> int:
     """Run the tests and write the page; the result is the status of pytest."""
-    outcomes: Any = Outcomes()
-    status = pytest.main(["-m", "peer", "-q", *arguments], plugins=[outcomes])
-    if outcomes.of:
-        PAGE.write_text(page(outcomes.of), encoding="utf-8")
+    # as a plugin by name, which the processes of pytest-xdist load as well
+    status = pytest.main(["-m", "peer", "-q", "-p", __name__, *arguments])
+    if _outcomes:
+        PAGE.write_text(page(_outcomes), encoding="utf-8")
         print(PAGE.relative_to(ROOT))
     return int(status)
