@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -120,7 +120,8 @@ class Packing:
             bones=node.bones,
             bone=node.bone,
             inertial=node.inertial,
-            articulation=node.articulation,
+            # where the meshes are concerns this machine only
+            articulation=node.articulation and replace(node.articulation, meshes=()),
         )
 
     def _mesh(self, mesh: Mesh) -> int:
