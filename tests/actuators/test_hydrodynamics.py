@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
+
+from morse.helpers.waves import Sea
 
 SCENE = """
 robot = Submarine()
@@ -190,3 +193,33 @@ def test_without_the_water_that_moves_along_the_period_is_that_of_archimedes(sim
     crossings = [k for k in range(1, len(values)) if values[k - 1] > 0.0 >= values[k]]
     period = 2.0 * math.pi * math.sqrt(2000.0 / (1000.0 * G * 8.0))
     assert (crossings[2] - crossings[0]) / 120.0 == pytest.approx(period, rel=0.03)
+
+
+def test_waves_have_their_height_period_and_spectrum() -> None:
+    sea = Sea(2.0, 8.0, 0.3, G, np.random.default_rng(3))
+    surface = np.array([sea.at(5.0, -3.0, 0.25 * k)[0] for k in range(4 * 3600)])
+    # significant height: four standard deviations
+    assert 4.0 * surface.std() == pytest.approx(2.0, rel=0.05)
+    assert abs(surface.mean()) < 0.02
+    power = np.abs(np.fft.rfft(surface)) ** 2
+    assert 1.0 / np.fft.rfftfreq(len(surface), 0.25)[power.argmax()] == pytest.approx(8.0, rel=0.12)
+    height, rise = sea.at(1.0, 2.0, 3.0)
+    assert (sea.at(1.0, 2.0, 3.0 + 1e-6)[0] - height) / 1e-6 == pytest.approx(rise, abs=1e-4)
+
+
+def test_a_raft_rides_on_waves_that_are_the_same_for_all(simulate: Any) -> None:
+    waves = "\nenv.properties(WaveHeight=1.0, WavePeriod=8.0)"
+    sim = simulate(SCENE.format(mass=2000.0, at=f"0, 0, {0.25 - MIDDLE}", properties=RAFT) + SEA + waves, sockets=False)
+    body, sea = sim.world.game_object("robot"), sim.context.component("robot.water")._sea
+    ridden, surface = [], []
+    for _ in range(60 * 60):
+        sim.step(1)
+        x, y, z = body.world_pose()[0]
+        ridden.append(z + MIDDLE - 0.25)
+        surface.append(sea.at(x, y, sim.context.clock.time)[0])
+    assert np.std(surface) > 0.15
+    assert np.corrcoef(ridden[600:], surface[600:])[0, 1] > 0.95
+    assert np.std(np.subtract(ridden, surface)[600:]) < 0.35 * np.std(surface)
+    other = Sea.of(sim.scene.properties, G, sim.context.random("waves"))
+    assert other is not None
+    assert other.at(1.0, 2.0, 3.0) == sea.at(1.0, 2.0, 3.0)

@@ -15,6 +15,8 @@ def some_water(seed, **given):
         depth=chance.uniform(-2, 2), half=chance.uniform(0.1, 1), lift=chance.uniform(0, 100), most=chance.uniform(0, 9)
     )
     values.bob = (seed % 2) * 7.3
+    if seed % 3 == 0:
+        values.swell[:], values.rise[:] = chance.normal(size=4), chance.normal(size=4)
     for name in ("centre", "drag", "up", "linear", "angular"):
         getattr(values, name)[:] = chance.normal(size=3)
     for cell in values.cells:

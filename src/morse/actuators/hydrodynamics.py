@@ -10,7 +10,9 @@ from morse.core.limits import SPEED
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.helpers.extent import extent
 from morse.helpers.water import Hull
+from morse.helpers.waves import Sea
 from morse.kernel.water import WaterValues, pusher
+from morse.mathutils.rotations import turn as turned
 from morse.mathutils.rotations import turn_back
 
 if TYPE_CHECKING:
@@ -43,15 +45,20 @@ class Hydrodynamics(Actuator):
     Water moves along with the robot (the added mass): along each axis, that of a plate with the cross-section of the
     box, in proportion to the displaced water, half of it along Z at the surface. Waves that the robot makes damp heave,
     roll and pitch: each cell at the surface has 0.3 of the critical damping. ``AddedMass`` and ``WaveDamping`` are
-    factors of both. Forces that couple axes, such as the Munk moment, and waves of the sea are not modelled.
+    factors of both. Forces that couple axes, such as the Munk moment, are not modelled.
+
+    ``env.properties(WaveHeight=0.5, WavePeriod=6.0, WaveDirection=0.0)`` makes waves of the sea, the same for all
+    robots: significant height (m), period of the highest waves (s) and direction (rad), with the spectrum JONSWAP and
+    phases by the seed. The surface at each cell lifts the robot and takes it along vertically. The horizontal motion of
+    the water and diffraction are not modelled: waves are to be longer than the robot. Pictures show the calm surface.
 
     The weight of a robot without gravity, such as the Submarine, acts as well: above the water the robot falls.
     """
 
     _name = "Hydrodynamics"
     _source = (
-        "Archimedes; added mass of plates by DNV-RP-N103; damping of heave by T. I. Fossen, Handbook of Marine Craft "
-        "Hydrodynamics and Motion Control, 2nd ed., 2021"
+        "Archimedes; waves by JONSWAP, 1973; added mass of plates by DNV-RP-N103; damping of heave by T. I. Fossen, "
+        "Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., 2021"
     )
     _short_desc = "Applies buoyancy, drag and the current of water to the robot"
 
@@ -114,6 +121,8 @@ class Hydrodynamics(Actuator):
         self._centre = tuple((a + b) / 2.0 for a, b in zip(low, high, strict=True))
         self._measured = tuple(b - a for a, b in zip(low, high, strict=True))
         water = self.context.scene.find("Water")
+        random = self.context.random("waves")
+        self._sea = Sea.of(self.context.scene.properties, self.context.scene.settings.gravity, random)
         self._water = None if water is None else float(water.world_matrix().translation[2])
 
     def surface(self) -> float:
@@ -155,12 +164,24 @@ class Hydrodynamics(Actuator):
         values.linear[:] = turn_back(turn, (vx - cx, vy - cy, vz - cz))
         values.angular[:] = turn_back(turn, angular)
         self._move_water(carried, mass)
+        if self._sea is not None:
+            self._swell(self._sea)
         self._push()
         (fx, fy, fz), torque = values.force, values.torque
         if robot._no_gravity:
             weight = mass * g
             fx, fy, fz = fx - weight * up[0], fy - weight * up[1], fz - weight * up[2]
         body.wrench(_limited((fx, fy, fz)), _limited(torque), True)
+
+    def _swell(self, sea: Sea) -> None:
+        """Set the height and the speed of the surface at each column of two cells."""
+        values, time = self._values, self.clock.time
+        (x, y, _), turn = self.robot_parent.bge_object.world_pose()
+        cells = self.hull().cells
+        for column in range(4):
+            (a, b, c), (_, _, d) = cells[2 * column], cells[2 * column + 1]
+            east, north, _ = turned(turn, (a, b, (c + d) / 2.0))
+            values.swell[column], values.rise[column] = sea.at(x + east, y + north, time)
 
     def _move_water(self, carried: float, mass: float) -> None:
         """Set the added mass, and the damping of a cell at the surface.

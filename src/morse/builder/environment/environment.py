@@ -31,7 +31,8 @@ logger = logging.getLogger(__name__)
 
 
 #: properties of the world that are numbers
-_NUMBERS = ("longitude", "latitude", "altitude", "angle_against_north", "UTMXOffset", "Temperature")
+_PLACE = ("longitude", "latitude", "altitude", "angle_against_north", "UTMXOffset")
+_NUMBERS = (*_PLACE, "Temperature", "WaveHeight", "WavePeriod", "WaveDirection")
 
 
 class Environment(ViewMethods, TimeMethods):

@@ -6,6 +6,7 @@
 
 typedef struct {
     double cells[8][3];                   // middles of the parts of the box, in the frame of the body
+    double swell[4], rise[4];             // surface above the calm one and its speed, for each column of two cells
     double centre[3], drag[3];            // of the box; force over the square of the speed along each axis
     double depth, half;                   // of the surface above the origin; half the height of the box
     double lift, most, bob;               // N per cell; kg/s; kg/s of a cell at the surface
@@ -25,11 +26,11 @@ void morse_water(Water *all) {
     double fx = 0.0, fy = 0.0, fz = 0.0, tx = 0.0, ty = 0.0, tz = 0.0;
     for (int i = 0; i < 8; i++) {
         double x = all->cells[i][0], y = all->cells[i][1], z = all->cells[i][2];
-        double share = (all->depth - up[0] * x - up[1] * y - up[2] * z) / all->half + 0.5;
+        double share = (all->depth + all->swell[i / 2] - up[0] * x - up[1] * y - up[2] * z) / all->half + 0.5;
         share = share < 0.0 ? 0.0 : share > 1.0 ? 1.0 : share;
         const double part = -share / 8.0;
         const double sx = v[0] + w[1] * z - w[2] * y, sy = v[1] + w[2] * x - w[0] * z, sz = v[2] + w[0] * y - w[1] * x;
-        const double rise = up[0] * sx + up[1] * sy + up[2] * sz;
+        const double rise = up[0] * sx + up[1] * sy + up[2] * sz - all->rise[i / 2];
         // a part at the surface makes waves
         const double pushed = all->lift * share - (0.0 < share && share < 1.0 ? all->bob * rise : 0.0);
         const double a = resisted(part, sx, all->drag[0], all->most) + pushed * up[0];

@@ -14,10 +14,10 @@ def push(values: WaterValues) -> None:
     (dx, dy, dz), (mx, my, mz), up = values.drag, values.centre, tuple(values.up)
     depth, half, most = values.depth, values.half, values.most
     fx = fy = fz = tx = ty = tz = 0.0
-    for x, y, z in values.cells:
-        share = min(max((depth - up[0] * x - up[1] * y - up[2] * z) / half + 0.5, 0.0), 1.0)
+    for number, (x, y, z) in enumerate(values.cells):
+        share = min(max((depth + values.swell[number // 2] - up[0] * x - up[1] * y - up[2] * z) / half + 0.5, 0.0), 1.0)
         u, v, w = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
-        rise = up[0] * u + up[1] * v + up[2] * w
+        rise = up[0] * u + up[1] * v + up[2] * w - values.rise[number // 2]
         # a part at the surface makes waves
         part, lift = -share / 8.0, values.lift * share - (values.bob * rise if 0.0 < share < 1.0 else 0.0)
         a = part * u * min(abs(u) * dx, most) + lift * up[0]

@@ -12,6 +12,7 @@ class WaterValues(Structure):
 
     Attributes:
         cells: (8, 3) middles of the cells, m.
+        swell, rise: height of the surface above the calm one, m, and its speed, m/s, for each column of two cells.
         centre: of the box, m.
         drag: force over the square of the speed along each axis, kg/m.
         depth: height of the surface above the origin of the body, m.
@@ -26,6 +27,8 @@ class WaterValues(Structure):
 
     _fields_ = (
         ("cells", _Three * 8),
+        ("swell", c_double * 4),
+        ("rise", c_double * 4),
         ("centre", _Three),
         ("drag", _Three),
         ("depth", c_double),

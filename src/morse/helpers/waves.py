@@ -1,0 +1,90 @@
+"""Waves of the sea: a sum of regular waves with the spectrum JONSWAP."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+
+#: number of regular waves; and the range of their frequencies, in units of the peak
+_COUNT, _LOW, _HIGH = 24, 0.6, 2.6
+#: of the spectrum: peak enhancement, and width of the peak below and above it
+_GAMMA, _BELOW, _ABOVE = 3.3, 0.07, 0.09
+#: properties of an environment
+HEIGHT, PERIOD, DIRECTION = "WaveHeight", "WavePeriod", "WaveDirection"
+
+
+class _Wave(NamedTuple):
+    amplitude: float
+    rate: float
+    along_x: float
+    along_y: float
+    phase: float
+
+
+class Sea:
+    """The height of the surface at each place and time.
+
+    All waves run in one direction over deep water: k = w^2 / g. Spectrum: K. Hasselmann et al., "Measurements of
+    wind-wave growth and swell decay during the Joint North Sea Wave Project (JONSWAP)", 1973, with the mean peak
+    enhancement 3.3.
+
+    Args:
+        height: significant height of the waves, four standard deviations of the surface, m.
+        period: of the highest waves, s.
+        direction: towards which they run, rad from the X axis.
+        gravity: m/s^2.
+        random: generator of their phases.
+    """
+
+    def __init__(
+        self, height: float, period: float, direction: float, gravity: float, random: np.random.Generator
+    ) -> None:
+        peak = 2.0 * math.pi / period
+        step = (_HIGH - _LOW) * peak / _COUNT
+        # frequencies that are no multiples of one: the sea does not repeat itself
+        rates = [_LOW * peak + (k + float(random.uniform(0.1, 0.9))) * step for k in range(_COUNT)]
+        powers = [_density(rate / peak) for rate in rates]
+        scale = height * height / 16.0 / sum(powers)
+        along_x, along_y = math.cos(direction) / gravity, math.sin(direction) / gravity
+        self._waves = [
+            _Wave(
+                math.sqrt(2.0 * power * scale),
+                rate,
+                rate * rate * along_x,
+                rate * rate * along_y,
+                float(random.uniform(0.0, 2.0 * math.pi)),
+            )
+            for rate, power in zip(rates, powers, strict=True)
+        ]
+
+    @classmethod
+    def of(cls, properties: Mapping[str, object], gravity: float, random: np.random.Generator) -> Sea | None:
+        """Return the sea of an environment; None if it is calm, or if there is no gravity."""
+        height, period, direction = (
+            float(str(properties.get(name, default)))
+            for name, default in ((HEIGHT, 0.0), (PERIOD, 6.0), (DIRECTION, 0.0))
+        )
+        if not (height > 0.0 and period > 0.0 and gravity > 0.0 and math.isfinite(height + period + direction)):
+            return None
+        return cls(height, period, direction, gravity, random)
+
+    def at(self, x: float, y: float, time: float) -> tuple[float, float]:
+        """Return the height of the surface above the calm one, m, and the speed at which it rises, m/s."""
+        height = rise = 0.0
+        for amplitude, rate, along_x, along_y, phase in self._waves:
+            angle = along_x * x + along_y * y - rate * time + phase
+            height += amplitude * math.cos(angle)
+            rise += amplitude * rate * math.sin(angle)
+        return height, rise
+
+
+def _density(ratio: float) -> float:
+    """Spectral density by the ratio of a frequency to the peak, of any scale."""
+    width = _BELOW if ratio <= 1.0 else _ABOVE
+    peak = math.exp(-((ratio - 1.0) ** 2) / (2.0 * width * width))
+    return float(ratio**-5.0 * math.exp(-1.25 * ratio**-4.0) * _GAMMA**peak)
