@@ -63,7 +63,7 @@ def test_check_lists_the_content_of_a_model_and_draws_it(morse, folder) -> None:
     picture = folder / "yard.png"
     answer = morse("check", str(folder / "world.sdf"), "--picture", str(picture))
     assert answer.status == 0
-    for part in ("first crate (free)", "box 2 (fixed)", "imu (IMU)", "gravity 1.62", "can be loaded"):
+    for part in ("first crate (free)", "box 2 (fixed)", "imu (IMU)", "gravity 1.62, latitude 47.5", "can be loaded"):
         assert part in " ".join(answer.out.split()), part
     with Image.open(picture) as image:
         shades = np.asarray(image.convert("L"))

@@ -15,7 +15,7 @@ from morse.cli.messages import CommandError, say
 from morse.scene.armature import JointKind
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from morse.scene import Bone, Library, Node
 
@@ -74,9 +74,17 @@ def _rows(library: Library) -> Iterator[tuple[str, str]]:
     if lights := [node for node in nodes if node.light is not None]:
         yield "lights", _counted(node.light.type.lower() for node in lights if node.light is not None)
     if library.world:
-        yield "world", ", ".join(f"{key} {value}" for key, value in library.world.items())
+        yield "world", ", ".join(_settings(library.world))
     for warning in dict.fromkeys(library.warnings):
         yield "left out or changed", warning
+
+
+def _settings(world: Mapping[str, object]) -> Iterator[str]:
+    for key, value in world.items():
+        if isinstance(value, dict):
+            yield from _settings(value)
+        else:
+            yield f"{key} {value}"
 
 
 def _kind_of_joint(bone: Bone) -> str:
