@@ -27,6 +27,12 @@ def test_it_is_read_in_every_format(tmp_path: Path, text: str, name: str) -> Non
     assert {"r", "l"} <= {node.name for node in load(file).nodes()}
 
 
+def test_a_zero_at_the_end_is_ignored() -> None:
+    for text in ("<a>\u00e9</a>\r\n\0", "<a>\u00e9</a>\0\0"):
+        assert parse_xml(text.encode(), Path("a")).text == "\u00e9"
+    assert parse_xml("<a>\u00e9</a>".encode("utf-16"), Path("a")).text == "\u00e9"
+
+
 def test_namespaces_and_text_are_kept() -> None:
     root = parse_xml(b'<a xmlns="urn:x"><b>1 &amp; 2</b></a>', Path("a"))
     assert root.find("{urn:x}b").text == "1 & 2"

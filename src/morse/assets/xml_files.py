@@ -35,16 +35,26 @@ def parse_xml(data: bytes, path: Path) -> ElementTree.Element:
     """Return the root element of the content of a file; see `read_xml`.
 
     The programs that robots are written for also accept what is not XML: comments with double dashes, prefixes without
-    a namespace, and Latin-1 without a declaration. A prefix without a namespace remains part of the name.
+    a namespace, Latin-1 without a declaration, and a zero at the end. A prefix without a namespace remains part of the
+    name.
     """
     data = _COMMENT.sub(b"", data.strip()).strip()
     try:
         return _parsed(data, path)
     except (expat.ExpatError, ValueError, LookupError) as error:
         try:
-            return _parsed(data.decode("latin-1").encode(), path)
+            return _parsed(_mended(data), path)
         except (expat.ExpatError, ValueError, LookupError):
             raise AssetError(path, f"it is not XML: {error}") from None
+
+
+def _mended(data: bytes) -> bytes:
+    data = data.rstrip(b"\0 \t\r\n")
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return data.decode("latin-1").encode()
+    return data
 
 
 def _parsed(data: bytes, path: Path) -> ElementTree.Element:
