@@ -205,7 +205,7 @@ def test_what_cannot_be_read_is_left_out_with_a_warning(tmp_path: Path) -> None:
         for name in ("bad.stl", "huge.obj", "gone.stl", "package://nowhere/a.stl", "arm.step")
     )
     file.write_text(
-        f'<robot name="odd"><link name="a">{visuals}<visual><geometry><capsule radius="1" length="1"/></geometry>'
+        f'<robot name="odd"><link name="a">{visuals}<visual><geometry><cone radius="1" length="1"/></geometry>'
         '</visual><visual><geometry><box size="1, 1, 0 7"/></geometry></visual></link><link name="b"/>'
         '<joint name="j" type="floating"><parent link="a"/><child link="b"/></joint>'
         "</robot>"
@@ -217,7 +217,7 @@ def test_what_cannot_be_read_is_left_out_with_a_warning(tmp_path: Path) -> None:
         "huge.obj",
         "gone.stl",
         "ROS_PACKAGE_PATH",
-        "capsule",
+        "cone",
         "first 3 are used",
         "<box>",
     ):

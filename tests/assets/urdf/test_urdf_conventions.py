@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 import trimesh
 
+import morse
 from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.assets.urdf import read_urdf
@@ -103,6 +104,22 @@ def test_efforts_and_speeds_that_are_no_limits(package: Path, text: str) -> None
     file.write_text(ROBOT.replace('effort="5" velocity="1"', f'effort="{text}" velocity="{text}"'))
     (turn,) = read_urdf(file).roots[0].children[0].bones
     assert (turn.dynamics.effort, turn.dynamics.speed) == (math.inf, math.inf)
+
+
+def test_a_capsule_stands_on_its_round_end(package: Path) -> None:
+    file = package / "pill.urdf"
+    capsule = '<geometry><capsule radius="0.1" length="0.4"/></geometry>'
+    file.write_text(
+        f"""<robot name="pill"><link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0"
+        ixz="0" iyz="0"/></inertial><collision>{capsule}</collision><visual>{capsule}</visual></link></robot>"""
+    )
+    scene = f"robot = Robot({str(file)!r})\nrobot.translate(z=0.31)\nenv = Environment('empty')\n"
+    script = package / "default.py"
+    script.write_text(f"from morse.builder import *\n{scene}")
+    with morse.load(script) as simulation:
+        simulation.step(60)
+        # half of the length and the radius
+        assert simulation.robot.component.position_3d.z == pytest.approx(0.3, abs=2e-3)
 
 
 def test_a_world_that_is_not_declared_fixes_the_robot(package: Path) -> None:

@@ -29,6 +29,7 @@ _MOST_LINKS, _MOST_MOVING, _DEEPEST = 2000, 800, 200
 _ENDLESS = 1e4
 #: elements whose number is limited
 _COUNTED = ("link", "joint", "visual", "collision", "material", "sensor", "gazebo", "transmission")
+_SHAPES = ("box", "cylinder", "sphere", "capsule", "mesh")
 _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 
 #: name of a link that stands for the world: links attached to it are fixed
@@ -77,7 +78,7 @@ class _Parser:
         for element in link.findall(tag):
             geometry = element.find("geometry")
             kinds = [] if geometry is None else [child for child in geometry if isinstance(child.tag, str)]
-            shape = next((child for child in kinds if child.tag in ("box", "cylinder", "sphere", "mesh")), None)
+            shape = next((child for child in kinds if child.tag in _SHAPES), None)
             if shape is None:
                 what = kinds[0].tag if kinds else "nothing"
                 self.warnings.append(f"a <{tag}> of the link '{link.get('name')}' is {what}; it is left out")

@@ -43,6 +43,7 @@ _BOUNDS = {
     "box": Bounds.BOX,
     "sphere": Bounds.SPHERE,
     "cylinder": Bounds.CYLINDER,
+    "capsule": Bounds.CAPSULE,
     "mesh": Bounds.CONVEX_HULL,
 }
 _GREY = (0.7, 0.7, 0.7, 1.0)
@@ -231,6 +232,9 @@ def _primitive(shape: Shape) -> tuple[Mesh, tuple[float, ...]]:
     if shape.kind == "cylinder":
         radius, length = shape.size
         return solids.round_cylinder(radius), (radius, radius, 0.5 * length)
+    if shape.kind == "capsule":
+        radius, length = shape.size
+        return solids.capsule(radius, 0.5 * length), (1.0, 1.0, 1.0)
     return solids.ball(shape.size[0]), (shape.size[0],) * 3
 
 

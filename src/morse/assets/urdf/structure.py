@@ -20,8 +20,9 @@ class Shape:
     """A shape of a link.
 
     Attributes:
-        kind: ``box``, ``cylinder``, ``sphere`` or ``mesh``.
-        size: m: the three sides of a box; radius and length of a cylinder; the radius of a sphere; the scale of a mesh.
+        kind: ``box``, ``cylinder``, ``sphere``, ``capsule`` or ``mesh``.
+        size: m: the three sides of a box; radius and length of a cylinder; radius of a capsule and
+            the length between the centres of its ends; the radius of a sphere; the scale of a mesh.
         file: path of a mesh.
         origin: 4x4 in the frame of the link.
         color: RGBA, or None.
