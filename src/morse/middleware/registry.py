@@ -128,16 +128,16 @@ def _brought(point: EntryPoint) -> Middleware:
 
 def installed() -> dict[str, Middleware]:
     """The middlewares of this installation by name; the log names those that cannot be loaded."""
-    found = {}
+    middlewares = {}
     for info in pkgutil.iter_modules(morse.middleware.__path__, "morse.middleware."):
         if info.ispkg and (described := _ours(info.name)) is not None:
-            found[described.name] = described
+            middlewares[described.name] = described
     for point in entry_points(_GROUP):
         try:
-            found.setdefault(point.name, _brought(point))
+            middlewares.setdefault(point.name, _brought(point))
         except MorseMiddlewareError as error:
             logger.warning("%s", error)
-    return found
+    return middlewares
 
 
 def missing_modules(managers: Collection[str]) -> list[str]:
@@ -167,16 +167,16 @@ def middleware(name: str) -> Middleware:
     for point in entry_points(_GROUP):
         if point.name == name:
             return _brought(point)
-    found = installed()
-    if name in found:
-        return found[name]
-    names = ", ".join(sorted(found)) or "none"
+    middlewares = installed()
+    if name in middlewares:
+        return middlewares[name]
+    names = ", ".join(sorted(middlewares)) or "none"
     if name in _OTHER_NAMES:
         raise MorseMiddlewareError(
             f"the middleware '{name}' is not part of this installation; {_OTHER_NAMES[name]} can be used instead "
             f"(installed: {names})"
         )
-    near = closest(name, [*found, *_OTHER_NAMES])
+    near = closest(name, [*middlewares, *_OTHER_NAMES])
     hint = f"; did you mean '{near}'?" if near else ""
     own = "" if near else "; one of your own needs an entry point 'morse.middlewares' in pyproject.toml"
     raise MorseMiddlewareError(f"there is no middleware '{name}'{hint}{own} (installed: {names})")
@@ -190,10 +190,10 @@ def stream_manager(name: str) -> str:
     """
     if "." in name:
         return _of_1_4(name, "stream_manager")
-    found = middleware(name).stream_manager
-    if found is None:
+    path = middleware(name).stream_manager
+    if path is None:
         raise MorseMiddlewareError(f"the middleware '{name}' has no data streams")
-    return found
+    return path
 
 
 def request_manager(name: str) -> str:
@@ -204,10 +204,10 @@ def request_manager(name: str) -> str:
     """
     if "." in name:
         return _of_1_4(name, "request_manager")
-    found = middleware(name).request_manager
-    if found is None:
+    path = middleware(name).request_manager
+    if path is None:
         raise MorseMiddlewareError(f"the middleware '{name}' offers no services")
-    return found
+    return path
 
 
 def _of_1_4(classpath: str, kind: str) -> str:

@@ -99,20 +99,20 @@ class _Parquet:
             return self._arrow.binary()
         if kind.endswith("[]"):
             return self._arrow.list_(self._type(kind[:-2]))
-        known = {"json": "string", "float32": "float32", "float64": "float64"}
-        return getattr(self._arrow, {"bool": "bool_"}.get(kind, known.get(kind, kind)))()
+        types = {"json": "string", "float32": "float32", "float64": "float64"}
+        return getattr(self._arrow, {"bool": "bool_"}.get(kind, types.get(kind, kind)))()
 
     def write(self, rows: list[list[Any]]) -> None:
         columns = []
         for (_, kind), values in zip(self._columns, zip(*rows, strict=True), strict=True):
-            held: list[Any] = list(values)
+            column: list[Any] = list(values)
             if kind == "uint8[]":
-                held = [bytes(value) for value in values]
+                column = [bytes(value) for value in values]
             elif kind == "json":
-                held = [json.dumps(_plain(value)) for value in values]
+                column = [json.dumps(_plain(value)) for value in values]
             elif kind == "string":
-                held = [value.encode("utf-8", "replace").decode() for value in values]
-            columns.append(self._arrow.array(held, type=self._type(kind)))
+                column = [value.encode("utf-8", "replace").decode() for value in values]
+            columns.append(self._arrow.array(column, type=self._type(kind)))
         self._writer.write_table(self._arrow.table(columns, schema=self._schema))
 
     def close(self) -> None:
@@ -160,12 +160,12 @@ class _Writing:
 def _file_name(topic: str, used: set[str]) -> str:
     """``robot.pose`` for ``/robot/pose``; the path stays in the folder for any name in a file."""
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", topic.strip("/").replace("/", "."))[:_LONGEST_NAME].lstrip(".") or "topic"
-    found, number = name, 1
-    while found.lower() in used:
+    unique, number = name, 1
+    while unique.lower() in used:
         number += 1
-        found = f"{name}-{number}"
-    used.add(found.lower())
-    return found
+        unique = f"{name}-{number}"
+    used.add(unique.lower())
+    return unique
 
 
 def export(

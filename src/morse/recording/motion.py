@@ -102,9 +102,12 @@ class Motion:
         for row in range(len(snapshot.slots)):
             pose = Transformation3d()
             pose.set_pose(*snapshot.pose(row))
-            moved = origin.transformation3d_with(pose)
+            relative = origin.transformation3d_with(pose)
             poses.append(
-                {"position": xyz((moved.x, moved.y, moved.z)), "orientation": quaternion(quaternion_of(moved))}
+                {
+                    "position": xyz((relative.x, relative.y, relative.z)),
+                    "orientation": quaternion(quaternion_of(relative)),
+                }
             )
         return encode(POSES_TYPE, {"header": header_at(stamp, MAP), "poses": poses})
 
@@ -114,15 +117,15 @@ class Motion:
         """Publish the appearance of the objects that have changed."""
         if not self.repainted:
             return
-        changed = []
+        looks = []
         for obj in sorted((one for one in self.repainted if not one.invalid), key=lambda one: str(one.name)):
             look = look_of(obj)
             if self._told.get(obj.name) != look:
                 self._told[obj.name] = look
-                changed.append({"name": obj.name, **look})
+                looks.append({"name": obj.name, **look})
         self.repainted.clear()
-        if changed and self._looks is not None:
-            self._looks.publish(encode(TEXT_TYPE, {"data": json.dumps(changed)}))
+        if looks and self._looks is not None:
+            self._looks.publish(encode(TEXT_TYPE, {"data": json.dumps(looks)}))
 
 
 def look_of(obj: Body) -> dict[str, Any]:

@@ -151,21 +151,21 @@ class RecordedStream(TopicStream):
         lines = []
         for bound, line, number in self._recorded:
             outlet, frame = line.outlet, self.frame_id(line.outlet.frame or bound.frame)
-            made = Line(number, line.topic, outlet, frame, bound)
+            row_line = Line(number, line.topic, outlet, frame, bound)
             if outlet.by_rows and bound.component is component:
                 places: list[int | None] = []
                 for index, (slot, source) in enumerate(bound.sources):
                     is_live = bound.is_live(slot, source)
                     places.append(len(live) if is_live else None)
                     live += [partial(self._slot, bound, index)] * is_live
-                made = made._replace(properties=properties, slots=places)
+                row_line = row_line._replace(properties=properties, slots=places)
             elif outlet.takes_long:
-                made = made._replace(message=len(live))
+                row_line = row_line._replace(message=len(live))
                 live.append(partial(self._message, bound))
             else:
-                made = made._replace(ready=len(live))
+                row_line = row_line._replace(ready=len(live))
                 live.append(partial(self._encoded, line, bound, frame))
-            lines.append(made)
+            lines.append(row_line)
         return lines, live
 
     def _slot(self, bound: BoundKind, index: int) -> object:
@@ -184,8 +184,8 @@ class RecordedStream(TopicStream):
         if bound.is_silent:
             return None
         try:
-            made = line.outlet.make(bound.gather(), frame)
-            return None if made is None else encode(line.outlet.type, made)
+            content = line.outlet.make(bound.gather(), frame)
+            return None if content is None else encode(line.outlet.type, content)
         except UNFIT as error:
             self._leave_out(line, error)
             return None

@@ -72,12 +72,12 @@ class Recording(McapFile):
             RecordingError: it is not a list of strings.
         """
         try:
-            found: Any = json.loads(self.facts.get(name, "[]"))
+            texts: Any = json.loads(self.facts.get(name, "[]"))
         except (ValueError, RecursionError):
-            found = None
-        if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
+            texts = None
+        if not isinstance(texts, list) or not all(isinstance(one, str) for one in texts):
             raise RecordingError(f"{self.path}: the fact '{name}' is damaged, expected a list of strings")
-        return found
+        return texts
 
     def sensors(self) -> list[str] | None:
         """The recorded sensors; None for all.
@@ -116,15 +116,15 @@ class Recording(McapFile):
         Raises:
             RecordingError: an entry is damaged, or could not be written.
         """
-        found: list[bytes | LostInput] = []
+        entries: list[bytes | LostInput] = []
         for one in self.messages(self.topic_numbers(INPUTS)):
             try:
-                found.append(exact_entry(one.data))
+                entries.append(exact_entry(one.data))
             except LostInput as error:
                 if not lenient:
                     raise
-                found.append(error)
-        return found
+                entries.append(error)
+        return entries
 
     def last_tick(self) -> int:
         """Number of the last tick, counted since the last reset; for an incomplete recording, the last tick in it.

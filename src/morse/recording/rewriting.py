@@ -73,9 +73,9 @@ def _copied(file: McapFile, writer: McapWriter, channels: Collection[Channel]) -
         writer.chunk([one._replace(channel=numbers[one.channel]) for one in held])
         messages += len(held)
     for name in file.attachments:
-        attached = file.attached(name)
-        if attached is not None:
-            writer.attachment(name, attached.media_type, attached.data, attached.log_time)
+        attachment = file.attached(name)
+        if attachment is not None:
+            writer.attachment(name, attachment.media_type, attachment.data, attachment.log_time)
     for name, entries in file.metadata.items():
         writer.metadata(name, entries)
     writer.finish()

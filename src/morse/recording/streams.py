@@ -115,15 +115,15 @@ class Tape(Backend):
 
     def finish(self) -> None:
         """Let all that was kept be encoded now, because what it refers to changes."""
-        held, self.held = self.held, 0
-        self._disk.pass_on(held, None)
+        size, self.held = self.held, 0
+        self._disk.pass_on(size, None)
 
     def end_tick(self) -> None:
         """All data of the present tick were kept."""
         self._last = self.complete = self._clock.tick
         if self.held > CHUNK:
-            held, self.held = self.held, 0
-            self._disk.pass_on(held, self.complete)
+            size, self.held = self.held, 0
+            self._disk.pass_on(size, self.complete)
 
     def _keep(self, number: int, data: bytes) -> None:
         if self._clock.tick < self._last:
@@ -136,7 +136,7 @@ class Tape(Backend):
         if until is None:
             until = _LAST
         found = [Messages(one.channel, self._moments(one.ticks), one.data)
-                 for kept in list(self.kept) for one in kept.batches(until, self._times)]  # fmt: skip
+                 for rows in list(self.kept) for one in rows.batches(until, self._times)]  # fmt: skip
         ticks, numbers, messages = (self._messages[k::3] for k in range(3))
         count = bisect_right(ticks[: len(messages)], until)
         del self._messages[: 3 * count]
@@ -224,9 +224,9 @@ class RecordedStreams(TopicManager):
         self.keeper = Keeper()
         #: keeps the data of sensors that measure on read; None if messages are encoded in the tick
         self.rows = None if self.tape is None else KeptRows(context, self.tape)
-        given = context.scene.manager_options.get(ROS2_MANAGER, {})
+        options = context.scene.manager_options.get(ROS2_MANAGER, {})
         super().__init__(
-            {**{name: given[name] for name in given if name in TOPIC_OPTIONS and name != _RATE}, **_ALWAYS}, context
+            {**{name: options[name] for name in options if name in TOPIC_OPTIONS and name != _RATE}, **_ALWAYS}, context
         )
         records_sensors = names is None or bool(names)
         #: the poses of all moving nodes; None for only inputs and the log
@@ -260,9 +260,9 @@ class RecordedStreams(TopicManager):
         for name in [name for name in self.streams if name not in sensors or name not in components]:
             self.disconnect(name)
         for name, declared in sensors.items():
-            known = self.streams.get(name)
+            streams = self.streams.get(name)
             component = components.get(name)
-            if component is None or (known and known[0].component_instance is component):
+            if component is None or (streams and streams[0].component_instance is component):
                 continue
             options = next((dict(s.options) for s in declared.streams if s.manager == ROS2_MANAGER), {})
             self._add(component, options)

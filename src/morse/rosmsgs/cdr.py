@@ -132,12 +132,12 @@ def _struct_writer(type_name: str) -> Write:
     if type_name == "std_msgs/msg/Header":
         return _write_header
     parts = [(field.name, _writer(field)) for field in fields_of(type_name)]
-    known = frozenset(name for name, _ in parts)
+    names = frozenset(name for name, _ in parts)
 
     def write(buffer: bytearray, value: Mapping[str, object]) -> None:
         for name, write_field in parts:
             write_field(buffer, value.get(name))
-        _check_names(type_name, known, value)
+        _check_names(type_name, names, value)
 
     return write
 
@@ -165,9 +165,9 @@ def _string_bytes(text: str) -> bytes:
     return (len(data) + 1).to_bytes(4, "little") + data + b"\0"
 
 
-def _check_names(type_name: str, known: frozenset[str], value: Mapping[str, object]) -> None:
-    if not known.issuperset(value):
-        raise ValueError(f"{type_name} has no field {sorted(value.keys() - known)}")
+def _check_names(type_name: str, names: frozenset[str], value: Mapping[str, object]) -> None:
+    if not names.issuperset(value):
+        raise ValueError(f"{type_name} has no field {sorted(value.keys() - names)}")
 
 
 @cache
@@ -206,9 +206,9 @@ def _padding(letters: str, begin: int) -> str:
     form, at = "", begin
     for letter in letters:
         size = struct.calcsize("<" + letter)
-        filled = -at % size
-        form += "x" * filled + letter
-        at += filled + size
+        remainder = -at % size
+        form += "x" * remainder + letter
+        at += remainder + size
     return form
 
 
@@ -220,22 +220,22 @@ def _collector(type_name: str) -> Callable[[Mapping[str, Any], list[Any]], None]
         (field.name, field.size, None if field.type in PRIMITIVES else _collector(field.type), _default(field))
         for field in fields
     ]
-    known = frozenset(name for name, _, _, _ in parts)
+    names = frozenset(name for name, _, _, _ in parts)
 
     def collect(value: Mapping[str, Any], numbers: list[Any]) -> None:
-        _check_names(type_name, known, value)
+        _check_names(type_name, names, value)
         for name, size, inner, default in parts:
-            given = value.get(name)
+            content = value.get(name)
             if inner is not None:
-                inner(given or {}, numbers)
+                inner(content or {}, numbers)
             elif size == SINGLE:
-                numbers.append(default if given is None else given)
-            elif given is None:
+                numbers.append(default if content is None else content)
+            elif content is None:
                 numbers += [default] * size
             else:
-                if len(given) != size:
-                    raise ValueError(f"field '{name}' has {size} items, not {len(given)}")
-                numbers += given.tolist() if hasattr(given, "tolist") else given
+                if len(content) != size:
+                    raise ValueError(f"field '{name}' has {size} items, not {len(content)}")
+                numbers += content.tolist() if hasattr(content, "tolist") else content
 
     if len(fields) < 2 or any(field.size != SINGLE or field.type not in PRIMITIVES for field in fields):
         return collect
@@ -247,13 +247,13 @@ def _collector(type_name: str) -> Callable[[Mapping[str, Any], list[Any]], None]
             collect(value, numbers)
             return
         try:
-            given = all_of(value)
+            content = all_of(value)
         except KeyError:
-            given = (None,)
-        if None in given:
+            content = (None,)
+        if None in content:
             collect(value, numbers)
         else:
-            numbers += given
+            numbers += content
 
     return collect_all
 
@@ -350,17 +350,17 @@ class _Rows:
         self._columns: list[tuple[int, NDArray[np.uint8]]] = []
 
     def joined(self) -> NDArray[np.uint8]:
-        found = np.empty((self._count, len(self._shared)), dtype=np.uint8)
-        found[:] = np.frombuffer(self._shared, dtype=np.uint8)
+        table = np.empty((self._count, len(self._shared)), dtype=np.uint8)
+        table[:] = np.frombuffer(self._shared, dtype=np.uint8)
         for begin, column in self._columns:
             size = column.shape[1]
             if size in _SIZES and self._count:  # one number is copied as a number, not byte by byte
                 form = f"<u{size}"
-                places = np.ndarray(self._count, form, buffer=found.data, offset=begin, strides=found.strides[:1])
+                places = np.ndarray(self._count, form, buffer=table.data, offset=begin, strides=table.strides[:1])
                 places[:] = column.view(form)[:, 0]
             else:
-                found[:, begin : begin + size] = column
-        return found
+                table[:, begin : begin + size] = column
+        return table
 
     def put_struct(self, type_name: str, value: Mapping[str, object]) -> None:
         fields = fields_of(type_name)

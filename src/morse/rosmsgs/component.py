@@ -109,15 +109,15 @@ class ComponentMessages:
 
     def frame_id(self, frame: str) -> str:
         """The name of a frame of the component; an option of the stream may replace that of its messages."""
-        known = self._frame_ids.get(frame)
-        if known is None:
-            known = self._frame_ids[frame] = self._find_frame_id(frame)
-        return known
+        cached_id = self._frame_ids.get(frame)
+        if cached_id is None:
+            cached_id = self._frame_ids[frame] = self._find_frame_id(frame)
+        return cached_id
 
     def _find_frame_id(self, frame: str) -> str:
-        given = self.kwargs["frame_id"]
-        if given and (not self.kinds or frame == self.kinds[0].frame):
-            return str(given)
+        option = self.kwargs["frame_id"]
+        if option and (not self.kinds or frame == self.kinds[0].frame):
+            return str(option)
         name: str = self.names.frame(self.component_instance, frame)
         return name
 
@@ -233,6 +233,6 @@ def _numbers(matrix: object) -> Sequence[float]:
 
 def _placed(mounting: Mounting) -> Transformation3d:
     """A pose in a rigid group."""
-    made = Transformation3d()
-    made.set_pose(mounting.offset, mounting.turned)
-    return made
+    pose = Transformation3d()
+    pose.set_pose(mounting.offset, mounting.turned)
+    return pose

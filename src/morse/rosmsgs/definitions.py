@@ -149,11 +149,11 @@ def _full(name: str) -> str:
 @cache
 def messages() -> dict[str, tuple[MessageField, ...]]:
     """All messages by their full name (``std_msgs/msg/Header``), each after the messages that it contains."""
-    found = {}
+    definitions = {}
     for line in re.sub(r",\n +", ", ", _MESSAGES).strip().splitlines():
         name, _, fields = line.partition(": ")
-        found[_full(name)] = tuple(_field(text) for text in fields.split(", "))
-    return found
+        definitions[_full(name)] = tuple(_field(text) for text in fields.split(", "))
+    return definitions
 
 
 def _field(text: str) -> MessageField:

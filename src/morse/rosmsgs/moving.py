@@ -99,24 +99,24 @@ class MovingFrame(NamedTuple):
 
 def placed(obj: Body, offset: Sequence[float]) -> Transformation3d:
     """The pose of an object in the world, with its origin moved by an offset (3,) in its axes."""
-    found = Transformation3d(obj)
+    pose = Transformation3d(obj)
     if any(offset):
-        position, rotation = found.get_pose()
-        moved = [p + q for p, q in zip(position, turn(rotation, offset), strict=True)]
-        found.set_pose(moved, rotation)
-    return found
+        position, rotation = pose.get_pose()
+        origin = [p + q for p, q in zip(position, turn(rotation, offset), strict=True)]
+        pose.set_pose(origin, rotation)
+    return pose
 
 
 def joints_of(robot: Robot, names: Names) -> list[Joint]:
     """All joints of a robot and its components; joints of two components with the same name contain the component."""
     carried = [one for one in robot.context.components.values() if one.robot_parent is robot]
     owners = [(owner, list(owner.moving_parts())) for owner in (robot, *carried)]
-    known = [part.joint for _, parts in owners for part in parts]
+    names_of_joints = [part.joint for _, parts in owners for part in parts]
     base = names.base(robot)
-    taken = {names.own(one) for one in carried} | {names.odom(robot), base}
+    reserved = {names.own(one) for one in carried} | {names.odom(robot), base}
     #: object of a part to its frame, and the offset of the frame
     above: dict[int, tuple[str, Any, Sequence[float]]] = {}
-    found: list[Joint] = []
+    joints: list[Joint] = []
     for owner, parts in owners:
         for part in parts:
             parent, against, shift = above.get(id(part.parent), (base, robot.bge_object, _NOTHING))
@@ -125,13 +125,13 @@ def joints_of(robot: Robot, names: Names) -> list[Joint]:
                 above[id(part.object)] = (base, robot.bge_object, _NOTHING)
                 continue
             frame = names.link(robot, part.frame) if part.frame else names.part(owner, part.joint)
-            if part.frame and frame in taken:
+            if part.frame and frame in reserved:
                 frame = names.part(owner, part.frame)
-            taken.add(frame)
+            reserved.add(frame)
             above[id(part.object)] = (frame, part.object, part.offset)
-            name = _name(owner, part.joint, single=known.count(part.joint) == 1)
-            found.append(Joint(owner, name, part, frame, parent, against, shift))
-    return found
+            name = _name(owner, part.joint, single=names_of_joints.count(part.joint) == 1)
+            joints.append(Joint(owner, name, part, frame, parent, against, shift))
+    return joints
 
 
 _NOTHING = (0.0, 0.0, 0.0)

@@ -28,8 +28,8 @@ _TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
 
 def _part(text: str) -> str:
-    cleaned = re.sub(r"[^A-Za-z0-9_/]", "_", text.replace(".", "/"))
-    return re.sub(r"(^|/)(?=[0-9])", r"\1_", cleaned)
+    valid_name = re.sub(r"[^A-Za-z0-9_/]", "_", text.replace(".", "/"))
+    return re.sub(r"(^|/)(?=[0-9])", r"\1_", valid_name)
 
 
 def cleaned(text: str) -> str:
@@ -76,20 +76,20 @@ class Names:
 
     def namespace(self, robot: Robot, given: str | None = None) -> str:
         """``/robot``, or an empty string for none."""
-        chosen = self._namespace if given is None else given
+        text = self._namespace if given is None else given
         if given:
             checked_topic(given, f"{robot.name()}: the option 'namespace'")
-        return "/" + chosen.strip("/") if chosen else "" if chosen == "" else "/" + _part(robot.name())
+        return "/" + text.strip("/") if text else "" if text == "" else "/" + _part(robot.name())
 
     def topic(self, component: Object, options: Mapping[str, Any]) -> str:
         """The topic of a component: from the options of its stream, or its name."""
         robot = robot_of(component)
         base = self.namespace(robot, options["namespace"])
-        given = options["topic"]
-        if given is None:
+        option = options["topic"]
+        if option is None:
             return f"{base}/{_part(relative_name(component))}"
-        checked_topic(given, f"{component.name()}: the option 'topic'")
-        return str(given) if given.startswith("/") else f"{base}/{given}"
+        checked_topic(option, f"{component.name()}: the option 'topic'")
+        return str(option) if option.startswith("/") else f"{base}/{option}"
 
     def prefix(self, robot: Carrier) -> str:
         """The prefix of the frames of a robot."""
@@ -139,8 +139,8 @@ class Names:
         """The frame of a command; empty for the frame of the fields, None if it is unknown."""
         if not frame_id:
             return ""
-        known = {self.frame(component, frame): frame for frame in ("own", "robot", "world")}
-        return known.get(frame_id.lstrip("/"))
+        frames = {self.frame(component, frame): frame for frame in ("own", "robot", "world")}
+        return frames.get(frame_id.lstrip("/"))
 
 
 def relative_name(component: Object) -> str:

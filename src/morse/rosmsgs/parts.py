@@ -106,6 +106,6 @@ def from_xyz(vector: Mapping[str, float]) -> list[float]:
     return [vector["x"], vector["y"], vector["z"]]
 
 
-def from_quaternion(given: Mapping[str, float]) -> list[float]:
+def from_quaternion(value: Mapping[str, float]) -> list[float]:
     """(4,) w, x, y, z."""
-    return [given["w"], given["x"], given["y"], given["z"]]
+    return [value["w"], value["x"], value["y"], value["z"]]

@@ -42,23 +42,23 @@ def covariance_of_robot(matrix: Any, mounting: Transformation3d, arm: Sequence[f
     """
     if matrix is None:
         return None
-    turned = np.reshape(mounting.get_pose()[1], (3, 3))
+    rotation = np.reshape(mounting.get_pose()[1], (3, 3))
     x, y, z = arm
     change = np.zeros((6, 6))
-    change[:3, :3] = change[3:, 3:] = turned
+    change[:3, :3] = change[3:, 3:] = rotation
     lever = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    change[:3, 3:] = np.einsum("ij,jk->ik", lever, turned)
+    change[:3, 3:] = np.einsum("ij,jk->ik", lever, rotation)
     result: NDArray[np.float64] = np.einsum("ij,jk,lk->il", change, matrix, change)
     return result
 
 
 def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> Transformation3d:
     """A pose from a position and a unit quaternion w, x, y, z."""
-    made = Transformation3d()
+    pose = Transformation3d()
     w, x, y, z = floats(quaternion)
     px, py, pz = floats(position)
-    made.set_pose((px, py, pz), rotation_from_quaternion(w, x, y, z))
-    return made
+    pose.set_pose((px, py, pz), rotation_from_quaternion(w, x, y, z))
+    return pose
 
 
 def inverse(pose: Transformation3d) -> Transformation3d:

@@ -77,8 +77,8 @@ class Remaps:
         if change is None:
             return topic, qos
         self._unused.pop(topic, None)
-        given = {name: getattr(change, name) for name in qos._fields if getattr(change, name) is not None}
-        return change.topic or topic, qos._replace(**given)
+        changes = {name: getattr(change, name) for name in qos._fields if getattr(change, name) is not None}
+        return change.topic or topic, qos._replace(**changes)
 
     def unused(self) -> Iterator[str]:
         """Iterate once over what is wrong with names that no topic has."""

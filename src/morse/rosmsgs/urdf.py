@@ -75,19 +75,19 @@ def add_fixed(model: Any, name: str, parent: str, frame: str, pose: Transformati
 
 def _add_joint(model: Any, joint: Joint) -> None:
     part = joint.part
-    made = ElementTree.SubElement(model, "joint", name=joint.name, type=part.type)
-    ElementTree.SubElement(made, "parent", link=joint.parent)
-    ElementTree.SubElement(made, "child", link=joint.frame)
-    made.append(_origin(joint.origin() if part.type in _ONE_AXIS else joint.pose()))
+    element = ElementTree.SubElement(model, "joint", name=joint.name, type=part.type)
+    ElementTree.SubElement(element, "parent", link=joint.parent)
+    ElementTree.SubElement(element, "child", link=joint.frame)
+    element.append(_origin(joint.origin() if part.type in _ONE_AXIS else joint.pose()))
     if part.type not in _ONE_AXIS:
         return
-    ElementTree.SubElement(made, "axis", xyz=_numbers(part.axis))
+    ElementTree.SubElement(element, "axis", xyz=_numbers(part.axis))
     if part.mimic is not None:
         leader, factor, offset = part.mimic
-        ElementTree.SubElement(made, "mimic", joint=leader, multiplier=f"{factor:.9g}", offset=f"{offset:.9g}")
+        ElementTree.SubElement(element, "mimic", joint=leader, multiplier=f"{factor:.9g}", offset=f"{offset:.9g}")
     if part.type != "continuous":
         limits = {"lower": f"{part.low:.9g}", "upper": f"{part.high:.9g}", "effort": "0", "velocity": "0"}
-        ElementTree.SubElement(made, "limit", limits)
+        ElementTree.SubElement(element, "limit", limits)
 
 
 def _add_link(model: Any, frame: str, obj: Any, owners: Mapping[int, str], place: Transformation3d) -> None:
@@ -98,11 +98,11 @@ def _add_link(model: Any, frame: str, obj: Any, owners: Mapping[int, str], place
             for what in ("visual", "collision"):
                 if what == "collision" and not part.node.shapes:
                     continue
-                made = ElementTree.SubElement(link, what)
-                made.append(_origin(_placed(pose, shape)))
-                made.append(_geometry(shape))
+                element = ElementTree.SubElement(link, what)
+                element.append(_origin(_placed(pose, shape)))
+                element.append(_geometry(shape))
                 if what == "visual":
-                    material = ElementTree.SubElement(made, "material", name=f"{part.node.name}_material")
+                    material = ElementTree.SubElement(element, "material", name=f"{part.node.name}_material")
                     ElementTree.SubElement(material, "color", rgba=_numbers(_color(part.node)))
 
 
@@ -149,22 +149,22 @@ def _placed(pose: Transformation3d, shape: CollisionShape) -> Transformation3d:
 
 
 def _geometry(shape: CollisionShape) -> Any:
-    made = ElementTree.Element("geometry")
+    element = ElementTree.Element("geometry")
     if shape.kind is ShapeKind.CONVEX:
         shape = _box(np.asarray(shape.vertices))
     elif shape.kind is ShapeKind.HEIGHT_FIELD:
         shape = _block(shape)
     size = [max(2.0 * extent, _THIN) for extent in shape.size]
     if shape.kind is ShapeKind.BOX:
-        ElementTree.SubElement(made, "box", size=_numbers(size))
+        ElementTree.SubElement(element, "box", size=_numbers(size))
     elif shape.kind in (ShapeKind.CYLINDER, ShapeKind.CAPSULE):
         radius, length = size[0] / 2.0, size[1]
         # URDF has no capsule
         length += 2.0 * radius if shape.kind is ShapeKind.CAPSULE else 0.0
-        ElementTree.SubElement(made, "cylinder", radius=f"{radius:.9g}", length=f"{length:.9g}")
+        ElementTree.SubElement(element, "cylinder", radius=f"{radius:.9g}", length=f"{length:.9g}")
     else:
-        ElementTree.SubElement(made, "sphere", radius=f"{max(size) / 2.0:.9g}")
-    return made
+        ElementTree.SubElement(element, "sphere", radius=f"{max(size) / 2.0:.9g}")
+    return element
 
 
 def _color(node: Any) -> tuple[float, ...]:

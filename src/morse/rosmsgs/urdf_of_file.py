@@ -32,15 +32,15 @@ def describe_file(
     links = {element.get("name", "") for element in model.findall("link")}
     if base not in links:
         ElementTree.SubElement(model, "link", name=base)
-    known = links | {base}
+    names = links | {base}
     for joint in joints:
-        if joint.frame not in known or (joint.parent == base and base not in links):
-            if joint.frame not in known:
+        if joint.frame not in names or (joint.parent == base and base not in links):
+            if joint.frame not in names:
                 ElementTree.SubElement(model, "link", name=joint.frame)
             add_fixed(model, joint.name, joint.parent, joint.frame, joint.pose(), moves=not joint.is_fixed)
-            known.add(joint.frame)
+            names.add(joint.frame)
     for frame, one in components.items():
-        if frame not in known:
+        if frame not in names:
             ElementTree.SubElement(model, "link", name=frame)
             add_fixed(model, f"{frame}_joint", base, frame, one.pose, moves=one.moves)
     return ElementTree.tostring(model, encoding="unicode")

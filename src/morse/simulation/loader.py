@@ -59,11 +59,11 @@ class Loaded:
 
     def drop(self, component: Object) -> None:
         """Remove a component that was deleted."""
-        for kept in (self.robots, self.actuators, self.sensors):
-            if component in kept:
-                kept.remove(component)  # type: ignore[arg-type]
-        gone = {id(modifier) for modifier in [*component.input_modifiers, *component.output_modifiers]}
-        self.modifier_objects[:] = [modifier for modifier in self.modifier_objects if id(modifier) not in gone]
+        for table in (self.robots, self.actuators, self.sensors):
+            if component in table:
+                table.remove(component)  # type: ignore[arg-type]
+        modifier_ids = {id(modifier) for modifier in [*component.input_modifiers, *component.output_modifiers]}
+        self.modifier_objects[:] = [modifier for modifier in self.modifier_objects if id(modifier) not in modifier_ids]
 
 
 def load_components(context: Context, declarations: Sequence[ComponentDeclaration] | None = None) -> Loaded:
@@ -169,9 +169,9 @@ def _instance(cls: type[Any], obj: Body, robot: Robot | None) -> Any:
 
 
 def _class_of_level(cls: type[object], level: str | None) -> type[object]:
-    declared = levels(cls)
-    chosen = declared.get(level) if level is not None else next((v for v in declared.values() if v.default), None)
-    return load_class(chosen.classpath) if chosen is not None and chosen.classpath else cls
+    choices = levels(cls)
+    choice = choices.get(level) if level is not None else next((v for v in choices.values() if v.default), None)
+    return load_class(choice.classpath) if choice is not None and choice.classpath else cls
 
 
 def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDeclaration] | None = None) -> None:

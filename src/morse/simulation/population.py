@@ -173,13 +173,13 @@ class Population:
         roots = [obj]
         if name in self._recipes:
             roots = [objects[root] for root in self._recipes[name].roots if root in objects]
-        gone = {node for root in roots for node in root.node.walk()}
-        self._forget([d for d in simulation.scene.components if d.node in gone or d.robot in gone], returns=returns)
+        nodes = {node for root in roots for node in root.node.walk()}
+        self._forget([d for d in simulation.scene.components if d.node in nodes or d.robot in nodes], returns=returns)
         context.world.remove(roots)
         if self._recipes.pop(name, None) is not None:
             # objects of the launch can be restored
             models = simulation.scene.models
-            models[:] = [use for use in models if not any(node in gone for node in use.nodes.values())]
+            models[:] = [use for use in models if not any(node in nodes for node in use.nodes.values())]
         self._changed()
 
     def _forget(self, declarations: list[ComponentDeclaration], *, returns: bool = False) -> None:
@@ -302,23 +302,23 @@ class Population:
         """
         if state == self.get_state():
             return
-        wanted = {
+        names = {
             name: Recipe(makers.get(name) or kind, position, rotation)
             for name, kind, position, rotation in state["came"]
         }
-        for name in [name for name, recipe in self._recipes.items() if not recipe.gives(wanted.get(name))]:
+        for name in [name for name, recipe in self._recipes.items() if not recipe.gives(names.get(name))]:
             self.delete(name)
         self._bring_back([root for root in self._launch[0] if root.name not in state["gone"]])
         for name in state["gone"]:
             if self._simulation.scene.find(name) is not None:
                 self.delete(name)
-        for name, recipe in wanted.items():
+        for name, recipe in names.items():
             if name in self._recipes:
                 continue
             if not recipe.kind:
                 raise StateError(f"'{name}' was created by a function of a program, and cannot be created again here")
             self.spawn(name, recipe.kind, recipe.position, recipe.rotation)
-        self._put_in_order(list(wanted))
+        self._put_in_order(list(names))
 
     def _put_in_order(self, names: list[str]) -> None:
         """Sort the spawned objects in the scene, because the engine processes bodies in the order of the scene."""

@@ -199,9 +199,9 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
         with time:
             stepping.forced = True
             try:
-                left = ticks
-                while left:
-                    left -= advance(left, measure is True)
+                remaining = ticks
+                while remaining:
+                    remaining -= advance(remaining, measure is True)
                     stepping.count()
                     if self._failure is not None or time.interrupted:
                         break

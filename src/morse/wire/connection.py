@@ -149,15 +149,15 @@ class Connection:
             return
         if not self._rest:
             try:
-                sent = send_now(self._socket, data)
+                count = send_now(self._socket, data)
             except (BlockingIOError, InterruptedError):
-                sent = 0
+                count = 0
             except OSError as error:
                 self._end(error)
                 return
-            if sent == len(data):
+            if count == len(data):
                 return
-            data = data[sent:]
+            data = data[count:]
             self._watch_writable(True)
         self._rest += data
         if not self._slow and len(self._rest) > self.high_water:

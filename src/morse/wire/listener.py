@@ -29,17 +29,17 @@ def listen(host: str, ports: Iterable[int]) -> socket.socket:
     Raises:
         MorseMiddlewareError: all ports are in use, or ``host`` is not an address of this machine.
     """
-    tried = []
+    attempts = []
     for port in ports:
         try:
             return _bound(host, port)
         except OSError as error:
             if error.errno not in _TAKEN:
                 raise MorseMiddlewareError(f"cannot listen on {host}:{port}: {error.strerror or error}") from None
-            tried.append(port)
-    if not tried:
+            attempts.append(port)
+    if not attempts:
         raise MorseMiddlewareError("no port to listen on")
-    which = f"port {tried[0]} is" if len(tried) == 1 else f"ports {tried[0]} to {tried[-1]} are"
+    which = f"port {attempts[0]} is" if len(attempts) == 1 else f"ports {attempts[0]} to {attempts[-1]} are"
     raise MorseMiddlewareError(f"{which} in use on {host}: end the programs that use them, or take other ports")
 
 

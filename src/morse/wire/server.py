@@ -105,8 +105,8 @@ class LineServer:
         for client in leaving:
             client.transport.close()
         if leaving:
-            waiting = [asyncio.ensure_future(client.gone.wait()) for client in leaving]
-            _, late = await asyncio.wait(waiting, timeout=_FAREWELL)
+            waits = [asyncio.ensure_future(client.gone.wait()) for client in leaving]
+            _, late = await asyncio.wait(waits, timeout=_FAREWELL)
             for task in late:
                 task.cancel()
         for client in leaving:

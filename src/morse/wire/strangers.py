@@ -54,8 +54,8 @@ class FirstLine:
         if len(self._head) < _HEAD:
             self._head += line[:_HEAD]
         self._tail = (self._tail + line[-_TAIL:])[-_TAIL:]
-        if found := _beginning(self._head + end):
-            return found
+        if stranger_line := _beginning(self._head + end):
+            return stranger_line
         if end:
             self.over = True
             return "HTTP" if _VERSION_ENDS.search(self._tail) else None

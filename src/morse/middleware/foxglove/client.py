@@ -113,8 +113,8 @@ class FoxgloveClient(HubClient):
 
     def show(self, topic: WebTopic, frame: Any) -> None:
         """See `HubClient.show`."""
-        taken = self.offer(topic.number, frames.message(topic.readers[self], frame), topic.qos.depth)
-        if not taken and topic.qos.reliable:
+        is_queued = self.offer(topic.number, frames.message(topic.readers[self], frame), topic.qos.depth)
+        if not is_queued and topic.qos.reliable:
             self.hub.server.complain(self, f"slow {self.peer}", f"reads {topic.topic} too slowly, it misses messages")
 
     def tick(self, stamp: int) -> None:
@@ -148,15 +148,15 @@ class FoxgloveClient(HubClient):
     # -- messages of the client --------------------------------------------------------------
 
     def _advertise(self, message: RosMessage) -> None:
-        heard = self.hub.topics.heard if self.hub.topics is not None else {}
+        subscriptions = self.hub.topics.heard if self.hub.topics is not None else {}
         for one in _records(message, "channels"):
             number, topic, kind = _number(one, "id"), one.get("topic"), one.get("schemaName")
-            if not isinstance(topic, str) or topic not in heard:
-                raise ValueError(f"no component subscribes to {short(topic)}{nearest(str(topic)[:256], heard)}")
+            if not isinstance(topic, str) or topic not in subscriptions:
+                raise ValueError(f"no component subscribes to {short(topic)}{nearest(str(topic)[:256], subscriptions)}")
             if one.get("encoding") not in _ENCODINGS:
                 raise ValueError(f"the encoding {shown(one.get('encoding'))} is none of {', '.join(_ENCODINGS)}")
-            if isinstance(kind, str) and kind and _of_ros_2(kind) != heard[topic].type:
-                raise ValueError(f"the topic {topic} has the type {heard[topic].type}, not {short(kind)}")
+            if isinstance(kind, str) and kind and _of_ros_2(kind) != subscriptions[topic].type:
+                raise ValueError(f"the topic {topic} has the type {subscriptions[topic].type}, not {short(kind)}")
             if number not in self._channels:
                 self.keep(_LONGEST_TOPIC, "a channel")
             self._channels[number] = topic
@@ -170,22 +170,22 @@ class FoxgloveClient(HubClient):
         topic = self._channels.get(published.channel)
         if topic is None:
             raise ValueError(f"the channel {published.channel} was not advertised")
-        heard = self.hub.topics.heard.get(topic) if self.hub.topics is not None else None
-        for inlet in heard.inlets if heard is not None else ():
+        subscription = self.hub.topics.heard.get(topic) if self.hub.topics is not None else None
+        for inlet in subscription.inlets if subscription is not None else ():
             inlet.put(published.data)
 
     # -- services ----------------------------------------------------------------------------
 
     def services_changed(self) -> None:
         """See `HubClient.services_changed`."""
-        known = self.hub.services()  # type: ignore[attr-defined] # it is a FoxgloveHub
-        gone = sorted(self._services - known.keys())
-        new = sorted(known.keys() - self._services)
-        self._services = frozenset(known)
-        if gone:
-            self._say(op="unadvertiseServices", serviceIds=gone)
+        services = self.hub.services()  # type: ignore[attr-defined] # it is a FoxgloveHub
+        removals = sorted(self._services - services.keys())
+        new = sorted(services.keys() - self._services)
+        self._services = frozenset(services)
+        if removals:
+            self._say(op="unadvertiseServices", serviceIds=removals)
         if new:
-            self._say(op="advertiseServices", services=[self._service(number, known[number]) for number in new])
+            self._say(op="advertiseServices", services=[self._service(number, services[number]) for number in new])
         self.hub.graph_changed()  # type: ignore[attr-defined] # it is a FoxgloveHub
 
     def _service(self, number: int, path: str) -> RosMessage:
@@ -239,11 +239,11 @@ class FoxgloveClient(HubClient):
         if error is not None:
             self._status(_ERROR, error)
             return
-        answered = msgspec.json.decode(value)
-        for refusal in answered["refusals"]:
+        answer = msgspec.json.decode(value)
+        for refusal in answer["refusals"]:
             self._status(_ERROR, refusal)
         if call.told:
-            self._say(op="parameterValues", parameters=answered["parameters"], **call.id)
+            self._say(op="parameterValues", parameters=answer["parameters"], **call.id)
 
     def _watch_more(self, message: RosMessage) -> None:
         for name in set(_names(message)) - self.watched:
@@ -258,14 +258,14 @@ class FoxgloveClient(HubClient):
 
     def watch(self, values: bytes) -> None:
         """The present values of watched parameters, as JSON: tell the client those that have changed."""
-        changed = []
+        changes = []
         for one in msgspec.json.decode(values):
             name, value = one["name"], msgspec.json.encode(one)
             if name in self.watched and self._watched_values.get(name) != value:
                 self._watched_values[name] = value
-                changed.append(one)
-        if changed:
-            self._say(op="parameterValues", parameters=changed)
+                changes.append(one)
+        if changes:
+            self._say(op="parameterValues", parameters=changes)
 
     # -- the connection graph ----------------------------------------------------------------
 
@@ -319,11 +319,11 @@ class FoxgloveClient(HubClient):
             if isinstance(frame, str):
                 self._operate(frame)
             else:
-                parsed = frames.parse(frame)
-                if isinstance(parsed, frames.Call):
-                    self._call(parsed)
+                content = frames.parse(frame)
+                if isinstance(content, frames.Call):
+                    self._call(content)
                 else:
-                    self._publish(parsed)
+                    self._publish(content)
         except ValueError as error:
             self.hub.server.complain(self, "refused", str(error))
             self._status(_ERROR, str(error))
@@ -360,39 +360,39 @@ def _schema(name: str, schema: RosMessage) -> dict[str, str]:
 
 
 def _records(message: RosMessage, name: str) -> list[RosMessage]:
-    given = message.get(name)
-    if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
-        raise ValueError(f"'{name}' is {shown(given)}, expected a list of objects")
-    return given
+    value = message.get(name)
+    if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
+        raise ValueError(f"'{name}' is {shown(value)}, expected a list of objects")
+    return value
 
 
 def _names(message: RosMessage) -> list[str]:
-    given = message.get("parameterNames")
-    if not isinstance(given, list) or not all(isinstance(one, str) for one in given):
-        raise ValueError(f"'parameterNames' is {shown(given)}, expected a list of texts")
-    return given
+    value = message.get("parameterNames")
+    if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+        raise ValueError(f"'parameterNames' is {shown(value)}, expected a list of texts")
+    return value
 
 
 def _id(message: RosMessage) -> dict[str, str]:
     """The id of a request, as it is returned; empty if it has none."""
-    given = message.get("id")
-    if given is not None and not isinstance(given, str):
-        raise ValueError(f"'id' is {shown(given)}, expected a text")
-    return {} if given is None else {"id": given}
+    value = message.get("id")
+    if value is not None and not isinstance(value, str):
+        raise ValueError(f"'id' is {shown(value)}, expected a text")
+    return {} if value is None else {"id": value}
 
 
 def _numbers(message: RosMessage, name: str) -> list[int]:
-    given = message.get(name)
-    if not isinstance(given, list):
-        raise ValueError(f"'{name}' is {shown(given)}, expected a list of numbers")
-    return [_number({"item": one}, "item") for one in given]
+    value = message.get(name)
+    if not isinstance(value, list):
+        raise ValueError(f"'{name}' is {shown(value)}, expected a list of numbers")
+    return [_number({"item": one}, "item") for one in value]
 
 
 def _number(record: RosMessage, name: str) -> int:
-    given = record.get(name)
-    if isinstance(given, bool) or not isinstance(given, int) or not 0 <= given <= _LARGEST:
-        raise ValueError(f"'{name}' is {shown(given)}, expected a number from 0 to {_LARGEST}")
-    return given
+    value = record.get(name)
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _LARGEST:
+        raise ValueError(f"'{name}' is {shown(value)}, expected a number from 0 to {_LARGEST}")
+    return value
 
 
 def _of_ros_2(name: str) -> str:

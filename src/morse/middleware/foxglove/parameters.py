@@ -47,12 +47,12 @@ class Parameters:
         return [one for name in names or self._names() if (one := self._read(name)) is not None]
 
     def _read(self, name: str) -> RosMessage | None:
-        owner, _, wanted = name.rpartition(".")
+        owner, _, attribute = name.rpartition(".")
         component = self._context.component(owner) if owner in self._components() else None
         if component is None:
             return None
         table = properties(type(component)).items()
-        value = next((getattr(component, own) for own, one in table if one.name == wanted), None)
+        value = next((getattr(component, own) for own, one in table if one.name == attribute), None)
         if value is None:
             return None
         try:
@@ -83,11 +83,11 @@ class Parameters:
                 refusals.append(f"there is no parameter {short(name)}{nearest(str(name)[:256], self._names())}")
                 continue
             names.append(name)
-            owner, _, wanted = name.rpartition(".")
+            owner, _, attribute = name.rpartition(".")
             try:
                 if "value" not in one:
                     raise ValueError("a property of a component cannot be removed")
-                self._change(owner, [wanted, one["value"]])
+                self._change(owner, [attribute, one["value"]])
             except (MorseError, ValueError) as error:
                 refusals.append(f"{name}: {error}")
         return names, refusals

@@ -78,8 +78,8 @@ class Axes:
         axes = np.reshape(self._body if of_body else self._world, (3, 3))
         both = np.zeros((6, 6))
         both[:3, :3] = both[3:, 3:] = axes
-        turned = matmul(matmul(both, np.asarray(matrix, dtype=np.float64)), both.T)
-        return [float(number) for number in turned[np.triu_indices(6)]]
+        rotated_matrix = matmul(matmul(both, np.asarray(matrix, dtype=np.float64)), both.T)
+        return [float(number) for number in rotated_matrix[np.triu_indices(6)]]
 
     def heading(self, yaw: float) -> float:
         """The yaw of a heading from north, clockwise, rad."""

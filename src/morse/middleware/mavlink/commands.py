@@ -44,11 +44,11 @@ class CommandKinds:
         slots: Fields = {}
         by_rate = bound.has("rates")
         if not message.type_mask & _NO_ATTITUDE:
-            turned = stream.axes_of(bound.frame).quaternion(_unit(message.q))
+            quaternion = stream.axes_of(bound.frame).quaternion(_unit(message.q))
             if by_rate:
-                roll, pitch, _ = both_eulers(rotation_from_quaternion(*turned), "XYZ")[0]
-                turned = quaternion_of(roll, pitch, 0.0)
-            slots["orientation"] = turned
+                roll, pitch, _ = both_eulers(rotation_from_quaternion(*quaternion), "XYZ")[0]
+                quaternion = quaternion_of(roll, pitch, 0.0)
+            slots["orientation"] = quaternion
         if by_rate and not message.type_mask & _NO_BODY_YAW_RATE:
             slots["rates"] = stream.axes_of(bound.frame).body((0.0, 0.0, message.body_yaw_rate))
         if bound.has("thrust") and not message.type_mask & _NO_THRUST:

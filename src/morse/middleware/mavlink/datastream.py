@@ -96,12 +96,12 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         if device not in self._links:
             self._links[device] = open_link(device)
             self._framers[device] = {}
-        taken = {one.system: name for (name, at), one in self._vehicles.items() if at == device}
+        owners = {one.system: name for (name, at), one in self._vehicles.items() if at == device}
         of_robot = next((one.system for (name, _), one in self._vehicles.items() if name == robot), None)
-        system = wanted or of_robot or next(number for number in range(1, 257) if number not in taken)
-        if system > 255 or system in taken:
+        system = wanted or of_robot or next(number for number in range(1, 257) if number not in owners)
+        if system > 255 or system in owners:
             raise MorseMiddlewareError(
-                f"mavlink: the system_id {system} of {robot} is that of {taken.get(system, 'nobody')}; "
+                f"mavlink: the system_id {system} of {robot} is that of {owners.get(system, 'nobody')}; "
                 "a device has room for 255 robots with different ones"
             )
         options = self.options
@@ -127,8 +127,8 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
             stream.vehicle.streams.remove(stream)
         stream.vehicle.measured.clear()
         self._is_changed = True
-        used = {id(one.vehicle) for streams in self.streams.values() for one in streams}
-        self._vehicles = {key: one for key, one in self._vehicles.items() if id(one) in used}
+        vehicles = {id(one.vehicle) for streams in self.streams.values() for one in streams}
+        self._vehicles = {key: one for key, one in self._vehicles.items() if id(one) in vehicles}
 
     def _other_north(self) -> str:
         """In what the direction of north in the scene differs from that of the links; empty if it does not."""
@@ -160,13 +160,13 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
 
     def _keep_step(self) -> None:
         """Wait for the answers of autopilots in the loop to the measurements of the last tick."""
-        waiting = [vehicle for vehicle in self._vehicles.values() if vehicle.is_waiting]
-        if not waiting:
+        late_vehicles = [vehicle for vehicle in self._vehicles.values() if vehicle.is_waiting]
+        if not late_vehicles:
             return
         end = time.monotonic() + _PATIENCE
-        while any(vehicle.is_waiting for vehicle in waiting):
+        while any(vehicle.is_waiting for vehicle in late_vehicles):
             if time.monotonic() > end:
-                for vehicle in waiting:
+                for vehicle in late_vehicles:
                     vehicle.lose_step()
                 return
             time.sleep(_LOOK)
@@ -177,7 +177,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         has_time = self._share.begin() or not is_paced
         for device, link in self._links.items():
             framers, intake = self._framers[device], Intake()
-            waiting: dict[object, list[tuple[object, bytes]]] = {}
+            messages: dict[object, list[tuple[object, bytes]]] = {}
             for sender, data in link.receive():
                 if sender not in framers:
                     self._greet(device)
@@ -187,15 +187,15 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
                 if len(framers) > _MOST_FRAMERS:
                     del framers[next(iter(framers))]
                 frames = [(sender, frame.data) for frame in intake.frames(sender, framer, data)]
-                waiting.setdefault(sender, []).extend(frames)
+                messages.setdefault(sender, []).extend(frames)
             # in turns, so that the flood of one sender does not take the time of another; each of them has one
-            for turn in zip_longest(*waiting.values()):
+            for turn in zip_longest(*messages.values()):
                 for sender, data in filter(None, turn):
                     if self._arrived(device, data):
                         link.understood(sender)
                 has_time = not (self._share.end_request() and is_paced) and has_time
                 if not has_time:
-                    intake.lost |= any(len(frames) > 1 for frames in waiting.values())
+                    intake.lost |= any(len(frames) > 1 for frames in messages.values())
                     break
             if intake.lost:
                 self._complaints.warn(device, f"mavlink: {device} receives more than a tick can process: some is lost")

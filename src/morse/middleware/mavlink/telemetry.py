@@ -144,17 +144,17 @@ class Telemetry:
     @maps("battery")
     def battery(self, stream: MavlinkStream, m: Message) -> None:
         """BATTERY_STATUS, and a part of SYS_STATUS."""
-        left = _whole(m.charge * 100.0, 0, 100, -1)
+        charge = _whole(m.charge * 100.0, 0, 100, -1)
         warm = _I16 if m.temperature is None else _whole(m.temperature * 100.0, -_I16, _I16 - 1, _I16)
         volts = _U16 if m.voltage is None else _whole(m.voltage * 1000.0, 0, _U16 - 1, _U16)
         # positive while it discharges
         current = -1 if m.current is None else _whole(-m.current * 100.0, -_I16, _I16, -1)
         state = _CHARGING if m.status == "charging" else _FINE
         stream.vehicle.measure(
-            "battery_status", stream.number(stream.kinds[0]), 0, 0, warm, [volts] + [_U16] * 9, current, -1, -1, left,
+            "battery_status", stream.number(stream.kinds[0]), 0, 0, warm, [volts] + [_U16] * 9, current, -1, -1, charge,
             0, state,
         )  # fmt: skip
-        stream.vehicle.battery = volts, current, left
+        stream.vehicle.battery = volts, current, charge
 
     @maps("range")
     def range(self, stream: MavlinkStream, m: Message) -> None:
@@ -177,10 +177,10 @@ class Telemetry:
         angles = m.angle_min + np.arange(len(m.ranges)) * m.angle_increment + mounting.yaw
         directions = np.rint(np.degrees(-angles) / (360.0 / _BINS)).astype(int) % _BINS
         least, most = (_whole(v * 100.0, 0, _U16 - 2, _U16 - 2) for v in (m.range_min, m.range_max))
-        known = ~np.isnan(m.ranges)
+        valid = ~np.isnan(m.ranges)
         distances = np.clip(np.nan_to_num(m.ranges.astype(float) * 100.0), least, most + 1)
         bins = np.full(_BINS, _U16)
-        np.minimum.at(bins, directions[known], np.rint(distances[known]).astype(int))
+        np.minimum.at(bins, directions[valid], np.rint(distances[valid]).astype(int))
         stream.vehicle.measure(
             "obstacle_distance", m.stamp // 1000, 0, bins.tolist(), 0, least, most, 360.0 / _BINS, 0.0, _BODY_FRD
         )

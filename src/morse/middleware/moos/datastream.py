@@ -44,12 +44,12 @@ class MOOSDatastreamManager(DatastreamManager):
 
     def database_of(self, options: Mapping[str, object]) -> Database:
         """The connection of a stream with these options."""
-        given = {name: options[name] for name in _PLACE if options[name] is not None}
-        chosen = {**self.options, **given}
-        place = tuple(chosen[name] for name in _PLACE)
+        own_options = {name: options[name] for name in _PLACE if options[name] is not None}
+        all_options = {**self.options, **own_options}
+        place = tuple(all_options[name] for name in _PLACE)
         if place not in self._databases:
-            made = self._databases[place] = Database(chosen)
-            logger.info("moos: the database is expected at %s", made.place)
+            database = self._databases[place] = Database(all_options)
+            logger.info("moos: the database is expected at %s", database.place)
         return self._databases[place]
 
     def wanted(self, stream: MoosStream, topic: str) -> bool:

@@ -147,12 +147,12 @@ class Exchange:
 
     def _receive(self, connection: socket.socket) -> tuple[list[MOOSMsg], int]:
         """The messages of the next packet, and its size, bytes."""
-        read = _reader(connection, time.monotonic() + _WHOLE_ANSWER)
-        header = read(4)
+        reader = _reader(connection, time.monotonic() + _WHOLE_ANSWER)
+        header = reader(4)
         (size,) = struct.unpack("<i", header)
         if not HEADER <= size <= _LARGEST:
             raise ConnectionError(f"a packet of {size} bytes")
-        packet = header + read(size - len(header))
+        packet = header + reader(size - len(header))
         try:
             check_packet(packet, MOST_MESSAGES)
             return unpack(packet), size

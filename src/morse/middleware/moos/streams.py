@@ -110,15 +110,15 @@ class MoosReader(MoosStream):
             self.complain(variable, f"{variable} is refused: {error}: {shown(value)}")
 
     def _read_value(self, field: str, value: object) -> Any:
-        known = self.data.get(field)
+        present = self.data.get(field)
         if isinstance(value, bytes) or (isinstance(value, str) and len(value) > _LONGEST):
             raise ValueError("expected a number or a short string")
-        if isinstance(known, bool):
+        if isinstance(present, bool):
             word = str(value).strip().lower() if isinstance(value, str) else str(int(value != 0.0))
             if word not in _WORDS:
                 raise ValueError(f"expected one of {', '.join(_WORDS)}")
             return _WORDS[word]
-        if isinstance(known, str) or not isinstance(value, str):
+        if isinstance(present, str) or not isinstance(value, str):
             return value
         return from_json(value.encode("utf-8", "replace"))
 

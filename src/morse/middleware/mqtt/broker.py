@@ -112,12 +112,12 @@ class Broker:
             self._complaints.warn("slow", f"mqtt: the broker {self.place} is too slow: messages are lost")
             return
         try:
-            sent = self._client.publish(topic, data, qos, retain)
+            message = self._client.publish(topic, data, qos, retain)
         except ValueError as error:  # larger than MQTT allows
             self._complaints.warn(topic, f"mqtt: a message for {topic} is left out: {error}")
             return
-        if sent.rc == 0:
-            self._pending.append((sent, len(data)))
+        if message.rc == 0:
+            self._pending.append((message, len(data)))
             self._pending_size += len(data)
 
     def _forget_sent(self) -> None:
@@ -183,9 +183,9 @@ class Broker:
             self._complaints.warn("gone", f"mqtt: the broker {self.place} has disconnected: {because}")
 
     def _on_message(self, client: Any, userdata: Any, message: Any) -> None:
-        known = self._takers.get(message.topic)
-        if known is not None:
-            known[1](message.payload)
+        taker = self._takers.get(message.topic)
+        if taker is not None:
+            taker[1](message.payload)
         self._arrivals.received()
 
 

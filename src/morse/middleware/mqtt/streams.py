@@ -35,9 +35,9 @@ class MqttStream(KindStream):
             MorseMiddlewareError: MQTT does not allow it.
         """
         super().initialize()
-        given = self.kwargs["topic"]
+        option = self.kwargs["topic"]
         path = self.component_name.replace(".", "/")
-        self.topic = f"{self.manager.options['prefix']}/{path}" if given is None else given
+        self.topic = f"{self.manager.options['prefix']}/{path}" if option is None else option
         if not self.topic or re.search("[+#\0]", self.topic) or len(self.topic.encode()) > _LONGEST_TOPIC:
             raise MorseMiddlewareError(
                 f"{self.component_name}: the topic is {shown(self.topic)}, expected a name without '+' and '#', such "

@@ -40,11 +40,11 @@ class ServerConnection:
 
     def __init__(self, host: str, port: int, now: Callable[[], float] = time.monotonic) -> None:
         try:
-            found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+            address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         except (OSError, UnicodeError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             raise MorseMultinodeError(f"the multi-node server {host}:{port} cannot be found: {reason}") from None
-        self._family, self._address = found[0], found[4]
+        self._family, self._address = address[0], address[4]
         self._now = now
         self._socket: socket.socket | None = None
         self._unsent = b""

@@ -84,16 +84,16 @@ class ActionServer:
         self._now = clock.time
         self._stamp = clock.stamp()
         for _ in range(len(self._arrived)):
-            what, given = self._arrived.popleft()
+            what, content = self._arrived.popleft()
             if what == "goal":
-                self._take(given)
+                self._take(content)
             else:
-                self._cancel(given)
+                self._cancel(content)
         if not self._next - 2.0 * _STATUS_PERIOD <= self._now < self._next:
             self._tell()
-        running = [goal for goal in self._goals if goal.status == _ACTIVE]
-        if running and self._source.is_due(self._stamp):
-            for goal in running:
+        goals = [goal for goal in self._goals if goal.status == _ACTIVE]
+        if goals and self._source.is_due(self._stamp):
+            for goal in goals:
                 self._tell_progress(goal)
 
     def _tell_progress(self, goal: _Goal) -> None:
@@ -146,9 +146,9 @@ class ActionServer:
         self._next = self._now + _STATUS_PERIOD
         ended = [goal for goal in self._goals if goal.status != _ACTIVE and self._now - goal.ended_at < _KEPT]
         self._goals = [*ended[-_MOST_ENDED:], *(goal for goal in self._goals if goal.status == _ACTIVE)]
-        made = message("actionlib_msgs/GoalStatusArray", {"header": {"stamp": time(self._stamp)}})
+        status_array = message("actionlib_msgs/GoalStatusArray", {"header": {"stamp": time(self._stamp)}})
         for goal in self._goals:
             one = message("actionlib_msgs/GoalStatus", {})
             one.goal_id, one.status, one.text = goal.id, goal.status, goal.text
-            made.status_list.append(one)
-        self._status.publish(made)
+            status_array.status_list.append(one)
+        self._status.publish(status_array)

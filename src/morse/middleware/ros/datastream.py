@@ -85,10 +85,10 @@ class ROSDatastreamManager(TopicManager):
             MorseMiddlewareError: another component uses the topic with another message.
         """
         topic = self._topic_of(stream)
-        known = self._claims.setdefault(topic, (kind._type, stream.component_name))
-        if known[0] != kind._type:
+        claim = self._claims.setdefault(topic, (kind._type, stream.component_name))
+        if claim[0] != kind._type:
             raise MorseMiddlewareError(
-                f"{stream.component_name}: the topic {topic} has the type {known[0]} for {known[1]}, and cannot have "
+                f"{stream.component_name}: the topic {topic} has the type {claim[0]} for {claim[1]}, and cannot have "
                 f"{kind._type} as well; set another one: topic='...'"
             )
         key = (f"{stream.component_name} {topic}", kind._type, _OWN)

@@ -31,9 +31,9 @@ def ros_service(
     """
     if fn is None:
         return functools.partial(ros_service, type=type, component=component, name=name, asynchronous=asynchronous)
-    made: Any = service(component=component, name=name, asynchronous=asynchronous)(fn)
-    made._ros_service_type = type
-    return made
+    method: Any = service(component=component, name=name, asynchronous=asynchronous)(fn)
+    method._ros_service_type = type
+    return method
 
 
 def ros_action(
@@ -55,6 +55,6 @@ def ros_action(
     """
     if fn is None:
         return functools.partial(ros_action, type=type, component=component, name=name, feedback=feedback)
-    made: Any = service(component=component, name=name, asynchronous=True)(fn)
-    made._ros_action_type, made._ros_action_feedback = type, feedback
-    return made
+    method: Any = service(component=component, name=name, asynchronous=True)(fn)
+    method._ros_action_type, method._ros_action_feedback = type, feedback
+    return method

@@ -80,10 +80,10 @@ class Ros1Topics(Ros2Topics):
 
         def limited(make: Callable[..., Any]) -> Callable[[Message, str], RosMessage]:
             def scan(message: Message, frame: str) -> RosMessage:
-                made = {**make(message, frame), "range_min": _NEAREST}
+                content = {**make(message, frame), "range_min": _NEAREST}
                 if not infinite:
-                    made["ranges"] = np.minimum(made["ranges"], made["range_max"])
-                return made
+                    content["ranges"] = np.minimum(content["ranges"], content["range_max"])
+                return content
 
             return scan
 

@@ -23,14 +23,15 @@ def as_lisp(objects: Iterable[Mapping[str, object]]) -> str:
     return f"({' '.join(map(_object, objects))})"
 
 
-def _object(seen: Mapping[str, Any]) -> str:
-    turned = seen["orientation"]
-    numbers = (*seen["position"], turned.x, turned.y, turned.z, turned.w)
-    return f"({_atom(seen['name'])} {_atom(seen['description'] or '-')} {' '.join(repr(float(n)) for n in numbers)})"
+def _object(description: Mapping[str, Any]) -> str:
+    turned = description["orientation"]
+    numbers = (*description["position"], turned.x, turned.y, turned.z, turned.w)
+    words = (_atom(description["name"]), _atom(description["description"] or "-"), *(repr(float(n)) for n in numbers))
+    return f"({' '.join(words)})"
 
 
 def _atom(text: str) -> str:
     if _SYMBOL.fullmatch(text):
         return text
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
+    content = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{content}"'

@@ -28,16 +28,16 @@ def message(type_name: str, fields: Any) -> Any:
     Raises:
         ValueError, TypeError: a value does not fit its field.
     """
-    made = message_class(type_name)()
-    renamed = _RENAMED.get(made._type, {})
-    kinds = dict(zip(made.__slots__, made._slot_types, strict=True))
-    if made._type == "geometry_msgs/Quaternion":
-        made.w = 1.0  # the default of ROS 1 is all zeros, which is not a rotation
+    instance = message_class(type_name)()
+    renamed = _RENAMED.get(instance._type, {})
+    kinds = dict(zip(instance.__slots__, instance._slot_types, strict=True))
+    if instance._type == "geometry_msgs/Quaternion":
+        instance.w = 1.0  # the default of ROS 1 is all zeros, which is not a rotation
     for given, value in fields.items():
         name = renamed.get(given, given)
         if name in kinds and value is not None:
-            setattr(made, name, _value(kinds[name], value))
-    return made
+            setattr(instance, name, _value(kinds[name], value))
+    return instance
 
 
 def _value(kind: str, value: Any) -> Any:
@@ -45,8 +45,8 @@ def _value(kind: str, value: Any) -> Any:
     if base in _TIMES:
         import genpy
 
-        made = genpy.Time if base == "time" else genpy.Duration
-        return made(value.get("sec", 0), value.get("nanosec", 0))
+        time_class = genpy.Time if base == "time" else genpy.Duration
+        return time_class(value.get("sec", 0), value.get("nanosec", 0))
     if bracket:
         if "/" in base:
             return [message(base, one) for one in value]

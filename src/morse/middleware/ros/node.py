@@ -160,8 +160,8 @@ class RospyBackend(Backend):
 
     def publisher_of(self, topic: str, kind: object, qos: Qos) -> Publisher:
         """A topic with messages of a class of rospy."""
-        made = self._rospy.Publisher(topic, kind, queue_size=qos.depth, latch=qos.latched)
-        return _Latched(made) if qos.latched else _Publisher(made)
+        publisher = self._rospy.Publisher(topic, kind, queue_size=qos.depth, latch=qos.latched)
+        return _Latched(publisher) if qos.latched else _Publisher(publisher)
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
         """See `Backend.subscription`."""

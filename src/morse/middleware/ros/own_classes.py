@@ -75,8 +75,8 @@ class ROSPublisher(_OwnClass):
 
     def _opened(self) -> tuple[str, Publisher]:
         kind = self._checked_class()
-        found: tuple[str, Publisher] = self.manager.publisher_of(self, kind)
-        return found
+        topic_and_publisher: tuple[str, Publisher] = self.manager.publisher_of(self, kind)
+        return topic_and_publisher
 
     @abstractmethod
     def default(self, ci: Object | None = None) -> Any:
@@ -161,8 +161,8 @@ class ROSSubscriber(_OwnClass):
         self.topic_name, self._subscription = self._opened(kind)
 
     def _opened(self, kind: object) -> tuple[str, Subscription]:
-        found: tuple[str, Subscription] = self.manager.subscription_of(self, kind)
-        return found
+        topic_and_subscription: tuple[str, Subscription] = self.manager.subscription_of(self, kind)
+        return topic_and_subscription
 
     def default(self, ci: Object | None = None) -> bool:
         """Pass the received messages to `update`, in the thread of the simulation; returns whether there were any."""

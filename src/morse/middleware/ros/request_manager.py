@@ -90,18 +90,20 @@ class RosRequestManager(AnsweredRequests):
         self._withdraw(key)
         action = getattr(callback, "_ros_action_type", None)
         if action is not None:
-            told = type(action().action_feedback.feedback)
-            kinds = dict(zip(told.__slots__, told._slot_types, strict=True))
-            feedback = Feedback(callback, told, kinds, lambda fields: message(told._type, fields))
+            feedback_type = type(action().action_feedback.feedback)
+            kinds = dict(zip(feedback_type.__slots__, feedback_type._slot_types, strict=True))
+            feedback = Feedback(callback, feedback_type, kinds, lambda fields: message(feedback_type._type, fields))
             self._actions[key] = ActionServer(self._rospy, path, action, self._begin(component, name), self, feedback)
             return
-        declared = getattr(callback, "_ros_service_type", None)
+        service_type = getattr(callback, "_ros_service_type", None)
         call = Call(callback)
-        kind = declared or (message_class(call.type) if call.type in (TRIGGER, SET_BOOL) else None)
+        kind = service_type or (message_class(call.type) if call.type in (TRIGGER, SET_BOOL) else None)
         if kind is None:
             return
-        answer = _declared(kind) if declared is not None else _standard(kind, call)
-        arguments = _fields if declared is not None else lambda request: [request.data] if call.type == SET_BOOL else []
+        answer = _declared(kind) if service_type is not None else _standard(kind, call)
+        arguments = (
+            _fields if service_type is not None else lambda request: [request.data] if call.type == SET_BOOL else []
+        )
 
         def serve(request: object) -> Any:
             begin = self._begin(component, name)

@@ -36,9 +36,9 @@ class RosStream(TopicStream):
         return bool(self.manager.options["frames"] == "1.4")
 
     def _find_frame_id(self, frame: str) -> str:
-        given = self.kwargs["frame_id"]
-        if given or not self._is_of_1_4():
-            return str(given) if given else super()._find_frame_id(frame)
+        option = self.kwargs["frame_id"]
+        if option or not self._is_of_1_4():
+            return str(option) if option else super()._find_frame_id(frame)
         kind = self.kinds[0].kind.name if self.kinds else ""
         topic: str = self.names.topic(self.component_instance, self.kwargs)
         return _OF_1_4.get(kind, topic)
@@ -50,13 +50,13 @@ class RosStream(TopicStream):
     def ports(self, bound: BoundKind) -> list[Any]:
         """See `TopicStream.ports`; the option ``topic_suffix`` replaces ``image``."""
         suffix = self.kwargs["topic_suffix"]
-        found = super().ports(bound)
+        outlets = super().ports(bound)
         if self._merges_joints():
-            return [port._replace(make=self._all_joints, by_rows=False) for port in found if bound is self.kinds[0]]
+            return [port._replace(make=self._all_joints, by_rows=False) for port in outlets if bound is self.kinds[0]]
         if suffix is None or bound.kind.name != "image":
-            return found
+            return outlets
         name = suffix.strip("/")
-        return [port._replace(topic=name + port.topic.removeprefix("image")) for port in found]
+        return [port._replace(topic=name + port.topic.removeprefix("image")) for port in outlets]
 
     def _offered(self, bound: BoundKind, outlets: list[Outlet]) -> list[Sending]:
         if not self._merges_joints():

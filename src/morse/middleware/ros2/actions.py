@@ -112,18 +112,18 @@ class ActionServer:
                     self._answer(caller, _UNKNOWN, None)
             else:
                 self._answer(caller, goal.status, goal.result)
-        running = [goal for goal in self._goals.values() if goal.status == _EXECUTING]
-        if running and self._source.is_due(stamp):
-            for goal in running:
+        goals = [goal for goal in self._goals.values() if goal.status == _EXECUTING]
+        if goals and self._source.is_due(stamp):
+            for goal in goals:
                 self._tell_progress(goal, stamp)
 
     def _tell_progress(self, goal: _Goal, stamp: int) -> None:
         feedback = self._source.message(goal.stamp, stamp)
         if feedback is not None:
-            made = self._message()
-            made.goal_id.uuid = list(goal.number)
-            made.feedback = feedback
-            self._feedback.publish(made)
+            message = self._message()
+            message.goal_id.uuid = list(goal.number)
+            message.feedback = feedback
+            self._feedback.publish(message)
 
     def _take(self, caller: Any, request: Any, stamp: int) -> None:
         answer = self.kind.Impl.SendGoalService.Response()
@@ -156,10 +156,10 @@ class ActionServer:
             self._abort(goal.call)
 
     def _info_of(self, goal: _Goal) -> object:
-        made = self._info()
-        made.goal_id.uuid = list(goal.number)
-        made.stamp.sec, made.stamp.nanosec = goal.stamp // _SECOND, goal.stamp % _SECOND
-        return made
+        info = self._info()
+        info.goal_id.uuid = list(goal.number)
+        info.stamp.sec, info.stamp.nanosec = goal.stamp // _SECOND, goal.stamp % _SECOND
+        return info
 
     def _ended(self, goal: _Goal, outcome: tuple[str, Any]) -> None:
         state, _ = outcome
@@ -172,16 +172,16 @@ class ActionServer:
         self._tell()
 
     def _answer(self, caller: Any, status: int, result: Any) -> None:
-        made = self.kind.Impl.GetResultService.Response()
-        made.status = status
+        response = self.kind.Impl.GetResultService.Response()
+        response.status = status
         if result is not None:
-            made.result = result
-        self._result.answer_message(caller, made)
+            response.result = result
+        self._result.answer_message(caller, response)
 
     def _tell(self) -> None:
-        made = self._array()
+        status_array = self._array()
         for goal in self._goals.values():
             one = self._one()
             one.goal_info, one.status = self._info_of(goal), goal.status
-            made.status_list.append(one)
-        self._status.publish(made)
+            status_array.status_list.append(one)
+        self._status.publish(status_array)

@@ -93,16 +93,16 @@ class Call:
         field = VALUES.get(value["type"])
         if field is None:
             return None
-        given = value[field]
-        if hasattr(given, "tolist"):
-            return given.tolist()
+        content = value[field]
+        if hasattr(content, "tolist"):
+            return content.tolist()
         if field == "string_value" and name not in self._words:
             # values without a parameter type, such as a list of lists, are JSON
             try:
-                return from_json(given)
+                return from_json(content)
             except ValueError:
-                return given
-        return given
+                return content
+        return content
 
     def answer(self, state: str, result: object) -> RosMessage:
         """The response: the result as JSON, or an error message."""

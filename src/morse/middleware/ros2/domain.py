@@ -27,8 +27,8 @@ def options_of(context: Context) -> RosMessage:
     Raises:
         OptionError: an option does not exist, or has an invalid value.
     """
-    given = context.scene.manager_options.get(MIDDLEWARE.stream_manager or "", {})
-    return with_defaults(MANAGER_OPTIONS, checked_options("ros2", MANAGER_OPTIONS, dict(given)))
+    options = context.scene.manager_options.get(MIDDLEWARE.stream_manager or "", {})
+    return with_defaults(MANAGER_OPTIONS, checked_options("ros2", MANAGER_OPTIONS, dict(options)))
 
 
 def join(context: Context, options: Mapping[str, Any]) -> Backend:
@@ -37,10 +37,10 @@ def join(context: Context, options: Mapping[str, Any]) -> Backend:
     Raises:
         MorseMiddlewareError: no backend is installed, or it cannot join.
     """
-    known = _joined.get(context)
-    if known is not None and known.users:
-        known.users += 1
-        return known
+    membership = _joined.get(context)
+    if membership is not None and membership.users:
+        membership.users += 1
+        return membership
     made = make_backend({**options, "domain_id": _domain(options)})
     made.users = 1
     _joined[context] = made
@@ -50,7 +50,7 @@ def join(context: Context, options: Mapping[str, Any]) -> Backend:
 def _domain(options: Mapping[str, Any]) -> int:
     if options["domain_id"] is not None:
         return int(options["domain_id"])
-    given = os.environ.get("ROS_DOMAIN_ID") or "0"
-    if not given.isdecimal() or int(given) > LAST_DOMAIN:
-        raise MorseMiddlewareError(f"ros2: ROS_DOMAIN_ID is {given!r}, expected a number from 0 to {LAST_DOMAIN}")
-    return int(given)
+    text = os.environ.get("ROS_DOMAIN_ID") or "0"
+    if not text.isdecimal() or int(text) > LAST_DOMAIN:
+        raise MorseMiddlewareError(f"ros2: ROS_DOMAIN_ID is {text!r}, expected a number from 0 to {LAST_DOMAIN}")
+    return int(text)

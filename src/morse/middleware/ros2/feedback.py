@@ -94,15 +94,15 @@ class Feedback:
     def _known(self, begun: int, stamp: int) -> RosMessage:
         component = getattr(self._owner, "overlaid_object", self._owner)
         robot = getattr(component, "robot_parent", None) or component
-        known: RosMessage = {"navigation_time": (stamp - begun) / _SECOND, **self._owner.progress()}
+        values: RosMessage = {"navigation_time": (stamp - begun) / _SECOND, **self._owner.progress()}
         for name, kind in self._kinds.items():
             if name in _POSES and hasattr(robot, "position_3d"):
                 pose = robot.position_3d
                 place = {"position": xyz((pose.x, pose.y, pose.z)), "orientation": quaternion(quaternion_of(pose))}
                 stamped = {"header": header_at(stamp, "map"), "pose": place}
-                known[name] = stamped if kind.endswith("PoseStamped") else place
-            elif kind in _DURATIONS and isinstance(known.get(name), float):
-                known[name] = time(round(known[name] * _SECOND))
+                values[name] = stamped if kind.endswith("PoseStamped") else place
+            elif kind in _DURATIONS and isinstance(values.get(name), float):
+                values[name] = time(round(values[name] * _SECOND))
             elif kind == "std_msgs/Header":
-                known.setdefault(name, header_at(stamp, ""))
-        return known
+                values.setdefault(name, header_at(stamp, ""))
+        return values

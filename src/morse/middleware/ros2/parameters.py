@@ -141,20 +141,20 @@ class Parameters(Served):
     def _parameter(self, name: str) -> _Parameter | None:
         if name == _TIME:
             return _Parameter()
-        owner, _, wanted = name.rpartition(".")
+        owner, _, attribute = name.rpartition(".")
         component = self._context.component(owner) if owner in self._components() else None
         if component is None:
             return None
         pairs = properties(type(component)).items()
-        return next((_Parameter(component, own, one) for own, one in pairs if one.name == wanted), None)
+        return next((_Parameter(component, own, one) for own, one in pairs if one.name == attribute), None)
 
     def _get(self, request: RosMessage, reply: Reply) -> None:
-        found = [self._parameter(name) for name in request["names"]]
-        reply({"values": [{"type": _NOT_SET} if one is None else one.value() for one in found]})
+        parameters = [self._parameter(name) for name in request["names"]]
+        reply({"values": [{"type": _NOT_SET} if one is None else one.value() for one in parameters]})
 
     def _types(self, request: RosMessage, reply: Reply) -> None:
-        found = [self._parameter(name) for name in request["names"]]
-        reply({"types": [_NOT_SET if one is None else one.type for one in found]})
+        parameters = [self._parameter(name) for name in request["names"]]
+        reply({"types": [_NOT_SET if one is None else one.type for one in parameters]})
 
     def _describe(self, request: RosMessage, reply: Reply) -> None:
         pairs = [(name, self._parameter(name)) for name in request["names"]]
@@ -162,14 +162,14 @@ class Parameters(Served):
 
     def _list(self, request: RosMessage, reply: Reply) -> None:
         prefixes, depth = list(request["prefixes"]), request["depth"]
-        chosen = []
+        names = []
         for name in self._names():
             inside = [p for p in prefixes if name == p or name.startswith(f"{p}.")] if prefixes else [""]
             rests = [name.removeprefix(prefix).lstrip(".") for prefix in inside]
             if rests and (not depth or min(rest.count(".") for rest in rests) < depth):
-                chosen.append(name)
-        parents = dict.fromkeys(name.rpartition(".")[0] for name in chosen if "." in name)
-        reply({"result": {"names": chosen, "prefixes": list(parents)}})
+                names.append(name)
+        parents = dict.fromkeys(name.rpartition(".")[0] for name in names if "." in name)
+        reply({"result": {"names": names, "prefixes": list(parents)}})
 
     # -- setting -----------------------------------------------------------------------------
 

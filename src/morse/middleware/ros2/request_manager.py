@@ -113,13 +113,13 @@ class Ros2RequestManager(AnsweredRequests):
             self._offer_trajectories(component, callback, self._backend)
         if self._offer_typed(component, callback, name, self._backend):
             return
-        known = self._offers.pop((component, name), None)
+        offer = self._offers.pop((component, name), None)
         call = Call(callback)
-        if known is not None and known.call.type == call.type:
-            self._offers[component, name] = known._replace(call=call)
+        if offer is not None and offer.call.type == call.type:
+            self._offers[component, name] = offer._replace(call=call)
             return
-        if known is not None:
-            known.server.close()
+        if offer is not None:
+            offer.server.close()
         server = self._backend.service(f"{self._base(component)}/{cleaned(name)}", call.type)
         if server is not None:
             self._offers[component, name] = _Offer(server, call)
@@ -167,17 +167,17 @@ class Ros2RequestManager(AnsweredRequests):
 
     def _withdraw(self, key: tuple[str, str]) -> None:
         for table in (self._actions, self._typed):
-            known = table.pop(key, None)
-            if known is not None:
-                known.close()
+            server = table.pop(key, None)
+            if server is not None:
+                server.close()
 
     def _base(self, component: str) -> str:
-        found = self._context.component(component)
-        if found is None:
+        part = self._context.component(component)
+        if part is None:
             return f"/{cleaned(component)}"
-        if found.robot_parent is None:
-            return self._names.namespace(found)
-        return self._names.topic(found, {"namespace": None, "topic": None})
+        if part.robot_parent is None:
+            return self._names.namespace(part)
+        return self._names.topic(part, {"namespace": None, "topic": None})
 
     def unregister(self, component_name: str) -> None:
         """See `RequestManager.unregister`."""
@@ -207,10 +207,10 @@ class Ros2RequestManager(AnsweredRequests):
         first = self._next_offer % len(offers) if offers else 0
         for number, ((component, service), offer) in enumerate(offers[first:] + offers[:first], first + 1):
             for _ in range(_EACH_TICK):
-                taken = offer.server.take(1)
-                if not taken:
+                requests = offer.server.take(1)
+                if not requests:
                     break
-                self._handle(component, service, offer, *taken[0])
+                self._handle(component, service, offer, *requests[0])
                 if self._share.end_request():
                     self._next_offer = number
                     return True
@@ -219,10 +219,10 @@ class Ros2RequestManager(AnsweredRequests):
     def _serve_typed(self) -> bool:
         for (component, service), server in list(self._typed.items()):
             for _ in range(_EACH_TICK):
-                taken = server.take_messages(1)
-                if not taken:
+                requests = server.take_messages(1)
+                if not requests:
                     break
-                caller, request = taken[0]
+                caller, request = requests[0]
                 arguments = [getattr(request, name) for name in request.get_fields_and_field_types()]
                 self.call(component, service, arguments, _typed_answer(server, caller))
                 if self._share.end_request():

@@ -42,10 +42,10 @@ class Served:
         """
         for server, handler in self._servers:
             for _ in range(_EACH_TICK):
-                taken = server.take(1)
-                if not taken:
+                requests = server.take(1)
+                if not requests:
                     break
-                caller, request = taken[0]
+                caller, request = requests[0]
                 handler(request, lambda answer, server=server, caller=caller: server.answer(caller, answer))  # type: ignore[misc]
                 if is_used():
                     return True

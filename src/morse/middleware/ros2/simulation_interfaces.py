@@ -131,8 +131,8 @@ class SimulationInterfaces(Served):
     def _chosen(self, request: RosMessage) -> tuple[list[str], RosMessage]:
         filters = request["filters"]
         pattern = filters["filter"]
-        wanted = {category["category"] for category in filters["categories"]}
-        names = [name for name in self._names() if not wanted or self._category(name) in wanted]
+        categories = {category["category"] for category in filters["categories"]}
+        names = [name for name in self._names() if not categories or self._category(name) in categories]
         if len(filters["tags"]["tags"]) or filters["bounds"]["type"]:
             return [], _result(_UNSUPPORTED, "entities are filtered by their names and categories only")
         if not pattern:
@@ -182,11 +182,11 @@ class SimulationInterfaces(Served):
         reply({"result": _result(), "info": info})
 
     def _state_of(self, name: str) -> RosMessage:
-        found = self._context.world.objects_by_name[name]
+        body = self._context.world.objects_by_name[name]
         from morse.helpers.transformation import Transformation3d
 
-        pose = Transformation3d(found)
-        linear, angular = found.velocity()
+        pose = Transformation3d(body)
+        linear, angular = body.velocity()
         return {
             "header": header_at(self._context.clock.stamp(), "map"),
             "pose": {"position": xyz((pose.x, pose.y, pose.z)), "orientation": quaternion(quaternion_of(pose))},
@@ -233,17 +233,17 @@ class SimulationInterfaces(Served):
     def _name_of(self, request: RosMessage) -> tuple[str, RosMessage | None]:
         described = _NAME.search(request["resource_string"]) if request["resource_string"] else None
         kind = described[1] if described is not None else request["uri"].rpartition("/")[2]
-        wanted = request["name"] or re.sub(r"\W", "_", kind).lower()
-        if not re.fullmatch(r"[A-Za-z_]\w{0,90}", wanted):
-            return wanted, _result(_NAME_INVALID, "a name is a word of letters, digits and _")
-        if wanted not in self._context.world.objects_by_name:
-            return wanted, None
+        base = request["name"] or re.sub(r"\W", "_", kind).lower()
+        if not re.fullmatch(r"[A-Za-z_]\w{0,90}", base):
+            return base, _result(_NAME_INVALID, "a name is a word of letters, digits and _")
+        if base not in self._context.world.objects_by_name:
+            return base, None
         if request["name"] and not request["allow_renaming"]:
-            return wanted, _result(_NOT_UNIQUE, f"there is an entity {wanted!r:.80} already")
+            return base, _result(_NOT_UNIQUE, f"there is an entity {base!r:.80} already")
         number = 1
-        while f"{wanted}_{number}" in self._context.world.objects_by_name:
+        while f"{base}_{number}" in self._context.world.objects_by_name:
             number += 1
-        return f"{wanted}_{number}", None
+        return f"{base}_{number}", None
 
     def _delete(self, request: RosMessage, reply: Reply) -> None:
         name = request["entity"]

@@ -72,8 +72,8 @@ class RosbridgeClient(HubClient):
             if now - self._last.get(topic.topic, -math.inf) < wish.interval:
                 return
             self._last[topic.topic] = now
-        taken = self.offer(topic.topic, as_png(frame) if wish.is_png else frame, wish.depth or topic.qos.depth)
-        if not taken and topic.qos.reliable:
+        is_queued = self.offer(topic.topic, as_png(frame) if wish.is_png else frame, wish.depth or topic.qos.depth)
+        if not is_queued and topic.qos.reliable:
             self.hub.server.complain(self, f"slow {self.peer}", f"reads {topic.topic} too slowly, it misses messages")
 
     def topic_added(self, topic: WebTopic) -> None:
@@ -106,12 +106,12 @@ class RosbridgeClient(HubClient):
                 f"the compression {short(compression)} is none of {', '.join(_COMPRESSIONS)}; messages are sent without"
             )
         wish = _Wish(max(0.0, rate) / 1000.0, int(min(max(0.0, depth), 1000.0)), compression == "png")
-        known = self._wishes.get(name, {})
-        if operation.id not in known:
-            if len(known) >= _MOST_OF_TOPIC:
+        wishes = self._wishes.get(name, {})
+        if operation.id not in wishes:
+            if len(wishes) >= _MOST_OF_TOPIC:
                 raise ValueError(f"more than {_MOST_OF_TOPIC} subscriptions to {short(name)}")
             self.keep(_size(name, operation.id), "a subscription")
-        self._wishes.setdefault(name, known)[operation.id] = wish
+        self._wishes.setdefault(name, wishes)[operation.id] = wish
         if topic is not None:
             self._attach(topic)
 
@@ -142,25 +142,25 @@ class RosbridgeClient(HubClient):
 
     def _advertise(self, operation: Operation) -> None:
         name = self._topic_of(operation)
-        heard = self.hub.topics.heard.get(name) if self.hub.topics is not None else None
-        if heard is not None and operation.type and _of_ros_2(operation.type) != heard.type:
-            raise ValueError(f"the topic {short(name)} has the type {heard.type}, not {short(operation.type)}")
+        subscription = self.hub.topics.heard.get(name) if self.hub.topics is not None else None
+        if subscription is not None and operation.type and _of_ros_2(operation.type) != subscription.type:
+            raise ValueError(f"the topic {short(name)} has the type {subscription.type}, not {short(operation.type)}")
 
     def _unadvertise(self, operation: Operation) -> None:
         self._topic_of(operation)
 
     def _publish(self, operation: Operation) -> None:
         name = self._topic_of(operation)
-        heard = self.hub.topics.heard if self.hub.topics is not None else {}
+        subscriptions = self.hub.topics.heard if self.hub.topics is not None else {}
         data = bytes(operation.msg)
         if not data:
             raise ValueError("'publish' needs 'msg', the message")
-        if name not in heard:
-            text = f"no component subscribes to {short(name)}{nearest(name, heard)}"
+        if name not in subscriptions:
+            text = f"no component subscribes to {short(name)}{nearest(name, subscriptions)}"
             self.hub.server.complain(self, "nobody", text)
             self._status("warning", text, operation.id)
             return
-        for inlet in heard[name].inlets:
+        for inlet in subscriptions[name].inlets:
             inlet.put(data)
 
     # -- services ----------------------------------------------------------------------------

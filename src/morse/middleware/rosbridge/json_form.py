@@ -54,10 +54,10 @@ def decode(type_name: str, data: bytes) -> RosMessage:
 
 
 def _plain(type_name: str, message: Mapping[str, object]) -> RosMessage:
-    known = _writers(type_name)
-    if not known.keys() >= message.keys():
-        raise ValueError(f"{type_name} has no field {sorted(message.keys() - known.keys())}")
-    return {name: write(message.get(name)) for name, write in known.items()}
+    writers = _writers(type_name)
+    if not writers.keys() >= message.keys():
+        raise ValueError(f"{type_name} has no field {sorted(message.keys() - writers.keys())}")
+    return {name: write(message.get(name)) for name, write in writers.items()}
 
 
 @cache
@@ -80,8 +80,8 @@ def _bytes_writer(field: MessageField) -> Callable[[Any], str]:
     def write(value: Any) -> str:
         if value is None:
             value = bytes(field.size)
-        given = isinstance(value, (bytes, bytearray, memoryview))
-        return base64.b64encode(value if given else np.asarray(value, dtype=np.uint8).tobytes()).decode("ascii")
+        is_bytes = isinstance(value, (bytes, bytearray, memoryview))
+        return base64.b64encode(value if is_bytes else np.asarray(value, dtype=np.uint8).tobytes()).decode("ascii")
 
     return write
 
@@ -106,11 +106,11 @@ def _list_writer(field: MessageField) -> Callable[[Any], list[Any]]:
 def _message(type_name: str, value: object, where: str) -> RosMessage:
     if not isinstance(value, dict):
         raise ValueError(f"{where or 'the message'} is {shown(value)}, expected an object of {type_name}")
-    known = _readers(type_name)
+    readers = _readers(type_name)
     for name in value:
-        if name not in known and name not in _OF_ROS_1.get(type_name, ()):
-            raise ValueError(f"{type_name} has no field {short(name)}{nearest(name, known)}")
-    return {name: read(value.get(name), f"{where}.{name}" if where else name) for name, read in known.items()}
+        if name not in readers and name not in _OF_ROS_1.get(type_name, ()):
+            raise ValueError(f"{type_name} has no field {short(name)}{nearest(name, readers)}")
+    return {name: read(value.get(name), f"{where}.{name}" if where else name) for name, read in readers.items()}
 
 
 @cache

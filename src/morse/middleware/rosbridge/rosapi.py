@@ -21,8 +21,8 @@ _NODE = "/morse"
 def _types(hub: Hub) -> dict[str, str]:
     if hub.topics is None:
         return {}
-    heard = {name: topic.type for name, topic in hub.topics.heard.items()}
-    return {**heard, **{name: topic.type for name, topic in hub.topics.offered.items()}}
+    subscriptions = {name: topic.type for name, topic in hub.topics.heard.items()}
+    return {**subscriptions, **{name: topic.type for name, topic in hub.topics.offered.items()}}
 
 
 def _services(hub: Hub) -> list[str]:
@@ -52,21 +52,21 @@ def _node_details(hub: Hub, node: str) -> RosMessage:
 
 
 def _raw_types(hub: Hub, _: str) -> RosMessage:
-    found = _topics(hub, "")
-    return {**found, "typedefs_full_text": [definition(kind) for kind in found["types"]]}
+    topics = _topics(hub, "")
+    return {**topics, "typedefs_full_text": [definition(kind) for kind in topics["types"]]}
 
 
 def _message_details(hub: Hub, kind: str) -> RosMessage:
     """Describe a message and all messages in it."""
-    wanted, found = [kind.replace("/", "/msg/") if kind.count("/") == 1 else kind], list[dict[str, Any]]()
-    for name in wanted:
+    remaining, details = [kind.replace("/", "/msg/") if kind.count("/") == 1 else kind], list[dict[str, Any]]()
+    for name in remaining:
         try:
             fields = fields_of(name)
         except MorseMiddlewareError:
             continue
         inner = dict.fromkeys(field.type for field in fields if field.type not in (*PRIMITIVES, "string"))
-        wanted += [one for one in inner if one not in wanted]
-        found.append(
+        remaining += [one for one in inner if one not in remaining]
+        details.append(
             {
                 "type": name,
                 "fieldnames": [field.name for field in fields],
@@ -78,7 +78,7 @@ def _message_details(hub: Hub, kind: str) -> RosMessage:
                 "constvalues": [],
             }
         )
-    return {"typedefs": found}
+    return {"typedefs": details}
 
 
 #: services, and the response for their argument
@@ -126,9 +126,9 @@ def answer(hub: Hub, service: str, args: object) -> RosMessage | None:
         service: its name, including ``/rosapi/``.
         args: a list, an object, or None.
     """
-    known = _ANSWERS.get(service)
-    if known is None:
+    function = _ANSWERS.get(service)
+    if function is None:
         return None
-    name, ask = known
-    given = args.get(name) if isinstance(args, dict) else args[0] if isinstance(args, list) and args else ""
-    return ask(hub, given if isinstance(given, str) else "")
+    name, ask = function
+    argument = args.get(name) if isinstance(args, dict) else args[0] if isinstance(args, list) and args else ""
+    return ask(hub, argument if isinstance(argument, str) else "")

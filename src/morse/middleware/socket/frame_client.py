@@ -147,12 +147,12 @@ class FrameClient(LineClient):
 
     def unsubscribe(self, channel: FrameChannel) -> bool:
         """End the subscription of a stream; True if there was one."""
-        found = channel in self.every or channel in self._latest
+        is_subscribed = channel in self.every or channel in self._latest
         self.every -= {channel}
         self._latest.discard(channel)
         self._waiting.pop(channel, None)
         channel.discard(self)
-        return found
+        return is_subscribed
 
     def _refuse(self, text: str, name: str | None = None) -> None:
         self._refused += 1

@@ -86,17 +86,17 @@ class SocketRequestManager(RequestManager):
         Raises:
             MorseMiddlewareError: every port is in use, or the Unix socket cannot be made.
         """
-        wanted = _wanted_port()
-        ports = range(wanted, min(wanted + _TRIES, 65536)) if wanted else (0,)
+        port = _wanted_port()
+        ports = range(port, min(port + _TRIES, 65536)) if port else (0,)
         try:
             listener = listen(self._context.host, ports)
         except MorseMiddlewareError as error:
             raise MorseMiddlewareError(f"{error}; {_PORT_VARIABLE} sets the first port to try") from None
         self.port = port_of(listener)
-        if wanted and self.port != wanted:
+        if port and self.port != port:
             logger.warning(
                 "port %d is in use (by another simulation?): services are on port %d; connect with Morse(port=%d)",
-                wanted,
+                port,
                 self.port,
                 self.port,
             )
@@ -161,10 +161,10 @@ class SocketRequestManager(RequestManager):
         if not share.begin():
             return
         for _ in range(_REQUESTS_PER_TICK):
-            taken = self._inbox.next()
-            if taken is None:
+            request = self._inbox.next()
+            if request is None:
                 break
-            client, line = taken
+            client, line = request
             count, size = self._consumed.get(client, (0, 0))
             self._consumed[client] = (count + 1, size + len(line))
             self._handle(client, line)

@@ -111,9 +111,9 @@ class WebServer(Generic[_C]):
         host = self._context.host
         if host in _ALL:
             host = socket.gethostname()
-        shown = f"[{host}]" if ":" in host else host
+        name = f"[{host}]" if ":" in host else host
         token = self._access.token
-        return f"ws://{shown}:{self.port}" + (f"/?token={quote(token, safe='')}" if token else "")
+        return f"ws://{name}:{self.port}" + (f"/?token={quote(token, safe='')}" if token else "")
 
     # -- in the network thread ---------------------------------------------------------------
 

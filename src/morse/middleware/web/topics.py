@@ -97,10 +97,10 @@ class WebInlet(Subscription):
         if not self._arrived:
             return []
         with self._lock:
-            found = list(self._arrived)
+            messages = list(self._arrived)
             self._arrived.clear()
             self._size = 0
-        return found
+        return messages
 
     def close(self) -> None:
         """See `Subscription.close`."""
@@ -144,10 +144,10 @@ class WebTopics(Backend):
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """See `Backend.publisher`."""
-        made = WebTopic(self, next(self._numbers), topic, type_name, qos)
-        self.offered = {**self.offered, topic: made}
-        self._hub.context.network.post(self._tell_added, made)
-        return made
+        publisher = WebTopic(self, next(self._numbers), topic, type_name, qos)
+        self.offered = {**self.offered, topic: publisher}
+        self._hub.context.network.post(self._tell_added, publisher)
+        return publisher
 
     def complain_of_loss(self, topic: str) -> None:
         """Log that messages on a topic were dropped."""
@@ -162,18 +162,20 @@ class WebTopics(Backend):
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription:
         """See `Backend.subscription`."""
         inlet = WebInlet(self, topic)
-        known = self.heard.get(topic)
-        inlets = known.inlets if known is not None and known.type == type_name else ()
+        topic_subscription = self.heard.get(topic)
+        inlets = (
+            topic_subscription.inlets if topic_subscription is not None and topic_subscription.type == type_name else ()
+        )
         self.heard = {**self.heard, topic: Heard(type_name, (*inlets, inlet))}
         return inlet
 
     def stop_hearing(self, topic: str, inlet: WebInlet) -> None:
         """End the subscription of a component."""
-        known = self.heard.get(topic)
-        if known is not None:
-            left = tuple(one for one in known.inlets if one is not inlet)
+        subscription = self.heard.get(topic)
+        if subscription is not None:
+            inlets = tuple(one for one in subscription.inlets if one is not inlet)
             others = {name: one for name, one in self.heard.items() if name != topic}
-            self.heard = {**others, topic: Heard(known.type, left)} if left else others
+            self.heard = {**others, topic: Heard(subscription.type, inlets)} if inlets else others
 
     # -- the tick ----------------------------------------------------------------------------
 

@@ -170,7 +170,7 @@ def word(data: bytes) -> Vocab | bool:
 
 def as_dict(pairs: Iterable[Any]) -> Fields | None:
     """The dictionary of a list of pairs; None if it is none."""
-    found = list(pairs)
-    if all(isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str) for pair in found):
-        return {str(key): value for key, value in found}
+    entries = list(pairs)
+    if all(isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str) for pair in entries):
+        return {str(key): value for key, value in entries}
     return None

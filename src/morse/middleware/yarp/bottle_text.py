@@ -49,11 +49,11 @@ def from_text(text: str) -> list[object]:
     place = 0
     text = text.rstrip()
     while place < len(text):
-        found = _TOKEN.match(text, place)
-        if found is None:
+        match = _TOKEN.match(text, place)
+        if match is None:
             raise BottleError("a bracket or a quote is not closed")
-        place = found.end()
-        token = found[1]
+        place = match.end()
+        token = match[1]
         if token == "(":
             stack.append([])
             if len(stack) > _DEEPEST:

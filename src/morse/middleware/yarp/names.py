@@ -69,10 +69,10 @@ class NameServer:
         await self._ask(f"unregister {name}")
 
     async def _address(self, request: str, name: str) -> Address | None:
-        found = _REGISTRATION.search(await self._ask(request))
-        if found is None or found[1] != name or not 0 < int(found[3]) <= _LARGEST_PORT:
+        match = _REGISTRATION.search(await self._ask(request))
+        if match is None or match[1] != name or not 0 < int(match[3]) <= _LARGEST_PORT:
             return None
-        return Address(found[2], int(found[3]))
+        return Address(match[2], int(match[3]))
 
     async def _ask(self, request: str) -> str:
         """The answer to a request.

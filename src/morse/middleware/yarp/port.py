@@ -253,10 +253,10 @@ class Port:
         return []
 
     async def _add(self, target: str, carrier: str) -> list[object]:
-        found = _TARGET.match(target)
-        if found is None:
+        match = _TARGET.match(target)
+        if match is None:
             return [-1, f"Do not know how to connect to {target}\r\n"]
-        name, carrier = found[2], carrier or found[1] or wire.TCP
+        name, carrier = match[2], carrier or match[1] or wire.TCP
         if carrier not in _CARRIERS:
             return [-1, f"Do not know how to use the carrier {carrier}; {self.name} sends by tcp and fast_tcp\r\n"]
         if len(self.outputs) >= _MOST_CONNECTIONS:

@@ -227,11 +227,11 @@ def ports_of(context: Context) -> Ports:
     Raises:
         OptionError: an option of ``env.configure_stream_manager('yarp', ...)`` has an invalid value.
     """
-    known = _made.get(context)
-    if known is None or known.users <= 0:
+    present = _made.get(context)
+    if present is None or present.users <= 0:
         options = context.scene.manager_options
-        given = {**options.get(JSON_STREAM_MANAGER, {}), **options.get(STREAM_MANAGER, {})}
-        checked = checked_options("yarp", MANAGER_OPTIONS, given)
-        known = _made[context] = Ports(context, with_defaults(MANAGER_OPTIONS, checked))
-    known.users += 1
-    return known
+        values = {**options.get(JSON_STREAM_MANAGER, {}), **options.get(STREAM_MANAGER, {})}
+        checked_values = checked_options("yarp", MANAGER_OPTIONS, values)
+        present = _made[context] = Ports(context, with_defaults(MANAGER_OPTIONS, checked_values))
+    present.users += 1
+    return present

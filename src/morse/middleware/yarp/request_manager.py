@@ -130,10 +130,10 @@ def _request(values: list[object]) -> tuple[str, str, list[object]]:
     """
     if not 3 <= len(values) <= 4:
         raise ValueError(f"a request is (id, component, service, arguments), got {shown(values)}")
-    given = values[3] if len(values) == 4 else []
-    if isinstance(given, str):
-        given = _literal(given)
-    return str(values[1]), str(values[2]), list(given) if isinstance(given, (list, tuple)) else [given]
+    arguments = values[3] if len(values) == 4 else []
+    if isinstance(arguments, str):
+        arguments = _literal(arguments)
+    return str(values[1]), str(values[2]), list(arguments) if isinstance(arguments, (list, tuple)) else [arguments]
 
 
 def _literal(text: str) -> object:

@@ -42,8 +42,8 @@ class Fields:
 
     def numbers(self, form: str) -> tuple[Any, ...]:
         """Numbers, in a format of `struct`."""
-        made = struct.Struct(form)
-        return made.unpack(self.bytes(made.size))
+        layout = struct.Struct(form)
+        return layout.unpack(self.bytes(layout.size))
 
     def text(self) -> str:
         """A string."""
@@ -57,11 +57,11 @@ class Fields:
         """A map of strings."""
         (size,) = self.numbers("<I")
         inner = Fields(self.bytes(size), self._what)
-        found = {}
+        entries = {}
         while inner.left:
             key = inner.text()
-            found[key] = inner.text()
-        return found
+            entries[key] = inner.text()
+        return entries
 
     def records(self) -> Iterator[tuple[int, memoryview]]:
         """The records in these bytes: opcode and content."""

@@ -244,9 +244,9 @@ class McapFile:
         """
         chunks = [chunk for chunk in self.chunks if chunk.start <= until and chunk.may_hold(channel)][-most_chunks:]
         for chunk in reversed(chunks):
-            found = [one for one in self.messages_of(chunk, (channel,)) if one.log_time <= until]
-            if found:
-                return found[-1]
+            messages = [one for one in self.messages_of(chunk, (channel,)) if one.log_time <= until]
+            if messages:
+                return messages[-1]
         return None
 
     def _plain(self, place: Chunk) -> Fields:
@@ -271,11 +271,11 @@ class McapFile:
     def _decompressed(self, data: memoryview, size: int) -> bytes:
         # the declared size in the frame may be wrong: never read more than the chunk has declared
         reader = zstandard.ZstdDecompressor(max_window_size=LARGEST).stream_reader(bytes(data))
-        parts, left = [], size + 1
+        parts, remaining = [], size + 1
         try:
-            while left and (part := reader.read(min(left, 1 << 20))):
+            while remaining and (part := reader.read(min(remaining, 1 << 20))):
                 parts.append(part)
-                left -= len(part)
+                remaining -= len(part)
         except (zstandard.ZstdError, MemoryError) as error:
             raise self._damaged(f"a chunk cannot be decompressed: {error}") from None
         return b"".join(parts)
@@ -293,8 +293,8 @@ class McapFile:
         Raises:
             RecordingError: it is damaged.
         """
-        found = self.attached(name)
-        return None if found is None else found.data
+        content = self.attached(name)
+        return None if content is None else content.data
 
     def attached(self, name: str) -> Attached | None:
         """An attached file; None if there is none of that name.

@@ -87,19 +87,19 @@ class McapWriter:
         key = (name, definition)
         if key not in self._schemas:
             number = len(self._schemas) + 1
-            made = records.schema(number, name, "ros2msg", definition.encode())
-            self._write(made)
+            record = records.schema(number, name, "ros2msg", definition.encode())
+            self._write(record)
             self._schemas[key] = number
-            self._repeated.append(made)
+            self._repeated.append(record)
         return self._schemas[key]
 
     def channel(self, topic: str, schema: int, metadata: Mapping[str, str]) -> int:
         """Add a topic of messages in CDR; returns its id."""
         number = len(self._counts) + 1
-        made = records.channel(number, schema, topic, "cdr", metadata)
-        self._write(made)
+        record = records.channel(number, schema, topic, "cdr", metadata)
+        self._write(record)
         self._counts[number] = 0
-        self._repeated.append(made)
+        self._repeated.append(record)
         return number
 
     def chunk(self, messages: Sequence[Message]) -> None:
@@ -136,14 +136,14 @@ class McapWriter:
 
     def attachment(self, name: str, media_type: str, data: bytes, log_time: int = 0) -> None:
         """Attach a file."""
-        made = records.attachment(log_time, name, media_type, data)
-        offset = self._write(made)
-        self._attachments.append(_Named(offset, len(made), log_time, name, media_type, len(data)))
+        record = records.attachment(log_time, name, media_type, data)
+        offset = self._write(record)
+        self._attachments.append(_Named(offset, len(record), log_time, name, media_type, len(data)))
 
     def metadata(self, name: str, entries: Mapping[str, str]) -> None:
         """Named strings."""
-        made = records.metadata(name, entries)
-        self._metadata.append(_Named(self._write(made), len(made), 0, name, "", 0))
+        record = records.metadata(name, entries)
+        self._metadata.append(_Named(self._write(record), len(record), 0, name, "", 0))
 
     def finish(self) -> None:
         """Write the summary, by which readers find everything without reading the whole file; must be the last call."""

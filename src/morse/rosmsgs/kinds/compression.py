@@ -83,17 +83,17 @@ def _inverse(depth: NDArray[np.float32]) -> tuple[NDArray[np.uint16], tuple[floa
 
     The range of the numbers is that of the depths of the image: decoders read a and b in each message.
     """
-    known = np.isfinite(depth) & (depth > 0.0)
-    if not known.any():
+    valid = np.isfinite(depth) & (depth > 0.0)
+    if not valid.any():
         return np.zeros(depth.shape, np.uint16), (1.0, 0.0)
-    values = depth[known].astype(np.float64)
+    values = depth[valid].astype(np.float64)
     low, high = _RATIOS
     farthest = float(values.max())
     nearest = min(max(float(values.min()), farthest / high), farthest / low)
     a = (_NEAREST - _FARTHEST) / (1.0 / nearest - 1.0 / farthest)
     b = _FARTHEST - a / farthest
     numbers = np.zeros(depth.shape, np.uint16)
-    numbers[known] = np.clip(np.rint(a / values + b), _FARTHEST, _NEAREST)
+    numbers[valid] = np.clip(np.rint(a / values + b), _FARTHEST, _NEAREST)
     return numbers, (a, b)
 
 

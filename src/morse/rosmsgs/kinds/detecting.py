@@ -60,11 +60,11 @@ def _pose(record: Mapping[str, Any]) -> RosMessage:
 
 def _markers(message: Message, frame: str) -> RosMessage:
     # removes the markers of objects that are no longer visible
-    made: list[RosMessage] = [{"header": header(message, frame), "action": _DELETE_ALL}]
+    markers: list[RosMessage] = [{"header": header(message, frame), "action": _DELETE_ALL}]
     for number, record in enumerate(message.records):
         size = record.get("size") or _SIZE
         common = {"header": header(message, frame), "id": number, "action": _ADD, "pose": _pose(record)}
-        made.append({**common, "ns": "boxes", "type": _CUBE, "scale": xyz(size), "color": _GREEN})
+        markers.append({**common, "ns": "boxes", "type": _CUBE, "scale": xyz(size), "color": _GREEN})
         text = {"ns": "names", "type": _TEXT, "scale": {"z": 0.2}, "color": _WHITE, "text": str(record.get("id", ""))}
-        made.append({**common, **text})
-    return {"markers": made}
+        markers.append({**common, **text})
+    return {"markers": markers}

@@ -66,14 +66,14 @@ def _own(bound: BoundKind) -> tuple[Any, Any]:
 def _millimetres(pixels: Any, _encoding: str) -> tuple[Any, str]:
     """Depth in mm, 0 where it is not known (REP 118)."""
     depth = np.rint(pixels * _MILLIMETRE)
-    known = (depth >= 0.0) & (depth <= _FARTHEST)  # false for NaN and infinity
-    return np.where(known, depth, 0.0).astype(np.uint16), "16UC1"
+    valid = (depth >= 0.0) & (depth <= _FARTHEST)  # false for NaN and infinity
+    return np.where(valid, depth, 0.0).astype(np.uint16), "16UC1"
 
 
-def _coloured(pixels: Any, own: str, wanted: str) -> Any:
-    if wanted == "mono8":
+def _coloured(pixels: Any, own: str, encoding: str) -> Any:
+    if encoding == "mono8":
         return np.rint(matmul(pixels[..., :3], np.array(_LUMA))).astype(np.uint8)
-    order = _ORDERS[wanted]
+    order = _ORDERS[encoding]
     if len(order) > pixels.shape[-1]:
         opaque = np.full((*pixels.shape[:-1], 1), 255, np.uint8)
         pixels = np.concatenate([pixels, opaque], axis=-1)

@@ -102,11 +102,11 @@ class SensingKinds(TopicTable):
 
 
 def _imu(message: Message, frame: str) -> RosMessage:
-    turned = message.orientation is not None
+    has_orientation = message.orientation is not None
     return {
         "header": header(message, frame),
         "orientation": quaternion(message.orientation),
-        "orientation_covariance": covariance(message.orientation_covariance) if turned else ABSENT,
+        "orientation_covariance": covariance(message.orientation_covariance) if has_orientation else ABSENT,
         "angular_velocity": xyz(message.angular_velocity),
         "angular_velocity_covariance": covariance(message.angular_velocity_covariance),
         "linear_acceleration": xyz(message.linear_acceleration),

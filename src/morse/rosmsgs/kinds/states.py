@@ -140,15 +140,15 @@ def _from_joints(message: Mapping[str, Any], bound: BoundKind) -> RosMessage:
         if joint not in names:
             raise ValueError(f"there is no joint {joint!r}; known: {', '.join(names)}")
     for quantity in _QUANTITIES:
-        given = message[quantity]
-        if not len(given):
+        numbers = message[quantity]
+        if not len(numbers):
             continue
-        if len(given) != len(message["name"]):
-            raise ValueError(f"{len(given)} numbers of '{quantity}' for {len(message['name'])} names")
+        if len(numbers) != len(message["name"]):
+            raise ValueError(f"{len(numbers)} numbers of '{quantity}' for {len(message['name'])} names")
         if not bound.has(quantity):
             continue
         values = np.array(getattr(present, quantity), dtype=np.float64)
-        for joint, value in zip(message["name"], given, strict=True):
+        for joint, value in zip(message["name"], numbers, strict=True):
             values[names.index(joint)] = value
         slots[quantity] = values
     return slots

@@ -105,9 +105,9 @@ class TopicManager(DatastreamManager):
         if name in self._claims:
             logger.info("%s: %s is published by %s only", self.title, name, self._claims[name][1])
             return None
-        made = self._own(topic, type_name, qos)
+        publisher = self._own(topic, type_name, qos)
         self._claims[name] = (type_name, owner)
-        return made
+        return publisher
 
     def tell(self, publisher: Publisher | None, type_name: str, message: RosMessage) -> None:
         """Publish a message that belongs to no component."""
@@ -158,12 +158,12 @@ class TopicManager(DatastreamManager):
             )
         key = (topic, outlet.type, qos)
         if key not in self._publishers:
-            made = self.backend.publisher(*key)
-            if made is None and outlet.instead is not None:
+            publisher = self.backend.publisher(*key)
+            if publisher is None and outlet.instead is not None:
                 return self.offer(stream, original, outlet.instead)
-            if made is None and outlet.or_none:
+            if publisher is None and outlet.or_none:
                 return None
-            self._publishers[key] = self._made(made, stream, outlet.type)
+            self._publishers[key] = self._made(publisher, stream, outlet.type)
         self._claims[topic] = (outlet.type, stream.component_name)
         return topic, outlet, self._publishers[key]
 
@@ -181,20 +181,20 @@ class TopicManager(DatastreamManager):
                 topics.append(alias)
         usual = COMMAND._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else COMMAND
         for topic, qos in dict([self._remaps.apply(topic, usual) for topic in topics]).items():
-            known = self._claims.setdefault(topic, (inlet.type, stream.component_name))
-            if known[0] != inlet.type:
+            claim = self._claims.setdefault(topic, (inlet.type, stream.component_name))
+            if claim[0] != inlet.type:
                 raise MorseMiddlewareError(
-                    f"{stream.component_name}: the topic {topic} has the type {known[0]} for {known[1]}, and "
+                    f"{stream.component_name}: the topic {topic} has the type {claim[0]} for {claim[1]}, and "
                     f"cannot have {inlet.type} as well; set another one: topic='...'"
                 )
             # each listener has its own subscription: a message can be taken only once
             key = (f"{stream.component_name} {topic}", inlet.type, qos)
             if key not in self._subscriptions:
-                made = self.backend.subscription(topic, inlet.type, qos)
-                if made is None and inlet.or_none:
+                subscription = self.backend.subscription(topic, inlet.type, qos)
+                if subscription is None and inlet.or_none:
                     del self._claims[topic]
                     continue
-                self._subscriptions[key] = self._made(made, stream, inlet.type)
+                self._subscriptions[key] = self._made(subscription, stream, inlet.type)
             self._subscriptions[key].take()  # discard messages to a former component
             yield topic, self._subscriptions[key]
 
@@ -207,17 +207,17 @@ class TopicManager(DatastreamManager):
         key = next(key for key in self._subscriptions if key[:2] == (f"{stream.component_name} {topic}", before))
         # a participant has one type for a topic at a time
         self._subscriptions.pop(key).close()
-        made, kind = self.backend.subscription(topic, after, key[2]), after
-        if made is None:
-            made, kind = self._made(self.backend.subscription(topic, before, key[2]), stream, before), before
-        self._subscriptions[(key[0], kind, key[2])] = made
+        subscription, kind = self.backend.subscription(topic, after, key[2]), after
+        if subscription is None:
+            subscription, kind = self._made(self.backend.subscription(topic, before, key[2]), stream, before), before
+        self._subscriptions[(key[0], kind, key[2])] = subscription
         self._claims[topic] = (kind, stream.component_name)
         return kind, self._subscriptions[key[0], kind, key[2]]
 
-    def _made(self, made: object, stream: TopicStream, type_name: str) -> Any:
-        if made is None:
+    def _made(self, endpoint: object, stream: TopicStream, type_name: str) -> Any:
+        if endpoint is None:
             raise MorseMiddlewareError(f"{stream.component_name}: {self._lacks(type_name)}")
-        return made
+        return endpoint
 
     def opened(self, stream: TopicStream) -> None:
         """Refuse a second robot if names do not contain the robot."""
@@ -282,10 +282,10 @@ class TopicManager(DatastreamManager):
 
     def _flush_frames(self, stamp: int) -> None:
         if self._tf is not None:
-            wanted = self._tf_is_due(stamp) and self._tf.wanted()
-            if not wanted and not self.transforms.changed:
+            is_wanted = self._tf_is_due(stamp) and self._tf.wanted()
+            if not is_wanted and not self.transforms.changed:
                 return
-            moving = self.transforms.publish(stamp, wanted=wanted)
+            moving = self.transforms.publish(stamp, wanted=is_wanted)
             if moving is not None:
                 self.sender.do(moving)
 

@@ -62,30 +62,30 @@ class Robots:
     def add(self, stream: ComponentMessages) -> None:
         """Add the stream of a sensor."""
         name = stream.robot.name()
-        known = self._robots.get(name)
-        if known is None or known.robot is not stream.robot:
-            before, known = known, _Robot(stream.robot)
+        robot = self._robots.get(name)
+        if robot is None or robot.robot is not stream.robot:
+            before, robot = robot, _Robot(stream.robot)
             if before is not None:
-                known.states, known.description = before.states, before.description
-            self._robots[name] = known
-        known.streams.append(stream)
-        known.measured += [(stream.component_instance, bound) for bound in stream.kinds if bound.kind.name == "joints"]
+                robot.states, robot.description = before.states, before.description
+            self._robots[name] = robot
+        robot.streams.append(stream)
+        robot.measured += [(stream.component_instance, bound) for bound in stream.kinds if bound.kind.name == "joints"]
         self.changed.add(name)
 
     def remove(self, stream: ComponentMessages) -> None:
         """Remove a stream."""
-        known = self._robots.get(stream.robot.name())
-        if known is None or stream not in known.streams:
+        robot = self._robots.get(stream.robot.name())
+        if robot is None or stream not in robot.streams:
             return
-        known.streams.remove(stream)
-        known.measured = [(one, bound) for one, bound in known.measured if one is not stream.component_instance]
+        robot.streams.remove(stream)
+        robot.measured = [(one, bound) for one, bound in robot.measured if one is not stream.component_instance]
 
     def left(self) -> None:
         """Components were deleted: close the topics of deleted robots."""
-        for name in [name for name, known in self._robots.items() if not known.streams]:
-            known = self._robots.pop(name)
+        for name in [name for name, robot in self._robots.items() if not robot.streams]:
+            robot = self._robots.pop(name)
             self.changed.add(name)
-            for publisher in (known.states, known.description):
+            for publisher in (robot.states, robot.description):
                 if publisher is not None:
                     publisher.close()
             self._manager.release(name)
@@ -96,10 +96,10 @@ class Robots:
             changed, self.changed = self.changed, set()
             for name in sorted(changed & self._robots.keys()):
                 self._describe(self._robots[name])
-            self.stating = [known for known in self._robots.values() if known.states is not None]
-        for known in self.stating:
-            if known.states is not None and known.states.wanted():
-                self._send_states(known)
+            self.stating = [robot for robot in self._robots.values() if robot.states is not None]
+        for robot in self.stating:
+            if robot.states is not None and robot.states.wanted():
+                self._send_states(robot)
 
     def _describe(self, known: _Robot) -> None:
         manager, robot = self._manager, known.robot
@@ -124,12 +124,12 @@ class Robots:
             text = describe(robot.name(), robot.bge_object, base, known.joints, frames)
         manager.tell(known.description, _TEXT, {"data": text})
 
-    def _send_states(self, known: _Robot) -> None:
-        messages = [(owner, bound.gather()) for owner, bound in known.measured]
+    def _send_states(self, robot: _Robot) -> None:
+        messages = [(owner, bound.gather()) for owner, bound in robot.measured]
         newest = max((message.stamp for _, message in messages), default=-1)
-        if newest > known.last or newest < known.last:
-            known.last = newest
-            self._manager.tell(known.states, _JOINTS, union(messages, newest, known.joints))
+        if newest > robot.last or newest < robot.last:
+            robot.last = newest
+            self._manager.tell(robot.states, _JOINTS, union(messages, newest, robot.joints))
 
 
 def union(messages: list[tuple[Any, Message]], stamp: int, joints: list[Joint]) -> RosMessage:
@@ -144,8 +144,8 @@ def union(messages: list[tuple[Any, Message]], stamp: int, joints: list[Joint]) 
         names += own_names
         count = len(message.names)
         for quantity, column in values.items():
-            known = getattr(message, quantity)
-            column += [math.nan] * count if known is None else np.asarray(known, dtype=np.float64).tolist()
+            numbers = getattr(message, quantity)
+            column += [math.nan] * count if numbers is None else np.asarray(numbers, dtype=np.float64).tolist()
     return {
         "header": {"stamp": time(stamp), "frame_id": ""},
         "name": names,

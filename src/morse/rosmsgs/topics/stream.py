@@ -113,8 +113,8 @@ class TopicStream(KindStream, ComponentMessages):
 
     def frames(self) -> set[str]:
         """The frames of the messages of the component, on all of their topics."""
-        named = {line.outlet.frame for _, lines in self.sending for line in lines if line.outlet.frame}
-        return super().frames() | named
+        frame_names = {line.outlet.frame for _, lines in self.sending for line in lines if line.outlet.frame}
+        return super().frames() | frame_names
 
     # -- readers -----------------------------------------------------------------------------
 
@@ -178,10 +178,10 @@ class TopicStream(KindStream, ComponentMessages):
                 child = self.child_frame_id() if outlet.has_child else None
                 data = encode_stamped(outlet.type, message.stamp, frame, outlet.numbers(message), child)
             else:
-                made = outlet.make(message, frame)
-                if made is None:
+                content = outlet.make(message, frame)
+                if content is None:
                     return
-                data = backend.encode(outlet.type, made)
+                data = backend.encode(outlet.type, content)
         except _UNFIT as error:
             self.complain(
                 f"encode {line.topic}",
@@ -255,13 +255,13 @@ class TopicStream(KindStream, ComponentMessages):
         frame_id = message.get("header", {}).get("frame_id", "")
         frame = ""
         if frame_id and any(hearing.bound.kind.slots[name].moves for name in slots if name in hearing.bound.kind.slots):
-            known = self._from_frame(frame_id, slots)
-            if known is None:
+            converted_slots = self._from_frame(frame_id, slots)
+            if converted_slots is None:
                 self.complain(
                     f"frame {hearing.topic}", f"a message on {hearing.topic} is in the unknown frame {frame_id!r:.80}"
                 )
                 return
-            frame = known
+            frame = converted_slots
         self.receive(hearing.bound, slots, frame)
 
     def _call(self, service: str, arguments: list[Any]) -> None:
@@ -274,13 +274,13 @@ class TopicStream(KindStream, ComponentMessages):
         """The frame of a command; a pose relative to the start is converted to the world frame."""
         names = self.names
         if frame_id.lstrip("/") != names.odom(self.robot) or "position" not in slots:
-            known: str | None = names.frame_of(self.component_instance, frame_id)
-            return known
-        given = slots.get("orientation", (1.0, 0.0, 0.0, 0.0))
-        turned = bool(np.any(given))
-        place = pose_of(slots["position"], given if turned else (1.0, 0.0, 0.0, 0.0))
+            frame: str | None = names.frame_of(self.component_instance, frame_id)
+            return frame
+        orientation = slots.get("orientation", (1.0, 0.0, 0.0, 0.0))
+        has_rotation = bool(np.any(orientation))
+        place = pose_of(slots["position"], orientation if has_rotation else (1.0, 0.0, 0.0, 0.0))
         pose = product(self.robot.initial_position_3d, place)
         slots["position"] = [pose.x, pose.y, pose.z]
-        if "orientation" in slots and turned:
+        if "orientation" in slots and has_rotation:
             slots["orientation"] = list(quaternion_of(pose))
         return "world"

@@ -175,11 +175,11 @@ class Transforms:
         bases: Sequence[tuple[RobotFrames, tuple[Transformation3d, Transformation3d] | None]],
         others: Sequence[tuple[str, str, Transformation3d]],
     ) -> None:
-        made = []
+        messages = []
         for frames, poses in bases:
             pose = frames.moved if poses is None else poses[0].transformation3d_with(poses[1])
-            made.append(transform(stamp, frames.odom, frames.base, pose))
-        self._send({"transforms": [*made, *(transform(stamp, *one) for one in others)]})
+            messages.append(transform(stamp, frames.odom, frames.base, pose))
+        self._send({"transforms": [*messages, *(transform(stamp, *one) for one in others)]})
 
     def _static(self) -> Iterator[tuple[str, str, Transformation3d]]:
         frames_of_world = set()

@@ -108,10 +108,10 @@ class ComponentHandle:
         """
         if self._simulation.finished:
             raise RuntimeError(f"{self.fqn}: the simulation is closed")
-        found = self._context.component(self.fqn)
-        if found is None:
+        component = self._context.component(self.fqn)
+        if component is None:
             raise LookupError(f"the component '{self.fqn}' does not exist any more")
-        return found
+        return component
 
     def replaced(self, before: Object, after: Object) -> None:
         """Called when a component was replaced by another one, which has taken over its input and output functions."""

@@ -175,14 +175,14 @@ def _span(ticks: int, seconds: float) -> str:
 
 def _remove_old(path: str) -> None:
     """Remove the oldest files of the user in the folder of a new file."""
-    found: list[tuple[float, Path]] = []
+    files: list[tuple[float, Path]] = []
     for other in Path(path).parent.glob(f"{_PREFIX}*{_SUFFIX}"):
         with contextlib.suppress(OSError):
             facts = other.lstat()
             is_own = not hasattr(os, "getuid") or facts.st_uid == os.getuid()
             if is_own and stat.S_ISREG(facts.st_mode) and other != Path(path):
-                found.append((facts.st_mtime, other))
-    for _, other in sorted(found)[: max(len(found) + 1 - _MOST_OF_USER, 0)]:
+                files.append((facts.st_mtime, other))
+    for _, other in sorted(files)[: max(len(files) + 1 - _MOST_OF_USER, 0)]:
         # another run may have removed it, or may read it
         with contextlib.suppress(OSError):
             other.unlink()

@@ -166,8 +166,10 @@ def _packed(entry: Entry) -> list[Any]:
     if entry.kind == RESTORE:
         content = content.to_bytes()
     elif entry.kind == SPAWN and not isinstance(content[0], str):
-        made = content[0]
-        function = f"{getattr(made, '__module__', '')}.{getattr(made, '__qualname__', type(made).__name__)}".lstrip(".")
+        entity = content[0]
+        function = (
+            f"{getattr(entity, '__module__', '')}.{getattr(entity, '__qualname__', type(entity).__name__)}".lstrip(".")
+        )
         raise ValueError(f"'{entry.name}' was spawned by the function {function}, which cannot be written to a file")
     ends = [] if entry.until is None else [entry.until]
     return [entry.tick, entry.kind, entry.name, Writer(NoReferences()).value(content), *ends]

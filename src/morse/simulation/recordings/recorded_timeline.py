@@ -177,21 +177,21 @@ class RecordedTimeline:
 
     def _populate(self, time: int) -> None:
         """Let robots come and go as before a log time: inputs of that time came after the tick."""
-        wanted = sum(1 for moment, _, _ in self._events if moment < time)
-        if wanted < self._applied:
+        count = sum(1 for moment, _, _ in self._events if moment < time)
+        if count < self._applied:
             self._begin()
-        for _, index, entry in self._events[self._applied : wanted]:
+        for _, index, entry in self._events[self._applied : count]:
             try:
                 self._apply[entry.kind](index, entry)
             except Exception as error:  # what was refused during the recording is refused again
                 logger.debug("%s of %s: %s", entry.kind, entry.name, describe(error))
             self._looks_until = -1
-        self._applied = wanted
+        self._applied = count
 
     def _spawn(self, index: int, entry: Entry) -> None:
-        made = self.made.after(index).get(entry.name)
-        if made is not None:
-            self._simulation.spawn(entry.name, made, made.position, made.rotation)
+        entity = self.made.after(index).get(entry.name)
+        if entity is not None:
+            self._simulation.spawn(entry.name, entity, entity.position, entity.rotation)
         elif entry.content is not None and not self._described:
             self._simulation.spawn(entry.name, *entry.content)
 

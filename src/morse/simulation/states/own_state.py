@@ -73,10 +73,10 @@ class ClockState:
 
     def check(self, state: object) -> None:
         """Raise `StateError` if the state is not the state of a clock."""
-        found: _Clock = _converted("clock", state, _Clock)
-        if not 0 <= found.tick <= _LAST_TICK or type(found.seed) is not int:
+        values: _Clock = _converted("clock", state, _Clock)
+        if not 0 <= values.tick <= _LAST_TICK or type(values.seed) is not int:
             raise StateError("clock: the saved state is damaged: it has no tick, or no seed")
-        if not 0.0 <= found.origin <= _LAST_TICK:
+        if not 0.0 <= values.origin <= _LAST_TICK:
             raise StateError("clock: the saved state is damaged: the time of its start is not a time")
 
     def set_state(self, state: StateData) -> None:
@@ -115,20 +115,20 @@ class InputsState:
 
     def get_state(self) -> dict[str, StateData]:
         """Return the pending fields by name of the actuator."""
-        found = {}
+        values = {}
         for actuator in self._simulation.loaded.actuators:
             fields: StateData = {}
             for pending in PendingCommands.all_of(actuator):
                 fields |= pending.waiting
             if fields:
-                found[actuator.name()] = fields
-        return found
+                values[actuator.name()] = fields
+        return values
 
     def check(self, state: object) -> None:
         """Raise `StateError` if the state does not contain commands."""
-        found = _converted("inputs", state, dict[str, dict[str, Any]])
+        values = _converted("inputs", state, dict[str, dict[str, Any]])
         actuators = {actuator.name(): actuator for actuator in self._simulation.loaded.actuators}
-        for name, fields in found.items():
+        for name, fields in values.items():
             if name not in actuators:
                 raise StateError(f"inputs: there is no actuator {name!r:.80}")
             try:

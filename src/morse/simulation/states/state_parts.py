@@ -60,16 +60,16 @@ class StateParts:
         """The part of that name."""
         kind, _, rest = name.partition(" ")
         context = self._simulation.context
-        found: Any = None
+        part: Any = None
         if kind == "object":
-            found = context.world.objects_by_name.get(rest)
+            part = context.world.objects_by_name.get(rest)
         elif kind == "component":
-            found = context.component(rest)
+            part = context.component(rest)
         else:
-            found = self._fixed().get(name)
-        if found is None:
+            part = self._fixed().get(name)
+        if part is None:
             raise StateError(f"there is no {name!r:.80}")
-        return found
+        return part
 
     # -- the project -----------------------------------------------------------------------
 
@@ -90,12 +90,12 @@ class StateParts:
     def find_class(self, path: str) -> type[object] | None:
         """Return a class of MORSE, of the project, or of a module in the same directory as a component of the scene."""
         module_name, _, name = path.partition(":")
-        found: Any = self._module(module_name)
+        cls: Any = self._module(module_name)
         for word in name.split("."):
-            found = vars(found).get(word) if isinstance(found, (type, ModuleType)) else None
+            cls = vars(cls).get(word) if isinstance(cls, (type, ModuleType)) else None
         # names that a module has imported from elsewhere are ignored
-        if isinstance(found, type) and (found.__module__, found.__qualname__) == (module_name, name):
-            return found
+        if isinstance(cls, type) and (cls.__module__, cls.__qualname__) == (module_name, name):
+            return cls
         return self._classes.get(path)
 
     def _module(self, name: str) -> ModuleType | None:
@@ -116,8 +116,8 @@ class StateParts:
         parts += self._simulation.loaded.modifier_objects
         names = {cls.__module__ for part in parts for cls in type(part).__mro__}
         users = sorted(name for name in names if not name.startswith("morse.") and name not in sys.stdlib_module_names)
-        found = [project(name) or sys.modules.get(name) for name in users]
-        return [module for module in found if module is not None]
+        modules = [project(name) or sys.modules.get(name) for name in users]
+        return [module for module in modules if module is not None]
 
     def _variables(self) -> Iterator[tuple[str, Any]]:
         """Iterate over the objects and functions that are variables of modules and classes of the project."""

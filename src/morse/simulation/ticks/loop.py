@@ -134,21 +134,21 @@ class Loop:
             return
         if not self._diagnosis.done:
             return
-        lost = self.pacer.report_due()
-        if not lost:
+        delay = self.pacer.report_due()
+        if not delay:
             return
         cause = self._diagnosis.cause(self._context.clock.period / self.pacer.speed)
         self._stop_measuring()
         logger.warning(
             "the simulation cannot keep up: %.1f s lost, running at %.2f times real time (requested: %.2f)%s",
-            lost,
+            delay,
             self.pacer.real_time_factor,
             self.pacer.speed,
             f"; {cause}" if cause else "",
             extra={SHOWN: True},
         )
         self._slow = True
-        self._context.guard.tell(self._ticker.observers, methodcaller("report_pace", lost, cause))
+        self._context.guard.tell(self._ticker.observers, methodcaller("report_pace", delay, cause))
 
     def _stop_measuring(self) -> None:
         if self._diagnosis is not None:

@@ -89,9 +89,9 @@ class Pacer:
 
     def _sleep(self) -> None:
         self._before_sleep()
-        while not self._stopped and (left := self._due - time.perf_counter()) > 0:
-            time.sleep(min(left, _NAP))
-            if left > _NAP and not self.while_waiting():
+        while not self._stopped and (remaining := self._due - time.perf_counter()) > 0:
+            time.sleep(min(remaining, _NAP))
+            if remaining > _NAP and not self.while_waiting():
                 return
             # a callback may have changed the speed, so that the next tick is due earlier
 
@@ -110,8 +110,8 @@ class Pacer:
         if now - self._last_report < _REPORT_EVERY:
             return 0.0
         self._last_report = now
-        lost, self.lost = self.lost, 0.0
-        return lost if lost > _WORTH_A_WORD * since else 0.0
+        delay, self.lost = self.lost, 0.0
+        return delay if delay > _WORTH_A_WORD * since else 0.0
 
     @property
     def keeps_up(self) -> bool:

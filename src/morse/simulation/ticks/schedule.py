@@ -63,10 +63,10 @@ class Schedule(Generic[_C]):
         if not self._pattern or tick < self._first:
             return self._due(tick)
         place = tick % self._pattern
-        known = self._known.get(place)
-        if known is None:
-            known = self._known[place] = self._due(tick)
-        return known
+        entries = self._known.get(place)
+        if entries is None:
+            entries = self._known[place] = self._due(tick)
+        return entries
 
     def _due(self, tick: int) -> list[_C]:
         return [c for c, n, s, d in self._entries if tick * n >= s and (tick * n - s) // d != ((tick - 1) * n - s) // d]

@@ -327,11 +327,11 @@ class Ticker:
             self._review(self._clock.tick)
 
     def _review(self, tick: int) -> None:
-        changed, self._has_changed = self._has_changed, False
+        has_changed, self._has_changed = self._has_changed, False
         due: list[int] = []
         self._guard.each(
             self.reviews,
-            lambda review: due.append(int(review(tick, changed))),
+            lambda review: due.append(int(review(tick, has_changed))),
             lambda review, error: self._guard.remove(self.reviews, review, error),
         )
         self._review_at = min(due, default=sys.maxsize)

@@ -38,8 +38,8 @@ def exchange(simulation: Simulation, files: list[str]) -> list[str]:
     if not isinstance(project, ProjectImports):
         return []
     sources = project.sources()
-    changed = [name for name, file in sources.items() if file in files]
-    return _Exchange(simulation, project).run(changed, sources)
+    names = [name for name, file in sources.items() if file in files]
+    return _Exchange(simulation, project).run(names, sources)
 
 
 class _Exchange:
@@ -54,9 +54,9 @@ class _Exchange:
 
     def run(self, changed: list[str], sources: dict[str, str]) -> list[str]:
         present = list(self._present())
-        running = {module for _, component in present for module in _modules(component)}
-        running |= {module for d, c in present for modifier in _modifiers(d, c) for module in _modules(modifier)}
-        renewed = to_renew(changed, running, sources)
+        modules = {module for _, component in present for module in _modules(component)}
+        modules |= {module for d, c in present for modifier in _modifiers(d, c) for module in _modules(modifier)}
+        renewed = to_renew(changed, modules, sources)
         if not renewed:
             return []
         try:

@@ -26,17 +26,17 @@ class SavedFiles:
         """Return the files that were saved since the first check, or since they were last returned."""
         saved = []
         for path in paths:
-            found = stamp(path)
+            stamps = stamp(path)
             if path not in self._known:
-                self._known[path] = found
-            elif found is None or found == self._known[path]:
+                self._known[path] = stamps
+            elif stamps is None or stamps == self._known[path]:
                 self._changing.pop(path, None)
-            elif self._changing.get(path) == found:
+            elif self._changing.get(path) == stamps:
                 del self._changing[path]
-                self._known[path] = found
+                self._known[path] = stamps
                 saved.append(path)
             else:
-                self._changing[path] = found
+                self._changing[path] = stamps
         return saved
 
     def unchanged(self, path: str) -> bool:

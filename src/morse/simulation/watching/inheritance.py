@@ -102,20 +102,20 @@ class Inheritance:
                 f"{name}: the state of the old class is not a dictionary, but the state of the new class is"
             )
         # threads and open files cannot be transferred
-        kept = {key: value for key, value in state.items() if key in own or not (value is None and before[key])}
-        return {**own, **kept}
+        values = {key: value for key, value in state.items() if key in own or not (value is None and before[key])}
+        return {**own, **values}
 
 
 def _adapt_fields(
     data: dict[str, Any], fresh: dict[str, Any], before: Mapping[str, DataField], after: Mapping[str, DataField]
 ) -> None:
     """Arrange data by the fields of the new class, in order; fields that were added by others are kept."""
-    kept = {name: value for name, value in dict.items(data) if name not in before or name in after}
+    values = {name: value for name, value in dict.items(data) if name not in before or name in after}
     for name in fresh:
         if name in before and name in after and _kind(before[name]) != _kind(after[name]):
-            kept.pop(name, None)
+            values.pop(name, None)
     data.clear()
-    data.update({**fresh, **kept})
+    data.update({**fresh, **values})
 
 
 def _kind(field: DataField) -> tuple[object, ...]:
@@ -127,8 +127,8 @@ def _new_defaults(old: Object, new: Object) -> list[str]:
     before = properties(type(old))
     names = []
     for python_name, prop in properties(type(new)).items():
-        known = before.get(python_name)
-        unset = known is not None and same(getattr(old, python_name, _MISSING), known.default)
-        if known is None or known.type != prop.type or (unset and not same(known.default, prop.default)):
+        default = before.get(python_name)
+        unset = default is not None and same(getattr(old, python_name, _MISSING), default.default)
+        if default is None or default.type != prop.type or (unset and not same(default.default, prop.default)):
             names.append(python_name)
     return names

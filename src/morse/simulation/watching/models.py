@@ -73,7 +73,7 @@ def carry_out(simulation: Simulation, edit: ModelEdit) -> None:
     revisions = [revision for _, revision in edit.latest]
     replaced = [pair for revision in revisions for pair in revision.replaced]
     come: list[Node] = [root for revision in revisions for root in revision.come]
-    gone: list[Node] = [node for revision in revisions for node in revision.gone]
+    nodes: list[Node] = [node for revision in revisions for node in revision.gone]
 
     def rebuild(change: SceneChange) -> None:
         for revision in revisions:
@@ -81,16 +81,16 @@ def carry_out(simulation: Simulation, edit: ModelEdit) -> None:
                 change.move(node, place)
         for now, after in replaced:
             change.replace(now, after)
-        change.remove(gone)
+        change.remove(nodes)
         change.add(come, ())
 
-    if replaced or come or gone:
+    if replaced or come or nodes:
         world = simulation.world
         bottoms = {now.name: bottom_of(world, now) for now, _ in replaced if world.object_of(now).is_dynamic}
         world.rebuild(rebuild)
         for _, after in replaced:
             _lift(simulation, after, bottoms.get(after.name))
-        simulation.population.edited(replaced, come, gone)
+        simulation.population.edited(replaced, come, nodes)
     records = {id(use): revision.use for use, revision in edit.latest}
     models = simulation.scene.models
     models[:] = [records.get(id(use), use) for use in models]

@@ -82,15 +82,15 @@ class Watch(Observer):
 
     def _run(self) -> None:
         while not self._stop.wait(_INTERVAL):
-            saved = self._files.look(self._watched())
-            if self._script in saved:
-                saved.remove(self._script)
+            paths = self._files.look(self._watched())
+            if self._script in paths:
+                paths.remove(self._script)
                 self._ready.append(self._script_saved)
-            modules = [path for path in saved if path.endswith(".py")]
+            modules = [path for path in paths if path.endswith(".py")]
             if modules:
                 self._ready.append(lambda files=modules: self._exchange(files))  # type: ignore[misc]
             now = time.monotonic()
-            for path in saved:
+            for path in paths:
                 if not path.endswith(".py"):
                     self._unread[path] = now
             for path, since in list(self._unread.items()):

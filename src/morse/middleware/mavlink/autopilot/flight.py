@@ -128,11 +128,11 @@ class Flight:
         """Start or stop the rotors."""
         for helm in self.vehicle.helms:
             component = helm.stream.component_instance
-            wanted = active and helm is self.helm
-            if component.active != wanted:
-                component.active = wanted
+            is_wanted = active and helm is self.helm
+            if component.active != is_wanted:
+                component.active = is_wanted
                 # a recording repeats it as a service call
-                name = "activate" if wanted else "deactivate"
+                name = "activate" if is_wanted else "deactivate"
                 self._context.journal.note(SERVICE, "simulation", (name, [component.name()]))
 
     # -- commands ----------------------------------------------------------------------------

@@ -156,9 +156,9 @@ class TwistHelm(Helm):
         climb = max(-min(speeds.down, 1.5), min(_APPROACH * z, min(speeds.up, 3.0)))
         if flat < (0.02 if self.is_sideways else 0.5 * _TOLERANCE):
             level, flat = 0.0, 1.0
-        wanted = level * x / flat, level * y / flat
+        velocity = level * x / flat, level * y / flat
         lead = self._lead
-        vx, vy = ((v + lead * (w - v)) if lead > 1.0 else w for w, v in zip(wanted, now.velocity, strict=False))
+        vx, vy = ((v + lead * (w - v)) if lead > 1.0 else w for w, v in zip(velocity, now.velocity, strict=False))
         self.go((vx, vy, climb), yaw, 0.0, now)
 
     def go(self, velocity: Triple, yaw: float | None, rate: float, now: Motion) -> None:

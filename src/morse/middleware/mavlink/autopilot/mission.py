@@ -204,8 +204,10 @@ class Mission:
         if self._there == 0.0:
             self._goal = flight.now.position
             angle = math.radians(item.params[0]) if math.isfinite(item.params[0]) else 0.0
-            wanted = flight.place.heading(flight.now.yaw) + angle * (item.params[2] or 1.0) if item.params[3] else angle
-            self._yaw = flight.place.heading(math.remainder(wanted, math.tau))
+            heading = (
+                flight.place.heading(flight.now.yaw) + angle * (item.params[2] or 1.0) if item.params[3] else angle
+            )
+            self._yaw = flight.place.heading(math.remainder(heading, math.tau))
         error = math.remainder(flight.now.yaw - (self._yaw or 0.0), math.tau)
         return self._stays(0.0) and (abs(error) < _YAW_NEAR or self._there > 10.0)
 

@@ -71,9 +71,9 @@ class Orders:
         """The position of an order in the world; None if it is not valid. What it does not say is as it is."""
         place = self._flight.place
         latitude, longitude, altitude = place.earth(self._flight.now.position)
-        given = order.params[4:6]
-        if not (zero_is_here and given == (0.0, 0.0)) and not any(math.isnan(v) for v in given):
-            latitude, longitude = given
+        coordinates = order.params[4:6]
+        if not (zero_is_here and coordinates == (0.0, 0.0)) and not any(math.isnan(v) for v in coordinates):
+            latitude, longitude = coordinates
         if not (abs(latitude) <= 90.0 and abs(longitude) <= 180.0):
             return None
         wanted = self._altitude(order)

@@ -91,7 +91,7 @@ def setpoint_of(message: Any, place: Place, home: Triple, now: Motion) -> Setpoi
 
 def _numbers(mask: int, *values: float) -> _Partial:
     """The values that are said: NaN says nothing, as with PX4."""
-    said = [None if mask >> axis & 1 or math.isnan(value) else value for axis, value in enumerate(values)]
-    if any(value is not None and abs(value) > _FARTHEST for value in said):
+    numbers = [None if mask >> axis & 1 or math.isnan(value) else value for axis, value in enumerate(values)]
+    if any(value is not None and abs(value) > _FARTHEST for value in numbers):
         raise SetpointError("a target is too far away, or too fast")
-    return said[0], said[1], said[2]
+    return numbers[0], numbers[1], numbers[2]

@@ -21,22 +21,22 @@ def in_order_of(joints: Sequence[str], trajectory: Any) -> RosMessage:
     Raises:
         MorseRPCInvokationError: the message is for other joints.
     """
-    given = list(trajectory.joint_names)
-    if sorted(given) != sorted(joints):
+    names = list(trajectory.joint_names)
+    if sorted(names) != sorted(joints):
         raise MorseRPCInvokationError(
-            f"the trajectory is for the joints {', '.join(given) or 'none'}, the armature has {', '.join(joints)}"
+            f"the trajectory is for the joints {', '.join(names) or 'none'}, the armature has {', '.join(joints)}"
         )
-    order = [given.index(joint) for joint in joints]
+    order = [names.index(joint) for joint in joints]
     points = []
     for point in trajectory.points:
-        made: RosMessage = {"time_from_start": point.time_from_start.to_sec()}
+        entry: RosMessage = {"time_from_start": point.time_from_start.to_sec()}
         for name in ("positions", "velocities", "accelerations"):
             values = list(getattr(point, name))
             if values and len(values) != len(order):
                 raise MorseRPCInvokationError(f"a point has {len(values)} {name}, the armature {len(order)} joints")
             if values:
-                made[name] = [values[index] for index in order]
-        points.append(made)
+                entry[name] = [values[index] for index in order]
+        points.append(entry)
     start = trajectory.header.stamp.to_sec()
     # time 0 means now
     return {"starttime": start, "points": points} if start else {"points": points}

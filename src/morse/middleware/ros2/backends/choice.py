@@ -34,19 +34,19 @@ def make_backend(options: Mapping[str, Any]) -> Backend:
     Raises:
         MorseMiddlewareError: no backend is installed, or it cannot join.
     """
-    wanted = options["backend"]
-    found = [wanted] if wanted is not None else available()
+    option = options["backend"]
+    names = [option] if option is not None else available()
     failures = []
-    for name in found:
+    for name in names:
         module, _, cls = _CLASSES[name].rpartition(".")
         try:
-            made: Backend = getattr(import_module(module), cls)(options)
+            backend: Backend = getattr(import_module(module), cls)(options)
         except ImportError as error:
             failures.append(f"{name} cannot be imported: {error}")
         else:
-            return made
-    said = "; ".join(failures) or "neither rclpy nor cyclonedds is installed"
+            return backend
+    reasons = "; ".join(failures) or "neither rclpy nor cyclonedds is installed"
     raise MorseMiddlewareError(
-        f"ros2: {said}. Source the set-up file of a ROS 2 installation (source /opt/ros/jazzy/setup.bash), or install "
-        f"the backend without ROS: {INSTALL}"
+        f"ros2: {reasons}. Source the set-up file of a ROS 2 installation (source /opt/ros/jazzy/setup.bash), or "
+        f"install the backend without ROS: {INSTALL}"
     )

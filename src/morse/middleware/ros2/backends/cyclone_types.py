@@ -50,13 +50,13 @@ def sample_type(type_name: str) -> type[Any]:
 def _described(type_name: str) -> type[Any]:
     package, _, name = type_name.partition("/msg/")
     annotations = {field.name: _type(field.type, field.size) for field in fields_of(type_name)}
-    made: type[Any] = types.new_class(
+    new_type: type[Any] = types.new_class(
         f"{name}_",
         (idl.IdlStruct,),
         {"typename": f"{package}::msg::dds_::{name}_"},
         lambda namespace: namespace["__annotations__"].update(annotations),
     )
-    return dataclasses.dataclass(made)
+    return dataclasses.dataclass(new_type)
 
 
 def _type(name: str, size: int) -> Any:

@@ -20,17 +20,17 @@ _DESCRIPTORS = "/proc/self/fd"
 
 def _udp_sockets() -> dict[str, int]:
     """The UDP sockets of this process: their inode and their file descriptors; Linux only."""
-    found = {}
+    sockets = {}
     for name in os.listdir(_DESCRIPTORS) if os.path.isdir(_DESCRIPTORS) else ():
         try:
             target = os.readlink(f"{_DESCRIPTORS}/{name}")
             if target.startswith("socket:"):
                 with socket.socket(fileno=os.dup(int(name))) as one:
                     if one.type == socket.SOCK_DGRAM and one.family in (socket.AF_INET, socket.AF_INET6):
-                        found[target] = int(name)
+                        sockets[target] = int(name)
         except OSError:  # closed in the meantime
             continue
-    return found
+    return sockets
 
 
 class Confined:

@@ -43,9 +43,9 @@ def _limited(interface: str) -> Iterator[str]:
     Yields:
         A text for the log; empty if nothing is restricted.
     """
-    said = [f"{name}={os.environ[name]}" for name in _REACH if os.environ.get(name)]
-    if said:
-        yield ", ".join(said)
+    settings = [f"{name}={os.environ[name]}" for name in _REACH if os.environ.get(name)]
+    if settings:
+        yield ", ".join(settings)
     elif interface in _LOOPBACK:
         old = os.environ.get("ROS_DISTRO", "") in _BEFORE_IRON
         name, value = ("ROS_LOCALHOST_ONLY", "1") if old else ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
@@ -104,19 +104,19 @@ class _Subscription(Subscription):
         self._node, self._subscription, self._type = node, subscription, type_name
 
     def other_types(self) -> set[str]:
-        found = self._node.get_publishers_info_by_topic(self._subscription.topic_name)
-        return {one.topic_type for one in found} - {self._type}
+        publishers = self._node.get_publishers_info_by_topic(self._subscription.topic_name)
+        return {one.topic_type for one in publishers} - {self._type}
 
     def take(self) -> list[bytes]:
         subscription = self._subscription
-        found: list[bytes] = []
+        messages: list[bytes] = []
         with subscription.handle:
-            while len(found) < _MOST:
+            while len(messages) < _MOST:
                 taken = subscription.handle.take_message(subscription.msg_type, True)
                 if taken is None:
                     break
-                found.append(bytes(taken[0]))
-        return found
+                messages.append(bytes(taken[0]))
+        return messages
 
     def close(self) -> None:
         self._node.destroy_subscription(self._subscription)
@@ -132,14 +132,14 @@ class _Service(ServiceServer):
     def take_messages(self, most: int) -> list[tuple[Any, Any]]:
         """Like `take`, with requests as objects of rclpy."""
         service = self._service
-        found: list[tuple[Any, Any]] = []
+        messages: list[tuple[Any, Any]] = []
         with service.handle:
-            while len(found) < most:
+            while len(messages) < most:
                 request, info = service.handle.service_take_request(service.srv_type.Request)
                 if info is None:
                     break
-                found.append((info.request_id, request))
-        return found
+                messages.append((info.request_id, request))
+        return messages
 
     def answer(self, caller: object, response: Mapping[str, object]) -> None:
         self.answer_message(caller, fill(self.new_response(), response))
@@ -248,8 +248,8 @@ class RclpyBackend(Backend):
         if kind is None:
             other = self._without_package()
             return None if other is None else other.subscription(topic, type_name, qos)
-        made = self._node.create_subscription(kind, topic, lambda _: None, _profile(qos), raw=True)
-        return _Subscription(self._node, made, type_name)
+        subscription = self._node.create_subscription(kind, topic, lambda _: None, _profile(qos), raw=True)
+        return _Subscription(self._node, subscription, type_name)
 
     def service(self, name: str, type_name: str) -> ServiceServer | None:
         """See `Backend.service`."""
