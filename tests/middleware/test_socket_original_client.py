@@ -93,7 +93,7 @@ def ticking() -> Iterator[Bench]:
     bench.close()
 
 
-@pytest.mark.peer("pymorse", does="the client of MORSE 1.4: sensors, commands, services, cancelled calls")
+@pytest.mark.peer("pymorse==1.4", does="the client of MORSE 1.4: sensors, commands, services, cancelled calls")
 def test_a_session(original: Path, ticking: Bench) -> None:
     words = [sys.executable, "-c", SESSION, str(ticking.requests.port)]
     environment = {**os.environ, "PYTHONPATH": str(original)}
