@@ -299,6 +299,7 @@ class View(Observer):
 
     def _connect_components(self) -> None:
         self._services.register_all()
+        self._states.rearranged()
         self._commands.restarted()
         self._rays.restarted()
         self._clouds.restarted()

@@ -21,27 +21,43 @@ class StatesFeed:
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._active: dict[str, bool] = {}
+        self._components: list[tuple[str, Component]] | None = None
+        self._cameras: list[Sensor] = []
+        self._active: list[bool] = []
         self._values: dict[str, JsonObject] = {}
         self._capturing: bool | None = None
 
     def restarted(self) -> None:
         """Forget the states, because the components are described again."""
+        self.rearranged()
         self._active.clear()
         self._values.clear()
 
+    def rearranged(self) -> None:
+        """Components may have been replaced."""
+        self._components = None
+
+    def _present(self) -> list[tuple[str, Component]]:
+        if self._components is None:
+            self._components = [*self._context.robots.items(), *self._context.components.items()]
+            self._cameras = cameras_of(self._context)
+        return self._components
+
     def update(self) -> None:
         """Send the changes since the last call."""
-        everything: dict[str, Component] = {**self._context.robots, **self._context.components}
-        for name, component in everything.items():
-            active = component.active
+        components = self._present()
+        active = [component.active for _, component in components]
+        if active != self._active:
             # a component is active unless a service has deactivated it
-            if self._active.get(name, True) is not active:
-                self._active[name] = active
-                self._server.send(Activity(name, active))
+            before = self._active if len(self._active) == len(active) else [True] * len(active)
+            for (name, _), now, earlier in zip(components, active, before, strict=True):
+                if now is not earlier:
+                    self._server.send(Activity(name, now))
+            self._active = active
         for name in self._server.wishes.values:
-            if name in everything:
-                self._tell_properties(name, everything[name])
+            component = self._context.components.get(name) or self._context.robots.get(name)
+            if component is not None:
+                self._tell_properties(name, component)
         self.tell_capturing()
 
     def _tell_properties(self, name: str, component: Component) -> None:
@@ -54,7 +70,8 @@ class StatesFeed:
 
     def tell_capturing(self) -> None:
         """Send whether cameras capture images."""
-        cameras = cameras_of(self._context)
+        self._present()
+        cameras = self._cameras
         capturing = any(camera.capturing for camera in cameras) if cameras else None
         if capturing is not None and capturing is not self._capturing:
             self._server.send(Capturing(capturing))

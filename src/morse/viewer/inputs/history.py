@@ -94,9 +94,10 @@ class Rewinder:
         if self._kept and self._kept[-1].time >= now:
             # time continues from an earlier state: the states after it are invalid
             self._cut(bisect.bisect_left(self._kept, now, key=_time_of))
+            self.tell()
         if paused or not self._kept or (now - self._kept[-1].time >= _EVERY - _ROUNDING and self._may_save()):
             self._save(now)
-        self.tell()
+            self.tell()
 
     def _may_save(self) -> bool:
         return self._wall() >= self._rest_until
