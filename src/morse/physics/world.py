@@ -471,10 +471,7 @@ class World(ObjectWorld):
     # -- the whole state -------------------------------------------------------------------
 
     def get_state(self) -> dict[str, Any]:
-        """Return the state that determines the future of the physics, as plain data that shares nothing with the world.
-
-        Two worlds of the same scene with equal states continue identically, bit for bit, with the same inputs.
-        """
+        """See `morse.core.world.World.get_state`."""
         return self._saving.get_state()
 
     def check_state(self, state: object) -> None:
