@@ -39,6 +39,7 @@ def draw(path: Path, library: Library, picture: Path) -> None:
     """
     import numpy as np
 
+    from morse.mathutils.portable import norm
     from morse.rendering import picture_files
 
     kind = _class_of(library)
@@ -46,7 +47,7 @@ def draw(path: Path, library: Library, picture: Path) -> None:
     # the lowest point of a robot is on the floor
     lift = 0.0 if kind == "Environment" else -float(low[2])
     middle = 0.5 * (low + high) + (0.0, 0.0, lift)
-    distance = 0.5 * float(np.linalg.norm(high - low)) / math.sin(math.radians(0.4 * _ANGLE))
+    distance = 0.5 * norm(high - low) / math.sin(math.radians(0.4 * _ANGLE))
     viewpoint = middle + distance / math.hypot(*_FROM) * np.array(_FROM)
     with tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / "model.py"
