@@ -139,6 +139,21 @@ def test_a_worker_that_dies_is_replaced_without_a_gap(load):
     assert len(pids) >= 3, "no worker has been replaced"
 
 
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="the system cannot stop a process")
+def test_a_worker_that_does_not_answer_is_replaced_without_a_gap(load, monkeypatch, caplog):
+    monkeypatch.setattr("morse.rendering.workers.process._PATIENCE", 2.0)
+    here, there = load(0.1, names=["color"]), load(0.1, names=["color"], cameras_on=1)
+    expected, images = listen(here), listen(there)
+    here.step(20)
+    there.step(10)
+    (worker,) = crew(there).workers
+    os.kill(worker.pid, signal.SIGSTOP)
+    there.step(10)
+    assert images == expected
+    assert worker not in crew(there).workers
+    assert "does not answer" in caplog.text
+
+
 def test_simulations_share_workers_which_end_with_the_last(load):
     one, other = (load(names=["color"], cameras_on=1) for _ in range(2))
     one.step(4)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import logging
 import os
 import pickle
 import threading
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from morse.rendering.picture import Picture
     from morse.rendering.shot import Shot
     from morse.rendering.stage import Stage
+
+logger = logging.getLogger(__name__)
 
 #: number of workers that may die over one image
 _ATTEMPTS = 3
@@ -172,6 +175,9 @@ class _Desk:
                 answer = pickle.loads(self._occupy().ask(pickle.dumps(job, protocol=5)))
             except (EOFError, OSError) as error:
                 problem = error
+                logger.warning(
+                    "a process that renders images has ended or does not answer; another one replaces it"
+                )
                 self.dismiss()
                 continue
             self._scenes = self._scenes - gone | {wish.scene}

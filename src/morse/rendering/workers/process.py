@@ -6,6 +6,7 @@ import contextlib
 import os
 import subprocess
 import sys
+import threading
 from typing import TYPE_CHECKING
 
 from morse.kernel import threads
@@ -14,8 +15,8 @@ from morse.rendering.workers.pipes import receive, send
 if TYPE_CHECKING:
     from typing import IO
 
-#: wall-clock time after which a worker that does not end is killed, s
-_GRACE = 5.0
+#: wall-clock time after which a worker that does not end is killed, and one that does not answer, s
+_GRACE, _PATIENCE = 5.0, 60.0
 
 
 class WorkerProcess:
@@ -47,10 +48,17 @@ class WorkerProcess:
         """Send a message and wait for the answer.
 
         Raises:
-            EOFError, OSError: the process has ended.
+            EOFError, OSError: the process has ended, or was killed because it did not answer.
         """
-        send(_pipe(self._process.stdin), message)
-        return receive(_pipe(self._process.stdout))
+        # a process may be stopped, and then neither reads nor writes
+        overdue = threading.Timer(_PATIENCE, self._process.kill)
+        overdue.daemon = True
+        overdue.start()
+        try:
+            send(_pipe(self._process.stdin), message)
+            return receive(_pipe(self._process.stdout))
+        finally:
+            overdue.cancel()
 
     def close(self) -> None:
         """End the process."""
