@@ -62,7 +62,7 @@ def hub(**parts: Any) -> Any:
     told: list[str] = []
     server = SimpleNamespace(complain=lambda client, kind, text: told.append(text), clients=set())
     topics = SimpleNamespace(offered={}, heard={})
-    return SimpleNamespace(server=server, topics=topics, requests=None, told=told, **parts)
+    return SimpleNamespace(server=server, topics=topics, requests=None, told=told, graph_changed=lambda: None, **parts)
 
 
 # the budget -----------------------------------------------------------------------------------

@@ -62,6 +62,7 @@ export class App {
       this.memory.take();
     };
     this.navigation.onClick = (x, y) => this.select(x, y);
+    this.keyboard.drives = () => this.seat.drives.value;
     this.seat.drives.watch((drives) => {
       this.clock.enable(drives);
       this.listener.enable(drives);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 _DEFAULT_SCENE = "default.py"
 _SCENE_SUFFIXES = (".py", ".blend")
+_OF_PYTEST = re.compile(r"conftest\.py|test_.*\.py|.*_test\.py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +112,8 @@ def _file_of_environment(directory: Path, name: str, file: str) -> Path:
 
 
 def _scenes_in(directory: Path) -> list[str]:
-    return sorted(path.name for path in directory.iterdir() if path.suffix in _SCENE_SUFFIXES and path.is_file())
+    files = (path for path in directory.iterdir() if path.suffix in _SCENE_SUFFIXES and path.is_file())
+    return sorted(path.name for path in files if not _OF_PYTEST.fullmatch(path.name))
 
 
 def _unknown_scene(name: str, path: Path, sites: Sites) -> CommandError:

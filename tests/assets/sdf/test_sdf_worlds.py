@@ -370,7 +370,7 @@ def test_contradictions_are_one_line(tmp_path, content, message) -> None:
 
 
 @pytest.mark.parametrize(
-    ("links", "message"), [(1100, "1099 joints that move, at most 1000"), (300, "more than 200 joints in a chain")]
+    ("links", "message"), [(1100, "1099 joints that move, at most 800"), (300, "more than 200 joints in a chain")]
 )
 def test_robots_that_are_too_large_are_refused(tmp_path, links, message) -> None:
     parts = "".join(f'<link name="l{i}"/>' for i in range(links))

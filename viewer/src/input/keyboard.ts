@@ -9,6 +9,8 @@ export class Keyboard {
   readonly held = new Set<string>();
   /** whether Ctrl is pressed to look around, so that other keys fly */
   flies: () => boolean = () => false;
+  /** whether this page drives: keys that another page sends while it takes over must not drive */
+  drives: () => boolean = () => false;
 
   constructor(private readonly connection: Connection) {
     addEventListener("keydown", (event) => this.down(event));
@@ -55,7 +57,7 @@ export class Keyboard {
   }
 
   private tell(): void {
-    this.connection.send({ type: "keys", held: [...this.held].slice(0, 32) });
+    if (this.drives()) this.connection.send({ type: "keys", held: [...this.held].slice(0, 32) });
   }
 }
 

@@ -175,9 +175,7 @@ class _Desk:
                 answer = pickle.loads(self._occupy().ask(pickle.dumps(job, protocol=5)))
             except (EOFError, OSError) as error:
                 problem = error
-                logger.warning(
-                    "a process that renders images has ended or does not answer; another one replaces it"
-                )
+                logger.warning("a process that renders images has ended or does not answer; another one replaces it")
                 self.dismiss()
                 continue
             self._scenes = self._scenes - gone | {wish.scene}
