@@ -7,7 +7,7 @@ import weakref
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from studio import FAR, Studio, Tripod, ball, box, floor, lamp
 
@@ -125,6 +125,7 @@ class Rig:
 
 @settings(max_examples=examples(20), deadline=None)
 @given(seed=st.integers(0, 10**6), operations=st.lists(OPERATIONS, max_size=8))
+@example(seed=0, operations=["move", "add"])  # a part of the world moves, then something comes
 def test_random_changes(seed, operations):
     rig, rng = Rig(), np.random.default_rng(seed)
     for what in operations:
