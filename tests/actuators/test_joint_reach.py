@@ -16,32 +16,22 @@ from pymorse import MorseServiceFailed
 
 PICKER = Path(__file__).parents[2] / "examples" / "joints" / "picker.urdf"
 SCENE = f"""
+from morse.builder import *
 picker = Robot(r"{PICKER}")
 picker.rotate(z=0.5)
 picker.translate(1.0, 2.0, 0.0)
 arm = Armature("arm", armature_name="picker_joints")
 arm.properties(RotationSpeed=2.0)
 picker.append(arm)
+env = Environment("empty")
 """
 DOWN = [math.pi, 0.0, 0.0]
 
 
-@pytest.fixture(scope="module")
-def shared(tmp_path_factory):
-    """The arm, turned and away from the origin."""
-    import morse
-
-    path = tmp_path_factory.mktemp("reach") / "scene.py"
-    path.write_text(f"from morse.builder import *\n{SCENE}\nenv = Environment('empty')\n")
-    with morse.load(path) as simulation:
-        yield simulation
-
-
 @pytest.fixture
-def sim(shared):
-    shared.restart()
-    shared.step()
-    return shared
+def sim(simulation):
+    """The arm, turned and away from the origin."""
+    return simulation
 
 
 def link(sim, name):
@@ -143,8 +133,8 @@ def test_an_arm_without_masses_reaches_a_pose(simulate):
 @pytest.mark.long
 @given(shares=st.lists(st.floats(0.0, 1.0), min_size=6, max_size=6))
 @settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_every_pose_of_the_hand_is_found(shared, shares):
-    chain = shared.context.component("picker.arm").chain
+def test_every_pose_of_the_hand_is_found(loaded, shares):
+    chain = loaded.context.component("picker.arm").chain
     values = [low + share * (high - low) for share, (_, low, high) in zip(shares, chain.limits[:6], strict=True)]
     bone = chain.index("spin")
     position, rotation = chain.frames([*values, 0.0, 0.0])[bone]

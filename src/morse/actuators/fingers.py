@@ -6,9 +6,9 @@ import math
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from morse.helpers.extent import extent
 from morse.mathutils.rotations import turn, turn_back
 from morse.scene import Bone, JointKind
+from morse.scene.extent import extent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

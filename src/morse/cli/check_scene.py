@@ -10,6 +10,7 @@ from morse.cli.messages import say
 from morse.cli.scenes import resolve
 from morse.core.exceptions import MorseError
 from morse.simulation.options import RunOptions
+from morse.system.free_names import free_path
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -88,19 +89,10 @@ def _fix(result: Survey, script: Path, options: RunOptions) -> None:
     if text == result.text:
         say("Nothing can be mended automatically: no copy is written.")
         return
-    copy = _free(script)
+    copy = free_path(script.with_name(f"{script.stem}_fixed.py"))
     copy.write_text(text, encoding="utf-8")
     rest = _surveyed(options, text)
     say(f"Mended copy: {copy}, which {'does not run' if rest.stops else 'runs'}.")
     if rest.findings:
         say(f"{_count(len(rest.findings), 'line')} of it {'needs' if len(rest.findings) == 1 else 'need'} a person:")
         _print(rest.findings, copy)
-
-
-def _free(script: Path) -> Path:
-    """A name beside the script that no file has."""
-    candidate, count = script.with_name(f"{script.stem}_fixed.py"), 1
-    while candidate.exists():
-        count += 1
-        candidate = script.with_name(f"{script.stem}_fixed_{count}.py")
-    return candidate

@@ -73,7 +73,7 @@ def _box(library: Library) -> Box:
     """The corners of what the model shows, without the ground of a world."""
     import numpy as np
 
-    from morse.helpers.extent import extent
+    from morse.scene.extent import extent
 
     boxes = [box for root in library.roots if (box := extent(_shown(root))) is not None]
     boxes = [box for box in boxes if (box[1] - box[0]).max() < _GROUND] or boxes

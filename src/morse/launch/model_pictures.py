@@ -18,7 +18,7 @@ import numpy as np
 
 from morse.assets import find, load, search
 from morse.assets.cache import Cache
-from morse.scene.extent import extent
+from morse.scene.extent import visible_extent
 from morse.version import __version__
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def models() -> list[Model]:
         items += [
             Model(f"{name}#{root.name}", root.name.replace("_", " "), path.stem.replace("_", " "))
             for root in load(path).roots
-            if extent(root) is not None and not root.name.startswith("_")
+            if visible_extent(root) is not None and not root.name.startswith("_")
         ]
     return items
 
@@ -108,7 +108,7 @@ def drawn(several: list[Model]) -> Iterator[tuple[Model, bytes]]:
 
     with load_simulation(describe) as simulation:
         for model, node in parts:
-            corners = extent(node)
+            corners = visible_extent(node)
             if corners is None:
                 continue
             low, high = corners

@@ -199,9 +199,8 @@ class Rescue:
         """Reset a body and its wheels to their pose before the tick; if that is lost, to their pose in the scene."""
         state = self._state
         data = state.data
-        while slot.frame.parent is not None:
-            slot = state.slots[state.slot_of[slot.frame.parent.node]]
-        index = state.slot_of[slot.frame.node]
+        index = state.slot_of[slot.frame.root.node]
+        slot = state.slots[index]
         links = [state.slots[link] for link in state.links.get(index, ())]
         for link in links:
             self._stop_joints(link)

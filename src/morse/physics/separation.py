@@ -138,10 +138,7 @@ class Separation:
     # -- the bodies of a robot ---------------------------------------------------------------
 
     def _root(self, index: int) -> int:
-        frame = self._state.slots[index].frame
-        while frame.parent is not None:
-            frame = frame.parent
-        return self._state.slot_of[frame.node]
+        return self._state.slot_of[self._state.slots[index].frame.root.node]
 
     def _parts(self, index: int) -> tuple[int, ...]:
         """Return a free robot with its wheels and links, or one body.

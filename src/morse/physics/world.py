@@ -200,8 +200,6 @@ class World(ObjectWorld):
         stamp, poses_before = self.stamp, self._moving_poses
         self.take(compiled, self.period)
         self._build()
-        # the state moves shapes within slots, which must have their places
-        kinematics.place_as_compiled(self)
         bits = {
             bit: later[number]
             for node, numbers in self.gliding.floor_bits().items()

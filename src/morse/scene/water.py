@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.scene.extent import extent
+from morse.scene.extent import visible_extent
 
 if TYPE_CHECKING:
     from morse.scene.scene import Scene
@@ -21,7 +21,7 @@ def water_level(scene: Scene) -> float | None:
     for root in scene.roots:
         if root.mesh is None or not root.plain_name.lower().startswith(("water", "sea")):
             continue
-        corners = extent(root)
+        corners = visible_extent(root)
         if corners is None:
             continue
         low, high = corners

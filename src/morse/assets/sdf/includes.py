@@ -13,10 +13,10 @@ from morse.assets.gazebo.values import ValueMistakeError, boolean, pose_of, text
 from morse.assets.model_folders import version_of
 from morse.assets.nearby_files import FileRefusedError
 from morse.assets.sdf.files import find_model, read_root
-from morse.assets.sdf.names import free_name
 from morse.assets.sdf.scope import MODEL, Part, Scope
 from morse.assets.sdf.usual import usual_model
 from morse.assets.triangle_limit import check_parts
+from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -132,7 +132,7 @@ class Includes:
             return pose_of(None), base
 
     def _unique(self, name: str, names: Container[str], what: str) -> str:
-        unique = free_name(name, names)
+        unique = free_name(name, names.__contains__)
         if unique != name:
             self.warn(f"{what} '{name:.60}'; one is called '{unique:.60}'")
         return unique

@@ -7,13 +7,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.assets.gazebo.values import FARTHEST, ValueMistakeError, number, unlimited
-from morse.assets.sdf.names import free_name
 from morse.assets.sdf.scope import SEPARATOR
 from morse.assets.urdf.document import check_depth
 from morse.assets.urdf.structure import Joint, Link
 from morse.mathutils import Matrix, Vector
 from morse.scene import JointDynamics
 from morse.scene.couplings import Constraint, ConstraintKind
+from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -216,7 +216,7 @@ class JointTree:
                 joint.mimic = None
 
     def _unique(self, name: str) -> str:
-        unique = free_name(name, self._names)
+        unique = free_name(name, self._names.__contains__)
         self._names.add(unique)
         return unique
 

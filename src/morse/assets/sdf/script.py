@@ -13,8 +13,8 @@ from morse.assets.errors import AssetError
 from morse.assets.model_folders import version_of
 from morse.assets.sdf.flat import links_of
 from morse.assets.sdf.includes import Includes
-from morse.assets.sdf.names import free_name
 from morse.assets.sdf.reader import read_sdf
+from morse.system.free_names import free_name
 from morse.system.python_text import one_line, quoted
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ class _Script:
     def _variable(self, name: str) -> str:
         base = re.sub(r"\W", "_", name, flags=re.ASCII).strip("_") or "model"
         base = f"model_{base}" if base[0].isdigit() or keyword.iskeyword(base) else base
-        variable = free_name(base, self._names)
+        variable = free_name(base, self._names.__contains__)
         self._names.add(variable)
         return variable
 

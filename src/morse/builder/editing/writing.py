@@ -12,6 +12,7 @@ from morse.builder.editing.changes import UnwritableError
 from morse.builder.editing.imports import import_names
 from morse.builder.editing.source import Source, name_of
 from morse.builder.editing.variables import Variable, attribute_of, variables
+from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
@@ -64,11 +65,7 @@ def variable_name(kind: str, names: Container[str]) -> str:
     stem = re.sub("_+", "_", "".join(c if f"_{c}".isidentifier() else "_" for c in own)).strip("_")
     stem = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", stem).lower() or "thing"
     stem = f"_{stem}".strip("_") if not stem[0].isdigit() else f"object_{stem}"
-    number, candidate = 1, stem
-    while candidate in names or iskeyword(candidate):
-        number += 1
-        candidate = f"{stem}_{number}"
-    return candidate
+    return free_name(stem, lambda candidate: candidate in names or iskeyword(candidate))
 
 
 # -- additions --------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from morse.builder import workspace
 from morse.builder.names.frames import user_frames
 from morse.builder.names.part import Part, Strength
+from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -101,17 +102,9 @@ def _rename_tree(component: Part, prefix: tuple[str, ...], used_names: set[str],
     if not on_robot and component.name_strength < Strength.VARIABLE:
         name = component.name
     else:
-        name = _free(".".join(path), used_names)
+        name = free_name(".".join(path), used_names.__contains__, first=1, digits=3)
         workspace.current().claim(component.scene_node, name)
         path = (*prefix, name.rpartition(".")[2])
     used_names.add(name)
     for child in component.children:
         _rename_tree(child, path if on_robot else (), used_names, on_robot)
-
-
-def _free(name: str, used_names: set[str]) -> str:
-    candidate, count = name, 0
-    while candidate in used_names:
-        count += 1
-        candidate = f"{name}_{count:03d}"
-    return candidate

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations import properties
+from morse.core.declarations.property_table import PropertyTable
 from morse.core.exceptions import MorseError
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short
@@ -32,27 +32,15 @@ class Parameters:
     def __init__(
         self, context: Context, components: Callable[[], Iterable[str]], change: Callable[[str, list[Any]], object]
     ) -> None:
-        self._context, self._components, self._change = context, components, change
-
-    def _names(self) -> list[str]:
-        names = []
-        for name in self._components():
-            component = self._context.component(name)
-            if component is not None:
-                names += [f"{name}.{one.name}" for one in properties(type(component)).values()]
-        return names
+        self._properties, self._change = PropertyTable(context.component, components), change
 
     def read(self, names: Iterable[str]) -> list[RosMessage]:
         """Name, value and type of parameters, of all if there are no names; unknown ones are left out."""
-        return [one for name in names or self._names() if (one := self._read(name)) is not None]
+        return [one for name in names or self._properties.names() if (one := self._read(name)) is not None]
 
     def _read(self, name: str) -> RosMessage | None:
-        owner, _, attribute = name.rpartition(".")
-        component = self._context.component(owner) if owner in self._components() else None
-        if component is None:
-            return None
-        table = properties(type(component)).items()
-        value = next((getattr(component, own) for own, one in table if one.name == attribute), None)
+        one = self._properties.find(name)
+        value = None if one is None else getattr(one.component, one.attribute)
         if value is None:
             return None
         try:
@@ -80,7 +68,9 @@ class Parameters:
         for one in given:
             name = one.get("name") if isinstance(one, dict) else None
             if not isinstance(name, str) or self._read(name) is None:
-                refusals.append(f"there is no parameter {short(name)}{nearest(str(name)[:256], self._names())}")
+                refusals.append(
+                    f"there is no parameter {short(name)}{nearest(str(name)[:256], self._properties.names())}"
+                )
                 continue
             names.append(name)
             owner, _, attribute = name.rpartition(".")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core import status
-from morse.core.declarations import properties
+from morse.core.declarations.property_table import PropertyTable
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 from morse.core.validation import checked_property
@@ -118,7 +118,7 @@ class Parameters(Served):
     def __init__(
         self, context: Context, backend: Backend, components: Callable[[], Iterable[str]], call: Callable[..., Any]
     ) -> None:
-        self._context, self._components, self._call = context, components, call
+        self._properties, self._call = PropertyTable(context.component, components), call
         handlers = {
             "get_parameters": ("GetParameters", self._get),
             "get_parameter_types": ("GetParameterTypes", self._types),
@@ -131,22 +131,13 @@ class Parameters(Served):
         super().__init__(backend, kinds)
 
     def _names(self) -> list[str]:
-        names = [_TIME]
-        for name in self._components():
-            component = self._context.component(name)
-            if component is not None:
-                names += [f"{name}.{one.name}" for one in properties(type(component)).values()]
-        return names
+        return [_TIME, *self._properties.names()]
 
     def _parameter(self, name: str) -> _Parameter | None:
         if name == _TIME:
             return _Parameter()
-        owner, _, attribute = name.rpartition(".")
-        component = self._context.component(owner) if owner in self._components() else None
-        if component is None:
-            return None
-        pairs = properties(type(component)).items()
-        return next((_Parameter(component, own, one) for own, one in pairs if one.name == attribute), None)
+        one = self._properties.find(name)
+        return None if one is None else _Parameter(*one)
 
     def _get(self, request: RosMessage, reply: Reply) -> None:
         parameters = [self._parameter(name) for name in request["names"]]

@@ -58,9 +58,7 @@ class Files:
 
     def part_of(self, frame: Frame) -> Part | None:
         """Return the part to which a frame belongs."""
-        while frame.parent is not None:
-            frame = frame.parent
-        return self._parts.get(frame)
+        return self._parts.get(frame.root)
 
     # -- bodies ----------------------------------------------------------------------------
 

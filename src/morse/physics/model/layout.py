@@ -58,6 +58,14 @@ class Frame:
         """Whether the frame has a body in the engine."""
         return self.motion is not Motion.VIRTUAL and (bool(self.solid) or self.carries or bool(self.joints))
 
+    @property
+    def root(self) -> Frame:
+        """The frame that this one is attached to, directly or not: the robot of a wheel or a link; else itself."""
+        frame = self
+        while frame.parent is not None:
+            frame = frame.parent
+        return frame
+
 
 def has_shape(node: Node) -> bool:
     """Whether a node takes part in collisions, or only in contacts and rays."""

@@ -78,10 +78,7 @@ def _ray(state: EngineState, origin: NDArray[np.float64], up: float, body: int, 
 
 def _frame(state: EngineState, geom: int) -> Frame:
     """Return the body of a shape; for a wheel or a link, the robot."""
-    frame = state.slots[state.slot_of[state.geom_node[geom]]].frame
-    while frame.parent is not None:
-        frame = frame.parent
-    return frame
+    return state.slots[state.slot_of[state.geom_node[geom]]].frame.root
 
 
 def _moves(frame: Frame) -> bool:

@@ -92,6 +92,8 @@ class Saving:
         world, slots_by_name = self._world, self._world.named
         world.bodies.moved_shapes.reset()
         self._gliding.forget_moved_shapes()
+        # objects that are moved move shapes within slots, which must have their places; after a change there are others
+        kinematics.place_as_compiled(world)
         before = [(obj.visible, obj.properties) for obj in self._objects.values()]
         # all objects are restored first, because an object that is moved also moves the objects below it
         for obj in self._objects.values():
@@ -104,7 +106,6 @@ class Saving:
             if obj.visible != visible:
                 world.appearance_changed(obj)
         engine_values.set_state(world, state.engine)
-        kinematics.place_as_compiled(world)
         kinematics.refresh(world)
         world.loose.clear()
         world.loose.update(slots_by_name[name] for name in state.loose)

@@ -14,7 +14,7 @@ from morse.builder.script import describing
 from morse.core.exceptions import MorseError
 from morse.core.journal import EDIT
 from morse.mathutils.rotations import compatible_euler, rotation_from_quaternion
-from morse.scene.extent import extent
+from morse.scene.extent import visible_extent
 from morse.viewer.editor.catalog import Catalog
 from morse.viewer.editor.script_file import ScriptFile
 from morse.viewer.view_messages import Answer, SceneChanges
@@ -117,7 +117,7 @@ class Editor:
         scene = self._simulation.scene
         with scene.project, describing(scene.resource_paths), workspace.described():
             part = component_of(kind)
-            corners = extent(part.scene_node)
+            corners = visible_extent(part.scene_node)
             position, angles = _triple(part.location), _triple(part.rotation_euler)
         return position, angles, 0.0 if corners is None else float(corners[0][2]) - position[2]
 

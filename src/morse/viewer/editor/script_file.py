@@ -10,6 +10,7 @@ from pathlib import Path
 import morse
 from morse.builder.editing.changes import Changes, UnwritableError
 from morse.builder.editing.writing import changed_script
+from morse.system.free_names import free_path
 from morse.system.python_text import quoted
 
 _PACKAGE = Path(morse.__file__).parent
@@ -40,7 +41,7 @@ class ScriptFile:
             self.text = f"from morse.builder import *\n\nenv = Environment({quoted(own.as_posix())})\n"
         belongs = own.suffix == ".py" and not own.is_relative_to(_PACKAGE)
         stem = own.parent.name if own.stem in ("scene", "default") else own.stem
-        self.path = own if belongs else _free(Path.cwd() / f"{stem}.py")
+        self.path = own if belongs else free_path(Path.cwd() / f"{stem}.py")
         self._content = self.text if belongs else None
 
     def changed(self, changes: Changes) -> str:
@@ -79,11 +80,3 @@ class ScriptFile:
         os.chmod(copy.name, 0o644 if present is None else self.path.stat().st_mode)
         os.replace(copy.name, self.path)
         self._content = text
-
-
-def _free(path: Path) -> Path:
-    number, candidate = 1, path
-    while candidate.exists():
-        number += 1
-        candidate = path.with_name(f"{path.stem}_{number}{path.suffix}")
-    return candidate
