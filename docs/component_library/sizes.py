@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.helpers import extent as extents
+from morse.scene.extent import visible_extent
 
 if TYPE_CHECKING:
     from morse.scene import Node
@@ -12,5 +12,5 @@ if TYPE_CHECKING:
 
 def extent(root: Node) -> list[float] | None:
     """Length along X, Y and Z of all visible meshes of a node and those below it, m; None without any."""
-    corners = extents.extent(node for node in root.walk() if node.visible)
+    corners = visible_extent(root)
     return None if corners is None else [float(length) for length in corners[1] - corners[0]]
