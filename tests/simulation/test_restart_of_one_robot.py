@@ -83,3 +83,46 @@ def test_a_spawned_robot_restarts_and_a_wrong_name_is_named():
         assert sim.third.component.bge_object.worldPosition[0] == pytest.approx(5.0)
         with pytest.raises(KeyError, match="there is no robot 'thrid'; did you mean 'third'"):
             sim.restart_robot("thrid")
+
+
+def mechanisms():
+    """A robot on wheels with an arm in which a cube is held, an arm alone, and a robot that lies in the way."""
+    from morse.builder import ATRV, Environment, KukaLWR, MotionVW, MotionVWDiff, Pose, SegwayRMP400
+
+    wheels = SegwayRMP400("wheels")
+    arm = ATRV("arm")
+    arm.translate(y=6.0)
+    kuka = KukaLWR("kuka")
+    kuka.translate(z=0.9)
+    arm.append(kuka)
+    other = ATRV("other")
+    other.translate(y=-6.0)
+    for robot, motion in ((wheels, MotionVWDiff("motion")), (arm, MotionVW("motion")), (other, MotionVW("motion"))):
+        robot.append(motion)
+        robot.append(Pose("pose"))
+    Environment("empty")
+
+
+@pytest.mark.parametrize("name", ["wheels", "arm", "other"])
+def test_wheels_and_joints_start_again_and_the_model_is_compiled_once(name):
+    with morse.load(mechanisms, seed=3) as sim, morse.load(mechanisms, seed=3) as fresh:
+        for robot in ("wheels", "arm", "other"):
+            sim[robot].motion.publish({"v": 1.0, "w": 0.4})
+        sim.arm.kuka.set_rotation("kuka_2", 1.0)
+        sim.step(60)
+        order = list(sim.context.components)
+        before, rebuilt = {other: sim[other].pose.data for other in sim.robots}, sim.world.arrangement
+        sim[name].restart()
+        assert sim.world.arrangement == rebuilt + 1
+        assert list(sim.context.components) == order
+        sim.measure()
+        fresh.measure()
+        for other in sim.robots:
+            expected = fresh[other].pose.data if other == name else before[other]
+            for field in ("x", "y", "z", "yaw"):
+                assert sim[other].pose.data[field] == pytest.approx(expected[field], abs=1e-9), (other, field)
+        sim.step(30)
+        fresh.step(30)
+        assert sim[name].pose.data["x"] == pytest.approx(fresh[name].pose.data["x"], abs=1e-3)
+        if name == "arm":
+            assert sim.arm.kuka.data["kuka_2"] == pytest.approx(fresh.arm.kuka.data["kuka_2"], abs=1e-3)

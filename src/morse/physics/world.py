@@ -51,7 +51,7 @@ from morse.physics.variations import Variations
 from morse.scene import Control
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -167,6 +167,13 @@ class World(ObjectWorld):
         self._change(lambda change: change.replace(node, new))
         return self._objects[new]
 
+    def renew(self, objects: Sequence[Posed]) -> None:
+        """See `morse.core.world.World.renew`."""
+        nodes = {node for obj in objects for node in obj.node.walk()}
+        for node in nodes:
+            self._objects[node].restore()
+        self._change(lambda change: None, {node.name for node in nodes})
+
     def rebuild(self, edit: Callable[[SceneChange], None]) -> None:
         """Apply several changes to the nodes of the scene at once, while the simulation runs; see `add`, `replace`.
 
@@ -178,14 +185,15 @@ class World(ObjectWorld):
         """
         self._change(edit)
 
-    def _release_from_what_goes(self) -> None:
-        staying = {node.name for node in self.scene.nodes()}
+    def _release_from_what_goes(self, renewed: Collection[str]) -> None:
+        staying = {node.name for node in self.scene.nodes() if node.name not in renewed}
         for obj in self._objects.values():
             holder = self.attachments.holder(obj.slot)
             if holder is not None and holder.node.name not in staying:
                 self.attachments.release(obj.slot)
 
-    def _change(self, edit: Callable[[SceneChange], None]) -> None:
+    def _change(self, edit: Callable[[SceneChange], None], renewed: Collection[str] = ()) -> None:
+        """Change the scene; objects keep their state, except the new ones and those with a name in ``renewed``."""
         change = SceneChange(self.scene)
         try:
             edit(change)
@@ -193,9 +201,10 @@ class World(ObjectWorld):
         except Exception:
             change.undo()
             raise
-        self._release_from_what_goes()
+        self._release_from_what_goes(renewed)
         before = saved.checked(self.get_state())
-        varied, parting = self._variations.present(), self.separation.names()
+        varied = {name: values for name, values in self._variations.present().items() if name not in renewed}
+        parting = [name for name in self.separation.names() if name not in renewed]
         old, floors = copy.copy(self), self.gliding.floor_bits()
         stamp, poses_before = self.stamp, self._moving_poses
         self.take(compiled, self.period)
@@ -207,10 +216,11 @@ class World(ObjectWorld):
             for number, bit in floors.get(node, {}).items()
             if number in later
         }
-        transfer = Transfer(old, self, bits)
+        transfer = Transfer(old, self, bits, renewed)
         self._saving.set_state(transfer.state(before, self._names))
         self._variations.apply(varied)
-        self.separation.begin({self.named[name] for name in self.named.keys() - old.named.keys()}, parting)
+        came = {index for name, index in self.named.items() if name in renewed or name not in old.named}
+        self.separation.begin(came, parting)
         self.gliding.lift_all()
         self._floor_planes.before_step()
         self.stamp = stamp + 1

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from morse.core.abstractobject import AbstractObject
+from morse.core.modifier import AbstractModifier
 from morse.core.reports.faults import name_of
 from morse.simulation.loader import Loaded
 
@@ -13,6 +15,9 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.observer import Observer
     from morse.simulation.ending import Ending
+
+#: methods that do nothing: most components have one of them
+_NOTHING = (AbstractObject.finalize, AbstractModifier.finalize)
 
 
 class Finalizing:
@@ -42,7 +47,8 @@ class Finalizing:
         self.ending.rest()
 
     def _finalize(self, part: Any) -> None:
-        self._end_part(part, name_of(part), lambda: part.finalize())
+        if getattr(type(part), "finalize", None) not in _NOTHING or "finalize" in getattr(part, "__dict__", ()):
+            self._end_part(part, name_of(part), lambda: part.finalize())
 
     def _end_part(self, part: object, who: str, end: Callable[[], object]) -> None:
         guard = self.context.guard

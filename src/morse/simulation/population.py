@@ -22,9 +22,10 @@ from morse.scene import Scene
 from morse.simulation.loader import connect, load_components
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from morse.core.values import StateData
+    from morse.core.world import Body
     from morse.scene import ComponentDeclaration, Node, Zone
     from morse.simulation.running import Running
 
@@ -139,26 +140,32 @@ class Population:
         context = self._simulation.context
         if name not in context.robots:
             raise MorseBuilderError(f"there is no robot '{short(name)}'{nearest(name, list(context.robots))}")
+        roots, nodes = self._whole(name)
         if seed is not None:
             context.robot_seeds[name] = seed
-        before, makers = self.get_state(), self.makers()
-        self.delete(name, returns=True)
-        self.set_state(before, makers)
+        scene = self._simulation.scene
+        declarations = self._declared(nodes)
+        self._forget(declarations, returns=True)
+        context.world.renew(roots)
+        with acting(context), scene.project:
+            loaded = load_components(context, declarations)
+            connect(context, loaded, declarations)
+        self._simulation.loaded.join(loaded)
+        self._sort_components(scene.components)
+        self._changed()
 
     # -- deletion --------------------------------------------------------------------------
 
-    def delete(self, name: str, *, returns: bool = False) -> None:
-        """Delete a robot or an object with all its parts.
+    def _declared(self, nodes: Collection[Node]) -> list[ComponentDeclaration]:
+        return [d for d in self._simulation.scene.components if d.node in nodes or d.robot in nodes]
 
-        Args:
-            returns: whether it is created again at once, so that its streams and services stay.
+    def _whole(self, name: str) -> tuple[list[Body], set[Node]]:
+        """Return the root objects that exist together with an object, and the nodes below them.
 
         Raises:
-            MorseBuilderError: there is no object of that name, or it is a part of another object.
+            MorseBuilderError: see `delete`.
         """
-        simulation = self._simulation
-        context = simulation.context
-        objects = context.world.objects_by_name
+        objects = self._simulation.context.world.objects_by_name
         obj = objects.get(name)
         if obj is None:
             raise MorseBuilderError(f"there is no object '{short(name)}'{nearest(name, list(objects))}")
@@ -173,9 +180,18 @@ class Population:
         roots = [obj]
         if name in self._recipes:
             roots = [objects[root] for root in self._recipes[name].roots if root in objects]
-        nodes = {node for root in roots for node in root.node.walk()}
-        self._forget([d for d in simulation.scene.components if d.node in nodes or d.robot in nodes], returns=returns)
-        context.world.remove(roots)
+        return roots, {node for root in roots for node in root.node.walk()}
+
+    def delete(self, name: str) -> None:
+        """Delete a robot or an object with all its parts.
+
+        Raises:
+            MorseBuilderError: there is no object of that name, or it is a part of another object.
+        """
+        simulation = self._simulation
+        roots, nodes = self._whole(name)
+        self._forget(self._declared(nodes))
+        simulation.context.world.remove(roots)
         if self._recipes.pop(name, None) is not None:
             # objects of the launch can be restored
             models = simulation.scene.models
@@ -337,7 +353,13 @@ class Population:
         roots = sorted(scene.roots, key=lambda root: order(root.name))
         components = sorted(scene.components, key=lambda declared: order(declared.robot.name))
         simulation.context.world.arrange(roots, components, list(scene.zones))
-        by_declaration = {declared.name: number for number, declared in enumerate(components)}
+        self._sort_components(components)
+        self._changed()
+
+    def _sort_components(self, declarations: Sequence[ComponentDeclaration]) -> None:
+        """Sort the components as their declarations, because they act in this order."""
+        simulation = self._simulation
+        by_declaration = {declared.name: number for number, declared in enumerate(declarations)}
         for kept in (simulation.loaded.robots, simulation.loaded.actuators, simulation.loaded.sensors):
             kept.sort(key=lambda component: by_declaration[component.name()])
         tables: list[dict[str, Any]] = [simulation.context.robots, simulation.context.components]
@@ -345,7 +367,6 @@ class Population:
             ordered = sorted(table.items(), key=lambda item: by_declaration[item[0]])
             table.clear()
             table.update(ordered)
-        self._changed()
 
     def _bring_back(self, roots: list[Node]) -> None:
         """Restore deleted robots and objects of the launch."""

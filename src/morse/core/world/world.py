@@ -45,6 +45,12 @@ class World(WorldPoses, Protocol):
         A removed object raises `RemovedError` when it is used.
         """
 
+    def renew(self, objects: Sequence[Body]) -> None:
+        """Start objects again as in the scene, with all objects below them; the others keep their state.
+
+        The model is recompiled.
+        """
+
     def arrange(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration], zones: Sequence[Zone]) -> None:
         """Set the nodes of the world to exactly these, in this order; existing objects keep their state.
 

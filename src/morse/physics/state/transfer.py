@@ -14,7 +14,7 @@ from morse.physics.sleep import WIDE_AWAKE
 from morse.physics.state import engine_values, saved
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
 
     from numpy.typing import NDArray
 
@@ -33,12 +33,16 @@ class Transfer:
         old: the engine before the change.
         new: the engine after the change, in its compiled state.
         floors: bits of the floors before the change to bits after the change.
+        renewed: names of objects that start again as in the scene.
     """
 
-    def __init__(self, old: EngineState, new: EngineState, floors: dict[int, int]) -> None:
+    def __init__(
+        self, old: EngineState, new: EngineState, floors: dict[int, int], renewed: Collection[str] = ()
+    ) -> None:
         self._old, self._new = old, new
-        self._floors = floors
-        pairs = [(old.slots[old.named[name]], new.slots[new.named[name]]) for name in new.names if name in old.named]
+        self._floors, self._renewed = floors, renewed
+        names = [name for name in new.names if name in old.named and name not in renewed]
+        pairs = [(old.slots[old.named[name]], new.slots[new.named[name]]) for name in names]
         #: pairs of old and new slots that move in the same way; and those that also have the same shapes
         self._kept = [(a, b) for a, b in pairs if a.frame.motion is b.frame.motion]
         self._same = [(a, b) for a, b in self._kept if _shapes(a) == _shapes(b) and len(a.feet) == len(b.feet)]
@@ -62,7 +66,11 @@ class Transfer:
             stale=[entry for entry in before.stale if entry.slot in names],
             loose=[name for name in before.loose if name in names],
             kinematic=[entry for entry in before.kinematic if entry.slot in names],
-            objects={name: _as_far_as(entry, name in staying) for name, entry in before.objects.items()},
+            objects={
+                name: _as_far_as(entry, name in staying)
+                for name, entry in before.objects.items()
+                if name not in self._renewed
+            },
             drives=saved.SavedDrives(
                 [entry for entry in before.drives.commands if entry.slot in names],
                 [name for name in before.drives.sliding if name in same],
