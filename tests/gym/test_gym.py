@@ -7,6 +7,8 @@ import re
 import signal
 import subprocess
 import sys
+import urllib.error
+import urllib.request
 import warnings
 from pathlib import Path
 
@@ -258,3 +260,26 @@ def test_a_missing_extra_is_named():
     code = "import sys; sys.modules['gymnasium'] = None; import morse.gym"
     outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
     assert "pip install 'morse-simulator[gym]'" in outcome.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_page_shows_a_row_of_any_process(workers):
+    env = morse.gym.vector(LookAround, 4, workers=workers)
+    try:
+        env.reset(seed=1)
+        url = env.show(3).url
+        assert urllib.request.urlopen(url, timeout=60.0).status == 200
+        env.step(env.action_space.sample())
+        with pytest.raises(IndexError, match="row"):
+            env.show(4)
+    finally:
+        env.close()
+    with pytest.raises(urllib.error.URLError):
+        urllib.request.urlopen(url, timeout=60.0)
+
+
+def test_a_page_shows_a_single_environment():
+    env = gymnasium.make("morse/Reach-v0")
+    env.reset(seed=1)
+    assert urllib.request.urlopen(env.unwrapped.show().url, timeout=60.0).status == 200
+    env.close()

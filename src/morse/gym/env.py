@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.gym.task import Task
+    from morse.viewer.notebook import Frame
 
 #: rate of pictures for films, Hz
 _RATE = 10
@@ -61,6 +62,11 @@ class TaskEnv(gymnasium.Env[Any, Any]):
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture (H, W, 3), if ``render_mode`` is ``rgb_array``."""
         return None if self.render_mode is None else self._episodes.picture()
+
+    def show(self, *, height: int = 480, port: int = 0) -> Frame:
+        """Open a page that shows the simulation while it runs; see `morse.many.batch.Batch.show`."""
+        frame: Frame = self._episodes.many.show(0, height=height, port=port)
+        return frame
 
     def close(self) -> None:
         """End the simulation."""

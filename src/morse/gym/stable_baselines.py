@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.gym.task import Task
+    from morse.viewer.notebook import Frame
 
 #: infos of the vector that a learner gets as others
 _OWN = ("final_obs", "final_info")
@@ -58,6 +59,11 @@ class BaselinesVecEnv(VecEnv):
                 self.reset_infos[row] = _info(infos, row)
             rows.append(info)
         return observations, np.asarray(rewards, np.float32), done, rows
+
+    def show(self, row: int = 0, *, height: int = 480, port: int = 0) -> Frame:
+        """Open a page that shows a row while it runs; see `morse.many.batch.Batch.show`."""
+        frame: Frame = self.envs.show(row, height=height, port=port)
+        return frame
 
     def close(self) -> None:
         """End the simulations."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.gym.task import Task
+    from morse.viewer.notebook import Frame
 
 
 class Rows:
@@ -115,6 +116,11 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
         if self.render_mode is None:
             return None
         return tuple(self._rows.episodes.picture(row) for row in range(self.num_envs))
+
+    def show(self, row: int = 0, *, height: int = 480, port: int = 0) -> Frame:
+        """Open a page that shows a row while it runs; see `morse.many.batch.Batch.show`."""
+        frame: Frame = self._rows.episodes.many.show(row, height=height, port=port)
+        return frame
 
     def close_extras(self, **kwargs: Any) -> None:
         """End the simulations."""

@@ -19,13 +19,14 @@ from morse.core.reports.faults import describe
 from morse.gym.env import check_render_mode
 from morse.gym.vector import Rows
 from morse.many.pool import ONE_THREAD, can_fork
-from morse.many.rows import seeds_of
+from morse.many.rows import only_row_of, seeds_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from multiprocessing.connection import Connection
 
     from morse.gym.task import Task
+    from morse.viewer.notebook import Frame
 
 
 class _Shared:
@@ -110,9 +111,13 @@ def _work(connection: Connection, task: Any, first: int, count: int, inherited: 
                     elif order == "step":
                         observations, reward, ended, late, answer = rows.step(shared.action[place])
                         shared.reward[place], shared.ended[place], shared.late[place] = reward, ended, late
+                    elif order == "show":
+                        row, height, port = content
+                        if first <= row < first + count:
+                            answer = rows.episodes.many.show(row - first, height=height, port=port)
                     else:
                         answer = [rows.episodes.picture(row) for row in range(count)]
-                    if order != "render":
+                    if order in ("reset", "step"):
                         shared.put(place, observations)
                 connection.send((True, answer))
             except Exception as error:
@@ -237,6 +242,13 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         if self.render_mode is None:
             return None
         return tuple(picture for part in self._ask("render", [None] * len(self._places)) for picture in part)
+
+    def show(self, row: int = 0, *, height: int = 480, port: int = 0) -> Frame:
+        """Open a page that shows a row while it runs; see `morse.many.batch.Batch.show`."""
+        row = only_row_of(row, self.num_envs)
+        frame: Frame
+        (frame,) = filter(None, self._ask("show", [(row, height, port)] * len(self._places)))
+        return frame
 
     def close_extras(self, **kwargs: Any) -> None:
         """End the processes."""

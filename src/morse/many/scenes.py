@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.core.reports.hints import nearest
-from morse.launch.load import load
+from morse.launch.load import described, load, resolve
 from morse.scene import Scene
+from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from morse.core.values import Options
     from morse.simulation.simulation import Simulation
+    from morse.viewer.live_view import View
 
 
 #: arguments of `morse.load` that hold for all rows
@@ -70,6 +73,35 @@ class Scenes:
             if self.rows > 1:
                 error.add_note(f"while row {row} of the batch was loaded")
             raise
+
+    def load_view(self, row: int, view: Callable[[Simulation], View], port: int) -> Simulation:
+        """Load a simulation of the scene of a row for a page that shows the row.
+
+        Args:
+            view: creates the view.
+            port: TCP port of the page; 0 for any free port.
+        """
+        from morse.simulation.simulation import Simulation
+
+        scene, arguments = self._scenes[row % len(self._scenes)], self._arguments[row % len(self._arguments)]
+        options = RunOptions(
+            arguments=list(arguments), sockets=False, view="web", view_port=port, open_browser=False, speed=math.inf
+        )
+        description = described(scene, options)
+        resolve(description)
+        simulation = Simulation(description, options)
+        try:
+            simulation.load()
+            simulation.view = view(simulation)
+        except BaseException:
+            simulation.close()
+            raise
+        simulation.observers.append(simulation.view)
+        return simulation
+
+    def are_alike(self, row: int, other: int) -> bool:
+        """Whether two rows have the same scene."""
+        return all((row - other) % len(one) == 0 for one in (self._scenes, self._arguments))
 
     def __str__(self) -> str:
         first = self._scenes[0]

@@ -228,7 +228,7 @@ class View(Observer):
                 poses=self._poses(),
                 status="running" if is_running else "paused",
                 speed=pacer.speed,
-                real_time_factor=pacer.real_time_factor if is_running else 0.0,
+                real_time_factor=self._factor() if is_running else 0.0,
             )
         )
         # every image is sent: the camera determines the rate
@@ -243,6 +243,10 @@ class View(Observer):
 
     def _time(self) -> float:
         return self._simulation.clock.time
+
+    def _factor(self) -> float:
+        """Simulated seconds per wall-clock second."""
+        return self._simulation.pacer.real_time_factor
 
     def _poses(self) -> NDArray[np.float32]:
         return self._simulation.world.poses()

@@ -1,0 +1,55 @@
+"""A page that shows a row of a batch while it runs."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.many.scenes import Scenes
+    from morse.simulation.simulation import Simulation
+    from morse.viewer.notebook import Frame
+
+logger = logging.getLogger(__name__)
+
+
+class Window:
+    """Serves the page of one row at a time, on this machine only.
+
+    Args:
+        scenes: of the batch.
+        port: TCP port; 0 for any free port.
+    """
+
+    def __init__(self, scenes: Scenes, port: int = 0) -> None:
+        self._scenes, self._port = scenes, port
+        self._simulation: Simulation | None = None
+        self.row = -1
+
+    def show(self, row: int, height: int) -> Frame:
+        """Show another row; return its page."""
+        if self._simulation is None or not self._scenes.are_alike(row, self.row):
+            # imported on demand: it imports the server of pages
+            from morse.viewer.row_view import RowView
+
+            self.close()
+            self._simulation = simulation = self._scenes.load_view(row, RowView, self._port)
+            self._port = simulation.view.address[0]
+            simulation.view.announce()
+        self.row = row
+        frame: Frame = self._simulation.view.show(height)
+        logger.info("row %d is shown at %s", row, self._simulation.view.url)
+        return frame
+
+    def turn(self, row_of: Callable[[int], Simulation]) -> None:
+        """Show the row as it is now, if somebody looks."""
+        if self._simulation is not None:
+            self._simulation.view.turn(lambda: row_of(self.row))
+
+    def close(self) -> None:
+        """Close the page."""
+        simulation, self._simulation = self._simulation, None
+        if simulation is not None:
+            simulation.close()
