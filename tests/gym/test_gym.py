@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import os
+import pickle
 import re
 import signal
 import subprocess
@@ -16,6 +18,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gym_tasks import LookAround, Meet, Picture
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
@@ -227,8 +230,103 @@ def test_a_process_that_dies_is_named():
     env.reset(seed=1)
     os.kill(env._processes[1].pid, signal.SIGKILL)
     env._processes[1].join(60.0)
-    with pytest.raises(RuntimeError, match="the process of the rows 1 to 1 has ended"):
+    with pytest.raises(RuntimeError, match="the process of the rows 1 to 1 has ended by SIGKILL"):
         env.step(np.zeros((2, 2)))
+    other = morse.gym.vector(Reach, 2)
+    for mended, whole in zip(
+        env.reset(seed=4)[:1] + env.step(np.ones((2, 2))),
+        other.reset(seed=4)[:1] + other.step(np.ones((2, 2))),
+        strict=True,
+    ):
+        if not isinstance(whole, dict):
+            assert np.array_equal(mended, whole)
+    env.close()
+    other.close()
+
+
+def test_a_program_that_does_not_close_a_vector_leaves_nothing_behind():
+    code = (
+        "import morse.gym; from morse.gym.reach import Reach\n"
+        "if __name__ == '__main__':\n    env = morse.gym.vector(Reach, 2, workers=2); env.reset(seed=1)"
+    )
+    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert (outcome.returncode, outcome.stderr) == (0, "")
+
+
+class _Reward:
+    """A task that returns something else than rewards, ends and infos."""
+
+    def __init__(self, value):
+        self.value = value
+
+    def __call__(self):
+        task = LookAround()
+        task.reward = lambda _before, _now: self.value
+        return task
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ((np.zeros(7), False, {}), r"LookAround.reward has returned rewards of the shape \(7,\), expected \(2,\)"),
+        ((0.0, np.zeros((2, 1)), {}), r"ends of episodes of the shape \(2, 1\)"),
+        ((np.array([0.0, np.nan]), False, {}), "has returned NaN for row 1"),
+        (np.zeros(2), "returns rewards .N,., whether the episodes are over .N,., and a dictionary of infos"),
+        (None, "LookAround.reward returns"),
+    ],
+)
+def test_wrong_results_of_a_task_are_named(value, message):
+    env = morse.gym.vector(_Reward(value), 2)
+    env.reset(seed=0)
+    with pytest.raises((TypeError, ValueError), match=message):
+        env.step(np.zeros((2, 2)))
+    env.close()
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_wrong_actions_are_named_and_no_time_passes(workers):
+    env = morse.gym.vector(LookAround, 2, workers=workers)
+    if not workers:
+        with pytest.raises(ResetNeeded, match="call reset"):
+            env.step(np.zeros((2, 2)))
+    env.reset(seed=0)
+    for actions, message in (
+        (np.zeros((3, 2)), r"the shape \(3, 2\), expected \(2, 2\)"),
+        ([[0.0, 0.0], [np.nan, 0.0]], r"the action of row 1 is \[nan, 0.0\]"),
+        ("go", "an array of numbers of the shape .2, 2., not 'go'"),
+        (None, "shape"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            env.step(actions)
+    other = morse.gym.vector(LookAround, 2)
+    other.reset(seed=0)
+    after, expected = (one.step(np.zeros((2, 2)))[0] for one in (env, other))
+    assert np.array_equal(after["pose"], expected["pose"])
+    other.close()
+    env.close()
+    env.close()
+    with pytest.raises(ClosedEnvironmentError, match="make it again"):
+        env.step(np.zeros((2, 2)))
+
+
+def test_names_that_are_not_there_are_named():
+    class Misspelt(LookAround):
+        def reward(self, before, now):
+            return now["posse"][:, 0], False, {}
+
+    env = morse.gym.TaskEnv(Misspelt)
+    with pytest.raises(ValueError, match=r"have the shape \(3,\), expected \(2,\)"):
+        env.step(np.zeros(3))
+    env.reset(seed=0)
+    with pytest.raises(KeyError, match="no data 'posse'; did you mean 'pose'"):
+        env.step(np.zeros(2))
+    for copied in (copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="pass a function that makes it"):
+            copied(env)
+        with pytest.raises(TypeError, match="send its scene"):
+            copied(env.task.many)
+        with pytest.raises(TypeError, match="send its scene"):
+            copied(env.task.many[0])
     env.close()
 
 
@@ -240,10 +338,13 @@ def test_a_process_that_dies_is_named():
         ({"observation": 3}, "'observation' is a Read, a Touch or a space"),
         ({"observation": morse.gym.Read("robot.camera", "imago")}, "no field 'imago'"),
         ({"action": "robot.motion"}, "action is a morse.gym.Command"),
+        ({"ticks": 0}, "'ticks' of Wrong is at least 1, not 0"),
+        ({"ticks": 2.5}, "'ticks' of Wrong is an integer, not 2.5"),
+        ({"limit": "60"}, "'limit' of Wrong is an integer, not '60'"),
     ],
 )
 def test_mistakes_in_a_task_are_named(change, message):
-    with pytest.raises((TypeError, KeyError), match=message):
+    with pytest.raises((TypeError, KeyError, ValueError), match=message):
         morse.gym.TaskEnv(type("Wrong", (Picture,), change))
 
 

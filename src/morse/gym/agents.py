@@ -11,6 +11,7 @@ except ImportError:
 
 import numpy as np
 
+from morse.gym.checks import actions_of
 from morse.gym.env import check_render_mode
 from morse.gym.episodes import Episodes, row_of
 from morse.gym.team import Team
@@ -68,7 +69,9 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         given = np.array([np.clip(np.zeros(space.shape), space.low, space.high)] * len(self.possible_agents))
         rows = {agent: self.possible_agents.index(agent) for agent in self.agents}
         for agent, row in rows.items():
-            given[row] = actions[agent]
+            if agent not in actions:
+                raise ValueError(f"the action of '{agent}' is missing; agents are {', '.join(self.agents)}")
+            given[row] = actions_of(actions[agent], space.shape or ())
         rewards, ended, late, values = self._episodes.step(given)
         observations = self._observations()
         result = (

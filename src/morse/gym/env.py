@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import gymnasium
-import numpy as np
 
+from morse.gym.checks import actions_of
 from morse.gym.episodes import Episodes, row_of
 from morse.gym.variety import scenes_of
 from morse.many.batch import batch
@@ -14,6 +14,7 @@ from morse.many.batch import batch
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from morse.gym.task import Task
@@ -55,7 +56,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Do an action."""
-        rewards, ended, late, infos = self._episodes.step(np.asarray(action)[None])
+        rewards, ended, late, infos = self._episodes.step(actions_of(action, self.action_space.shape or ())[None])
         info = {name: values[0] for name, values in infos.items()}
         return row_of(self._episodes.observations(), 0), float(rewards[0]), bool(ended[0]), bool(late[0]), info
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from gymnasium import spaces
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 
+from morse.gym.checks import Data, actions_of, check_task, outcome
 from morse.gym.spaces import action_space, fitted, space_of
-from morse.gym.task import Command, Read, Task, Touch
+from morse.gym.task import Read, Task, Touch
 from morse.gym.variety import draw
 
 if TYPE_CHECKING:
@@ -38,13 +40,7 @@ class Episodes:
 
     def __init__(self, task: Task | Callable[[], Task], load: Callable[[Task], Any]) -> None:
         self.task = task = task if isinstance(task, Task) or not callable(task) else task()
-        if not isinstance(task, Task):
-            raise TypeError(f"a task is a morse.gym.Task, not {task!r:.80}")
-        for name in ("scene", "action", _NAME):
-            if getattr(task, name, None) is None:
-                raise TypeError(f"{type(task).__name__} has no attribute '{name}'; see morse.gym.Task")
-        if not isinstance(task.action, Command):
-            raise TypeError(f"action is a morse.gym.Command, not {task.action!r:.80}")
+        check_task(task)
         self.many = many = load(task)
         task.many = many
         self._rows = len(many)
@@ -54,7 +50,7 @@ class Episodes:
             self.action_space = action_space(task.action)
             self._actions = np.zeros((self._rows, len(task.action.ranges)), np.float32)
             self._data: dict[str, NDArray[Any]] = {}
-            task.values = {}
+            task.values = Data()
             named = task.observation if isinstance(task.observation, dict) else {_NAME: task.observation}
             own = {name: self._bind(name, part) for name, part in {**task.data, **named}.items()}
             parts = {name: own[name] for name in named}
@@ -64,7 +60,8 @@ class Episodes:
             raise
         self._age = np.zeros(self._rows, np.int64)
         self.drawn: list[dict[str, Any]] = [{} for _ in range(self._rows)]
-        self._now: dict[str, NDArray[Any]] = {}
+        self._now = Data()
+        self._is_closed = False
 
     def _bind(self, name: str, part: Any) -> spaces.Space[Any]:
         many = self.many
@@ -87,6 +84,8 @@ class Episodes:
         Args:
             seeds: seeds of the rows; None to go on with their generators.
         """
+        if self._is_closed:
+            raise ClosedEnvironmentError("this environment is closed: make it again")
         if not len(rows):
             return
         task, many = self.task, self.many
@@ -113,26 +112,29 @@ class Episodes:
             (N,) rewards, terminated, truncated, and arrays of infos by name.
 
         Raises:
-            ValueError: the actions have another shape.
+            ValueError: the actions have another shape, or one is NaN; no time has passed then.
+            TypeError, ValueError: the task has returned something else than rewards, ends and infos.
+            ClosedEnvironmentError, ResetNeeded: the environment is closed, or no episode has begun.
         """
         task, space = self.task, self.action_space
-        given = np.asarray(actions, np.float32)
-        if given.shape != self._actions.shape:
-            raise ValueError(f"actions have the shape {self._actions.shape}, not {given.shape}")
-        self._actions = np.clip(given, space.low, space.high)
+        if self._is_closed:
+            raise ClosedEnvironmentError("this environment is closed: make it again")
+        if not self._now:
+            raise ResetNeeded("no episode has begun: call reset() before step()")
+        self._actions = np.clip(actions_of(actions, self._actions.shape), space.low, space.high)
         self._drive[:] = self._actions.reshape(self._drive.shape)
         self.many.step(task.ticks, measure=True)
         self._age += 1
         before, self._now = self._now, self._look()
-        reward, ended, infos = task.reward(before, self._now)
+        rewards, terminated, infos = outcome(task, task.reward(before, self._now), self._rows)
         late = np.zeros(self._rows, bool) if task.limit is None else self._age >= task.limit
-        terminated = np.broadcast_to(np.asarray(ended, bool), (self._rows,)).copy()
-        rewards = np.broadcast_to(np.asarray(reward, np.float64), (self._rows,)).copy()
         return rewards, terminated, late & ~terminated, dict(infos)
 
-    def _look(self) -> dict[str, NDArray[Any]]:
-        data = {name: np.array(values) for name, values in self._data.items()}
-        return data | {name: values.copy() for name, values in self.task.values.items()} | {"action": self._actions}
+    def _look(self) -> Data:
+        data = Data((name, np.array(values)) for name, values in self._data.items())
+        data.update((name, values.copy()) for name, values in self.task.values.items())
+        data["action"] = self._actions
+        return data
 
     def observations(self) -> Any:
         """Return the observations of all rows, in the types of the space; they are not changed later."""
@@ -157,8 +159,15 @@ class Episodes:
         return view
 
     def close(self) -> None:
-        """End the simulations."""
+        """End the simulations; closing them again has no effect."""
+        self._is_closed = True
         self.many.close()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            "an environment holds running simulations and cannot be copied or pickled: pass a function that makes it, "
+            "such as lambda: gymnasium.make('morse/Reach-v0')"
+        )
 
 
 def row_of(values: Any, row: int) -> Any:

@@ -6,16 +6,20 @@ import contextlib
 import itertools
 import multiprocessing
 import os
+import signal
+import weakref
 from multiprocessing import resource_tracker
 from multiprocessing.shared_memory import SharedMemory
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from gymnasium import spaces
+from gymnasium.error import ClosedEnvironmentError
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from morse.core.reports.faults import describe
+from morse.gym.checks import actions_of
 from morse.gym.env import check_render_mode
 from morse.gym.vector import Rows
 from morse.many.pool import ONE_THREAD, can_fork
@@ -146,52 +150,95 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         if not 1 <= workers <= num_envs:
             raise ValueError(f"{num_envs} rows need 1 to {num_envs} workers, not {workers}")
         self.render_mode, self.num_envs = render_mode, num_envs
-        self._shared: _Shared | None = None
+        self._task = task
+        self._memory: list[_Shared] = []
         self._connections: list[Connection] = []
         self._processes: list[Any] = []
+        # also at the end of a program that does not close it
+        self._end = weakref.finalize(self, _end, self._connections, self._processes, self._memory)
         edges = [num_envs * worker // workers for worker in range(workers + 1)]
         self._places = [slice(a, b) for a, b in itertools.pairwise(edges)]
-        kind = _kind_of_start()
-        context: Any = multiprocessing.get_context(kind)
         # before the processes start, which else have trackers of their own that remove the memory when they end
         resource_tracker.ensure_running()
         try:
-            for place in self._places:
-                ours, theirs = context.Pipe()
-                inherited = [*self._connections, ours] if kind == "fork" else []
-                process = context.Process(
-                    target=_work, args=(theirs, task, place.start, place.stop - place.start, inherited), daemon=True
-                )
-                process.start()
-                theirs.close()
-                self._connections.append(ours)
-                self._processes.append(process)
+            for number in range(workers):
+                self._start(number)
             self.single_observation_space, self.single_action_space = self._ask("open", [None] * workers)[0]
-            self._shared = _Shared(self.single_observation_space, self.single_action_space, num_envs)
-            about = (self.single_observation_space, self.single_action_space, num_envs, self._shared.memory.name)
-            self._ask("share", [about] * workers)
+            self._memory.append(_Shared(self.single_observation_space, self.single_action_space, num_envs))
+            self._ask("share", [self._about()] * workers)
         except BaseException:
             self.close_extras()
             raise
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
 
-    def _ask(self, order: str, contents: Sequence[Any]) -> list[Any]:
-        """Give all processes an order, and return their answers.
+    def _start(self, number: int) -> None:
+        """Start a process, in the place of an earlier one that has ended."""
+        place, kind = self._places[number], _kind_of_start()
+        context: Any = multiprocessing.get_context(kind)
+        ours, theirs = context.Pipe()
+        self._connections[number : number + 1] = [ours]
+        process = context.Process(
+            target=_work,
+            args=(
+                theirs,
+                self._task,
+                place.start,
+                place.stop - place.start,
+                list(self._connections) if kind == "fork" else [],
+            ),
+            daemon=True,
+        )
+        process.start()
+        theirs.close()
+        self._processes[number : number + 1] = [process]
+
+    def _replace(self) -> list[int]:
+        """Start processes for those that have ended, and return their numbers."""
+        numbers = [number for number, process in enumerate(self._processes) if not process.is_alive()]
+        for number in numbers:
+            self._connections[number].close()
+            self._start(number)
+            self._ask("open", [None], [number])
+            self._ask("share", [self._about()], [number])
+        return numbers
+
+    def _about(self) -> tuple[Any, ...]:
+        return self.single_observation_space, self.single_action_space, self.num_envs, self._shared.memory.name
+
+    @property
+    def _shared(self) -> _Shared:
+        if not self._memory:
+            raise ClosedEnvironmentError("this environment is closed: make it again")
+        return self._memory[0]
+
+    def _ask(self, order: str, contents: Sequence[Any], numbers: Sequence[int] | None = None) -> list[Any]:
+        """Give processes an order, and return their answers.
+
+        Args:
+            numbers: of the processes; None for all.
 
         Raises:
             RuntimeError: a process has failed or has ended; the message says where.
         """
         answers: list[Any] = []
         problems: list[str] = []
-        for connection, content in zip(self._connections, contents, strict=True):
+        asked = range(len(self._processes)) if numbers is None else numbers
+        for number, content in zip(asked, contents, strict=True):
             with contextlib.suppress(ConnectionError):
-                connection.send((order, content))
-        for place, connection in zip(self._places, self._connections, strict=True):
+                self._connections[number].send((order, content))
+        for number in asked:
+            place = self._places[number]
             try:
-                good, answer = connection.recv()
+                good, answer = self._connections[number].recv()
             except (EOFError, ConnectionError):
-                good, answer = False, f"the process of the rows {place.start} to {place.stop - 1} has ended"
+                good, answer = (
+                    False,
+                    (
+                        f"the process of the rows {place.start} to {place.stop - 1} has ended"
+                        f"{_cause(self._processes[number])}; reset() starts another one"
+                    ),
+                )
             (answers if good else problems).append(answer)
         if problems:
             raise RuntimeError("\n".join(problems))
@@ -200,25 +247,24 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
     def reset(
         self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode in each row; see `morse.gym.TaskVectorEnv.reset`."""
-        assert self._shared is not None
+        """Begin an episode in each row; see `morse.gym.TaskVectorEnv.reset`. Processes that have ended are replaced."""
+        shared, others = self._shared, self._replace()
         seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
         mask = (options or {}).get("reset_mask")
         contents = [
-            (None if seeds is None else seeds[place], None if mask is None else np.asarray(mask)[place])
-            for place in self._places
+            (
+                None if seeds is None else seeds[place],
+                None if mask is None or number in others else np.asarray(mask)[place],
+            )
+            for number, place in enumerate(self._places)
         ]
         infos = self._ask("reset", contents)
-        return self._shared.observations(), self._together(infos)
+        return shared.observations(), self._together(infos)
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Do an action in each row; see `morse.gym.TaskVectorEnv.step`."""
         shared = self._shared
-        assert shared is not None
-        given = np.asarray(actions)
-        if given.shape != shared.action.shape:
-            raise ValueError(f"actions have the shape {shared.action.shape}, not {given.shape}")
-        shared.action[:] = given
+        shared.action[:] = actions_of(actions, shared.action.shape)
         infos = self._together(self._ask("step", [None] * len(self._places)))
         return shared.observations(), shared.reward.copy(), shared.ended.copy(), shared.late.copy(), infos
 
@@ -252,13 +298,27 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
 
     def close_extras(self, **kwargs: Any) -> None:
         """End the processes."""
-        for connection in self._connections:
-            connection.close()
-        for process in self._processes:
-            process.join(10.0)
-            if process.is_alive():
-                process.kill()
-                process.join()
-        if self._shared is not None:
-            self._shared.close(unlink=True)
-            self._shared = None
+        self._end()
+
+
+def _end(connections: list[Connection], processes: list[Any], memory: list[_Shared]) -> None:
+    """End the processes of a vector, and release the memory that they share."""
+    for connection in connections:
+        connection.close()
+    for process in processes:
+        process.join(10.0)
+        if process.is_alive():
+            process.kill()
+            process.join()
+    while memory:
+        memory.pop().close(unlink=True)
+
+
+def _cause(process: Any) -> str:
+    """What has ended a process, as the continuation of a sentence."""
+    process.join(1.0)
+    code = process.exitcode
+    if code is None or code >= 0:
+        return ""
+    name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+    return f" by {name}, perhaps because there was no memory left" if name == "SIGKILL" else f" by {name}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -457,6 +457,9 @@ class Batch:
             self._window.close()
         for simulation in simulations:
             simulation.close()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a batch cannot be copied or pickled: send its scene, or the states of rows, many.save(rows)")
 
     def __enter__(self) -> Batch:
         return self

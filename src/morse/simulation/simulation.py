@@ -7,7 +7,7 @@ import math
 import os
 from operator import methodcaller
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 from morse.core.clock import Clock
 from morse.core.context import Context, Controls, acting, forget
@@ -458,6 +458,12 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
             self.finalize_services()
         self.finalize_observers()
         self.end()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            "a running simulation cannot be copied or pickled: send its scene (a path, a function or a "
+            "morse.scene.Scene) or its state, simulation.save()"
+        )
 
     def __enter__(self) -> Simulation:
         return self
