@@ -62,7 +62,9 @@ def merged(before: Any, now: Any, after: Any) -> Any:
     return now
 
 
-def _merged_dict(before: dict[Any, Any], now: dict[Any, Any], after: dict[Any, Any]) -> dict[Any, Any]:
+def _merged_dict(
+    before: dict[object, object], now: dict[object, object], after: dict[object, object]
+) -> dict[object, object]:
     result = {}
     for key in [*now, *(key for key in after if key not in now)]:
         if key in now and key in before and key not in after and same(before[key], now[key]):

@@ -29,7 +29,7 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
     An agent whose episode has ended gets the action nearest to 0, until all have ended.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"name": "morse_v0", "render_modes": ["rgb_array"], "render_fps": 10}
+    metadata: ClassVar[dict[str, object]] = {"name": "morse_v0", "render_modes": ["rgb_array"], "render_fps": 10}
 
     def __init__(self, task: Task | Callable[[], Task], agents: Sequence[str], render_mode: str | None = None) -> None:
         check_render_mode(render_mode)
@@ -41,11 +41,11 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         self.observation_spaces = dict.fromkeys(self.possible_agents, self._episodes.observation_space)
         self.action_spaces = dict.fromkeys(self.possible_agents, self._episodes.action_space)
 
-    def observation_space(self, agent: str) -> Any:
+    def observation_space(self, agent: str) -> object:
         """Return the space of the observations of an agent."""
         return self.observation_spaces[agent]
 
-    def action_space(self, agent: str) -> Any:
+    def action_space(self, agent: str) -> object:
         """Return the space of the actions of an agent."""
         return self.action_spaces[agent]
 
@@ -59,7 +59,7 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         infos = {agent: dict(self._episodes.drawn[row]) for row, agent in enumerate(self.agents)}
         return self._observations(), infos
 
-    def _observations(self) -> dict[str, Any]:
+    def _observations(self) -> dict[str, object]:
         observations = self._episodes.observations()
         return {agent: row_of(observations, self.possible_agents.index(agent)) for agent in self.agents}
 

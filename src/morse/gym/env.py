@@ -32,7 +32,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         render_mode: ``rgb_array`` for `render`.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": _RATE}
+    metadata: ClassVar[dict[str, object]] = {"render_modes": ["rgb_array"], "render_fps": _RATE}
 
     def __init__(self, task: Task | Callable[[], Task], render_mode: str | None = None) -> None:
         check_render_mode(render_mode)

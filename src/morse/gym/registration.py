@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from morse.gym.task import Task
 
 
-def register(name: str, task: type[Task] | str, **options: Any) -> None:
+def register(name: str, task: type[Task] | str, **options: object) -> None:
     """Register a task: ``gymnasium.make(name)``, ``gymnasium.make_vec(name, num_envs=64, workers=8)``.
 
     Args:

@@ -41,7 +41,7 @@ class Team:
     def __len__(self) -> int:
         return len(self.agents)
 
-    def __getitem__(self, row: int) -> Any:
+    def __getitem__(self, row: int) -> object:
         return self._simulation
 
     def component(self, name: str) -> Any:
@@ -105,7 +105,7 @@ class Team:
         for row, pose in zip(rows, poses, strict=True):
             self._simulation.place(name.replace(AGENT, self.agents[row]), pose)
 
-    def vary(self, name: str, *, rows: Sequence[int], **values: Any) -> None:
+    def vary(self, name: str, *, rows: Sequence[int], **values: object) -> None:
         """See `morse.many.batch.Batch.vary`."""
         for row in rows:
             for what, value in values.items():

@@ -137,7 +137,7 @@ def _work(connection: Connection, task: Any, first: int, count: int, inherited: 
 class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
     """N simulations of a task in several processes; see `morse.gym.vector`."""
 
-    metadata: ClassVar[dict[str, Any]] = {
+    metadata: ClassVar[dict[str, object]] = {
         "autoreset_mode": AutoresetMode.SAME_STEP,
         "render_modes": ["rgb_array"],
         "render_fps": 10,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from ctypes import c_int64, c_void_p
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,7 +22,7 @@ class Lane(ctypes.Structure):
 
     _fields_ = (*((name, c_void_p) for name in ("placing", "moving", "solids", "rays")), ("count", c_int64))
     #: the objects to whose memory it points
-    keep: Any = None
+    keep: object = None
 
 
 class _ConvoyStructure(ctypes.Structure):
@@ -73,7 +73,7 @@ class Lanes:
 
     def __init__(self, rows: int) -> None:
         self._lanes = (Lane * rows)()
-        self._keep: list[Any] = [None] * rows
+        self._keep: list[object] = [None] * rows
         kernel = library()
         assert kernel is not None
         self._cast = kernel.morse_convoy_cast

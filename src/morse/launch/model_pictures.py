@@ -71,7 +71,7 @@ def models() -> list[Model]:
     return items
 
 
-def _is_model(cls: Any, base: type) -> bool:
+def _is_model(cls: object, base: type) -> bool:
     return isinstance(cls, type) and issubclass(cls, base) and cls.__name__ != "FakeRobot"
 
 
@@ -163,7 +163,7 @@ def _draw(several: list[Model]) -> None:
         _cache.put(_key(model), b"")
 
 
-def _print(value: Any) -> None:
+def _print(value: object) -> None:
     print(json.dumps(value), flush=True)
 
 

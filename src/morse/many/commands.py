@@ -50,7 +50,7 @@ class CommandColumn:
         rows = len(handles)
         self._layout, self._handles = layout, handles
         self._pending: list[PendingCommands | None] = [None] * rows
-        self._actuators: list[Any] = [None] * rows
+        self._actuators: list[object] = [None] * rows
         self.array = layout.empty(rows).view(Command)
         self.array.written = np.zeros(rows, bool)
         self._plain: NDArray[Any] = self.array.view(np.ndarray)
@@ -129,7 +129,7 @@ class CommandColumn:
             self._actuators[row] = component
         return pending
 
-    def _message(self, row: int) -> dict[str, Any]:
+    def _message(self, row: int) -> dict[str, object]:
         layout, values = self._layout, self._plain[row]
         if len(layout.fields) == 1:
             return {layout.fields[0]: values.tolist() if isinstance(values, np.ndarray) else _item(values)}

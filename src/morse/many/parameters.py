@@ -66,7 +66,7 @@ def loguniform(low: float, high: float, *, samples: int = 1) -> Distribution:
     return Distribution("loguniform", _ordered("loguniform", low, high), _checked(samples))
 
 
-def choice(*values: Any, samples: int = 1) -> Distribution:
+def choice(*values: object, samples: int = 1) -> Distribution:
     """One of these values, all equally likely."""
     if not values:
         raise ValueError("choice: there is no value")
@@ -102,7 +102,7 @@ def axis(name: str, values: object) -> list[Any]:
     return chosen
 
 
-def combinations(axes: Mapping[str, Sequence[object]], seeds: Iterable[int]) -> Iterator[tuple[dict[str, Any], int]]:
+def combinations(axes: Mapping[str, Sequence[object]], seeds: Iterable[int]) -> Iterator[tuple[dict[str, object], int]]:
     """Each combination of the values of all parameters, with each seed."""
     every = list(seeds)
     for values in itertools.product(*axes.values()):

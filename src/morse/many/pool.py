@@ -57,7 +57,7 @@ class Pool:
         if description is not None:
             self._start_server(description)
 
-    def _start_server(self, description: dict[str, Any]) -> None:
+    def _start_server(self, description: dict[str, object]) -> None:
         self._control, theirs = socket.socketpair()
         with theirs:
             self._server = subprocess.Popen(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import Any
 
 
 class Progress:
@@ -19,7 +18,7 @@ class Progress:
         self.total, self.done, self.failed = total, done, failed
         self._before, self._begin = done, time.monotonic()
 
-    def add(self, row: dict[str, Any]) -> None:
+    def add(self, row: dict[str, object]) -> None:
         """Count a run."""
         self.done += 1
         self.failed += bool(row["error"])

@@ -35,7 +35,7 @@ class Reference(NamedTuple):
         Raises:
             ImportError, AttributeError: it does not exist any more.
         """
-        found: Any = imported(self.file, self.module)
+        found: object = imported(self.file, self.module)
         for part in self.name.split("."):
             found = getattr(found, part)
         return found
@@ -48,7 +48,7 @@ def reference_of(function: Callable[..., object]) -> Reference | None:
     file = getattr(module, "__file__", None)
     if file is None or not name or "<" in name or not Path(file).is_file():
         return None
-    found: Any = module
+    found: object = module
     for part in name.split("."):
         found = getattr(found, part, None)
     if found is not function:
@@ -57,7 +57,7 @@ def reference_of(function: Callable[..., object]) -> Reference | None:
     return Reference(str(Path(file).resolve()), package, name)
 
 
-_loaded: dict[tuple[str, str], Any] = {}
+_loaded: dict[tuple[str, str], object] = {}
 
 
 class StopLoading(BaseException):
@@ -68,7 +68,7 @@ class StopLoading(BaseException):
 is_loading = False
 
 
-def imported(file: str, module: str = "") -> Any:
+def imported(file: str, module: str = "") -> object:
     """Return the module of a file, which is executed once; a study that it starts is not run."""
     global is_loading
     key = file, module

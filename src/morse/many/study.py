@@ -147,7 +147,7 @@ class Study:
 
     def once(
         self, seed: int = 0, *, record: str | os.PathLike[str] | None = None, **parameters: object
-    ) -> dict[str, Any]:
+    ) -> dict[str, object]:
         """Do one run in this process, with any values, and return its row.
 
         Args:

@@ -116,7 +116,7 @@ class Driver:
     def _left(self) -> int:
         return len(self._waiting)
 
-    def _take(self, task: Task, row: dict[str, Any] | None, problem: str) -> None:
+    def _take(self, task: Task, row: dict[str, object] | None, problem: str) -> None:
         name = task.run.name
         if row is None:
             row = self._died(task, problem)
@@ -131,7 +131,7 @@ class Driver:
         same = row["hash"] == first["hash"] and row["error"] == first["error"]
         self._ledger.add(first | {"recording": row["recording"], "same": same})
 
-    def _died(self, task: Task, problem: str) -> dict[str, Any] | None:
+    def _died(self, task: Task, problem: str) -> dict[str, object] | None:
         """A run whose process has died waits again, or has failed."""
         name = task.run.name
         self._tried[name] += 1
@@ -145,7 +145,7 @@ class Driver:
             "same": False, **machine_facts(),
         }  # fmt: skip
 
-    def _record_failure(self, run: Run, row: dict[str, Any]) -> None:
+    def _record_failure(self, run: Run, row: dict[str, object]) -> None:
         """Let a failed run be done again with a recording, unless there are enough of its kind."""
         if row["error"] and row.get("same") is None:
             kind = signature(row)

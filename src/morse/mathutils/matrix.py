@@ -208,7 +208,7 @@ class Matrix:
             return self._applied_to_row(other)
         return NotImplemented
 
-    def __rmatmul__(self, other: object) -> Any:
+    def __rmatmul__(self, other: object) -> object:
         return self._applied_to_row(other) if isinstance(other, Vector) else NotImplemented
 
     def _applied(self, vector: Vector) -> Vector:
@@ -466,10 +466,10 @@ class Matrix:
 
     __copy__ = copy
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+    def __deepcopy__(self, memo: dict[int, object]) -> Self:
         return self.copy()
 
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
         return type(self), (tuple(tuple(row) for row in self._rows),)
 
     def __repr__(self) -> str:

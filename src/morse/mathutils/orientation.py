@@ -247,7 +247,7 @@ class Euler(FloatSequence):
 
     __copy__ = copy
 
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
         return type(self), (tuple(self._items), self._order)
 
 

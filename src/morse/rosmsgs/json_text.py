@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import msgspec
 
 from morse.core.streams.extent import listed
 
 
-def _plain(value: object) -> Any:
+def _plain(value: object) -> object:
     if hasattr(value, "tolist"):  # numpy
         return listed(value)
     if isinstance(value, (set, frozenset)):
@@ -22,7 +20,7 @@ def _plain(value: object) -> Any:
 _ENCODER = msgspec.json.Encoder(enc_hook=_plain)
 
 
-def as_json(value: Any) -> str:
+def as_json(value: object) -> str:
     """A value as JSON.
 
     Raises:
@@ -31,7 +29,7 @@ def as_json(value: Any) -> str:
     return _ENCODER.encode(value).decode()
 
 
-def from_json(text: str) -> Any:
+def from_json(text: str) -> object:
     """Parse JSON of a client.
 
     Raises:

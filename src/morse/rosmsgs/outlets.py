@@ -36,7 +36,7 @@ class Outlet(NamedTuple):
     """
 
     type: str
-    make: Callable[[Message, str], dict[str, Any] | None]
+    make: Callable[[Message, str], dict[str, object] | None]
     topic: str = ""
     qos: Qos = Qos()
     frame: str = ""

@@ -77,7 +77,7 @@ def xyzw(wxyz: Sequence[float] | None) -> tuple[float, float, float, float]:
     return (x, y, z, w) if length == 1.0 else (x / length, y / length, z / length, w / length)
 
 
-def _unit_rows(*parts: NDArray[np.float64]) -> tuple[Any, Any, Any, Any]:
+def _unit_rows(*parts: NDArray[np.float64]) -> tuple[object, object, object, object]:
     """The quaternions x, y, z, w of many rows, with the bits of `xyzw`."""
     x, y, z, w = parts
     with np.errstate(all="ignore"):

@@ -97,14 +97,14 @@ def _path(name: str, folders: Iterable[str]) -> Path:
     raise MorseMiddlewareError(f"option 'remap': there is no file {shown(name)} in {places}")
 
 
-def _of_script(entries: Mapping[str, object]) -> Iterator[tuple[str, Any, str]]:
+def _of_script(entries: Mapping[str, object]) -> Iterator[tuple[str, object, str]]:
     for topic, value in entries.items():
         where = f"option 'remap', {shown(topic)}"
         inner = {key: (one, where) for key, one in value.items()} if isinstance(value, dict) else value
         yield topic, inner, where
 
 
-def _read(path: Path) -> Iterator[tuple[str, Any, str]]:
+def _read(path: Path) -> Iterator[tuple[str, object, str]]:
     """Iterate over topic, new name or mapping of entries with their lines, and line."""
     topic: tuple[str, Any, str] | None = None
     depth: int | None = None

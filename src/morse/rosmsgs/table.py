@@ -28,7 +28,7 @@ class Carrier(Protocol):
         """Name of the component."""
 
     @property
-    def kwargs(self) -> Mapping[str, Any]:
+    def kwargs(self) -> Mapping[str, object]:
         """Options of the stream."""
 
     @property

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     #: starts a simulation and returns the connection to it
-    Simulate = Callable[..., Any]
+    Simulate = Callable[..., object]
 
 
 _MODELS = "MORSE_RESOURCE_PATH"
@@ -143,7 +143,7 @@ def _load(
 
 def _in_process(options: tuple[str, ...]) -> dict[str, Any]:
     words = iter(options)
-    settings: dict[str, Any] = {}
+    settings: dict[str, object] = {}
     for word in words:
         name, equals, value = word.partition("=")
         if name not in ("--seed", "--speed"):

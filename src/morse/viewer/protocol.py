@@ -13,7 +13,7 @@ import operator
 import reprlib
 import struct
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -61,7 +61,7 @@ def server_message_types() -> list[type[msgspec.Struct]]:
     return messages(view_messages, ServerMessage)
 
 
-def _plain(value: object) -> Any:
+def _plain(value: object) -> object:
     """Numbers and vectors of other libraries as JSON values; other values as strings."""
     if hasattr(value, "tolist"):
         return value.tolist()
@@ -114,7 +114,7 @@ class _Writable:
         tag = {} if config.tag is None else {str(config.tag_field): config.tag}
         return tag | {name: self.copy(part) for name, part in msgspec.structs.asdict(value).items()}
 
-    def copy(self, value: Any, depth: int = 0) -> Any:
+    def copy(self, value: object, depth: int = 0) -> object:
         self._left -= 1
         if isinstance(value, str):
             return _text(value)

@@ -107,7 +107,7 @@ def _slowly(value: object) -> bytes:
 _MOST_PARTS = 100_000
 
 
-def from_json(text: bytes) -> Any:
+def from_json(text: bytes) -> object:
     """Decode a JSON text; ``NaN`` and ``Infinity`` are accepted.
 
     A lone surrogate, which is not a character and cannot be encoded, is replaced by U+FFFD.

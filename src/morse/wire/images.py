@@ -55,7 +55,7 @@ def image_fields(camera: Any, data: Mapping[str, Any]) -> PictureFields:
     return fields
 
 
-def cloud_fields(camera: object, data: Mapping[str, object]) -> Mapping[str, Any]:
+def cloud_fields(camera: object, data: Mapping[str, object]) -> Mapping[str, object]:
     """``{timestamp, height, width, points, intrinsic_matrix}``; points are x, y, z in float32.
 
     Data of other components than cameras are returned unchanged.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
 from morse.assets.triangle_limit import check_parts, check_triangles
@@ -47,7 +47,7 @@ def check_gltf(path: Path) -> None:
     _check_uses(path, tree, [primitive for some in primitives for primitive in some])
 
 
-def _tree(path: Path) -> Any:
+def _tree(path: Path) -> object:
     """The JSON part of a file; None if it has none, which its reader reports.
 
     Raises:
@@ -67,7 +67,7 @@ def _tree(path: Path) -> Any:
         raise AssetError(path, f"its JSON is damaged: {error!s:.100}") from None
 
 
-def _check_arrays(path: Path, tree: dict[str, Any]) -> None:
+def _check_arrays(path: Path, tree: dict[str, object]) -> None:
     implied = sum(_count(accessor) for accessor in _objects(tree, "accessors") if _is_implied(accessor))
     if implied > _MOST_IMPLIED:
         raise AssetError(path, f"it has arrays of {implied} items that are not in the file, at most {_MOST_IMPLIED}")
@@ -84,7 +84,7 @@ def _check_arrays(path: Path, tree: dict[str, Any]) -> None:
             raise AssetError(path, f"its {what} have {size:,} bytes, its buffers {buffers:,}: they overlap too much")
 
 
-def _check_uses(path: Path, tree: dict[str, Any], primitives: list[dict[str, Any]]) -> None:
+def _check_uses(path: Path, tree: dict[str, object], primitives: list[dict[str, object]]) -> None:
     """Refuse primitives that use arrays again and again: each use becomes a mesh of its own."""
     counts = [_count(accessor) for accessor in _objects(tree, "accessors")]
     corners = again = 0
@@ -107,27 +107,27 @@ def _check_uses(path: Path, tree: dict[str, Any], primitives: list[dict[str, Any
         )  # fmt: skip
 
 
-def _objects(table: dict[str, Any], name: str) -> list[dict[str, Any]]:
+def _objects(table: dict[str, object], name: str) -> list[dict[str, object]]:
     entries = table.get(name)
     return [one for one in entries if isinstance(one, dict)] if isinstance(entries, list) else []
 
 
-def _is_implied(accessor: dict[str, Any]) -> bool:
+def _is_implied(accessor: dict[str, object]) -> bool:
     return "bufferView" not in accessor or "sparse" in accessor
 
 
-def _count(table: dict[str, Any], name: str = "count") -> int:
+def _count(table: dict[str, object], name: str = "count") -> int:
     count = table.get(name)
     return count if isinstance(count, int) and count > 0 else 0
 
 
-def _bytes(accessor: dict[str, Any]) -> int:
+def _bytes(accessor: dict[str, object]) -> int:
     kind, shape = accessor.get("componentType"), accessor.get("type")
     size = _SIZES.get(kind, 4) if isinstance(kind, int) else 4
     return _count(accessor) * size * (_WIDTHS.get(shape, 16) if isinstance(shape, str) else 16)
 
 
-def _refuse_deep(path: Path, nodes: list[dict[str, Any]]) -> None:
+def _refuse_deep(path: Path, nodes: list[dict[str, object]]) -> None:
     above: dict[int, int] = {}
     for number, node in enumerate(nodes):
         children = node.get("children")

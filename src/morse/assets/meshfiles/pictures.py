@@ -101,7 +101,7 @@ class Pictures:
         return Image(name, chequered(), "image/png")
 
 
-def _opened(data: bytes) -> Any:
+def _opened(data: bytes) -> object:
     from PIL import Image as Pillow
 
     with warnings.catch_warnings():

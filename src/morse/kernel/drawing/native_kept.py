@@ -61,8 +61,8 @@ class NativeKept:
 
     def __init__(self, owner: object) -> None:
         self.owner = owner
-        self._key: Any = None
-        self._maps: tuple[Any, ...] = ()
+        self._key: object = None
+        self._maps: tuple[object, ...] = ()
         self._shape: tuple[int, int, bool, bool] | None = None
         self._arrays: dict[str, NDArray[Any] | None] = {}
         self._structure = _Kept()

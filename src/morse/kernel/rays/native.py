@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -101,7 +101,7 @@ class NativeRays:
         count = len(solids)
         self.positions, self.rotations = np.zeros((count, 3)), np.zeros((count, 3, 3))
         self._gatherings: dict[bool, _Gathering] = {}
-        self._fans: WeakKeyDictionary[Fan, tuple[RaysStructure, tuple[Any, ...]]] = WeakKeyDictionary()
+        self._fans: WeakKeyDictionary[Fan, tuple[RaysStructure, tuple[object, ...]]] = WeakKeyDictionary()
         self._cast = library.morse_rays_cast
         self._groups: NDArray[np.int64] | None = None
         self._groups_address: int | None = None
@@ -181,7 +181,7 @@ class NativeRays:
             self._known, self._pose_addresses = poses, addresses(*poses)
         return self._pose_addresses
 
-    def _rays_of(self, fan: Fan) -> tuple[RaysStructure, tuple[Any, ...]]:
+    def _rays_of(self, fan: Fan) -> tuple[RaysStructure, tuple[object, ...]]:
         """What is the same in all casts of a fan: the structure, and the arguments of the function."""
         entry = self._fans.get(fan)
         if entry is None:

@@ -35,7 +35,7 @@ class FoxgloveRequestManager(WebRequestManager):
     def _set(self, component: str, arguments: list[object]) -> None:
         self.on_incoming_request(component, "set_property", arguments)
 
-    def _handle(self, client: HubClient, call: Any, path: str, arguments: bytes) -> None:
+    def _handle(self, client: HubClient, call: object, path: str, arguments: bytes) -> None:
         if path not in (GET, SET):
             super()._handle(client, call, path, arguments)
             return

@@ -76,7 +76,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
 
     # -- streams -----------------------------------------------------------------------------
 
-    def make_stream(self, component: Object, declaration: StreamDeclaration) -> Any:
+    def make_stream(self, component: Object, declaration: StreamDeclaration) -> object:
         """See `DatastreamManager.make_stream`."""
         stream = super().make_stream(component, declaration)
         robot = component.robot_parent or component

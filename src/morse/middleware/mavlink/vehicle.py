@@ -106,7 +106,7 @@ class Vehicle:
         """Log a problem of a client, at most once in a while for each kind."""
         self._complaints.warn(kind, f"mavlink: system {self.system}: {text}")
 
-    def send(self, name: str, *values: Any) -> None:
+    def send(self, name: str, *values: object) -> None:
         """Send a message.
 
         Args:

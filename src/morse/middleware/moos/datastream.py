@@ -38,7 +38,7 @@ class MOOSDatastreamManager(DatastreamManager):
 
     def __init__(self, options: Options, context: Context) -> None:
         super().__init__(options, context)
-        self._databases: dict[tuple[Any, ...], Database] = {}
+        self._databases: dict[tuple[object, ...], Database] = {}
         self._takers: dict[tuple[Database, str], list[Callable[[str, float | str], object]]] = {}
         self._owners: dict[tuple[Database, str], str] = {}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
@@ -97,7 +97,7 @@ class MoosReader(MoosStream):
             self.manager.ignore(self.database, variable, self.take)
 
     @property
-    def waiting(self) -> Collection[Any]:
+    def waiting(self) -> Collection[object]:
         """Fields that have arrived."""
         return self._values
 
@@ -109,7 +109,7 @@ class MoosReader(MoosStream):
         except ValueError as error:
             self.complain(variable, f"{variable} is refused: {error}: {shown(value)}")
 
-    def _read_value(self, field: str, value: object) -> Any:
+    def _read_value(self, field: str, value: object) -> object:
         present = self.data.get(field)
         if isinstance(value, bytes) or (isinstance(value, str) and len(value) > _LONGEST):
             raise ValueError("expected a number or a short string")

@@ -95,7 +95,7 @@ class MqttDatastreamManager(DatastreamManager):
             self.broker.publish(topic, data, stream.kwargs["qos"], stream.kwargs["retain"])
 
     @maps("general", direction="IN")
-    def command(self, stream: MqttStream, kind: BoundKind, data: bytes) -> Any:
+    def command(self, stream: MqttStream, kind: BoundKind, data: bytes) -> object:
         """The fields of a JSON object."""
         return from_json(data)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
@@ -83,7 +83,7 @@ class MqttReader(MqttStream):
         self.manager.broker.ignore(self.topic)
 
     @property
-    def waiting(self) -> Collection[Any]:
+    def waiting(self) -> Collection[object]:
         """Messages that have arrived."""
         return self._inbox.arrived
 

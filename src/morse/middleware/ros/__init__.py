@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 __all__ = ["ROSPublisher", "ROSPublisherTF", "ROSSubscriber"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     # the list of middlewares imports this package, and scenes without such streams do not need them
     if name not in __all__:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

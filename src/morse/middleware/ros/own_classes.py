@@ -36,7 +36,7 @@ class _OwnClass(AbstractDatastream):
     """
 
     manager: ROSDatastreamManager
-    ros_class: ClassVar[Any] = None
+    ros_class: ClassVar[object] = None
     topic_name: str = ""
 
     def _checked_class(self) -> object:
@@ -79,7 +79,7 @@ class ROSPublisher(_OwnClass):
         return topic_and_publisher
 
     @abstractmethod
-    def default(self, ci: Object | None = None) -> Any:
+    def default(self, ci: Object | None = None) -> object:
         """Publish a message; called whenever the component has acted."""
 
     def publish(self, message: Any) -> None:
@@ -88,7 +88,7 @@ class ROSPublisher(_OwnClass):
             self._publisher.publish(message)
         self.sequence += 1
 
-    def get_time(self) -> Any:
+    def get_time(self) -> object:
         """The simulated time of the data, as ``rospy.Time``."""
         from genpy import Time
 
@@ -172,5 +172,5 @@ class ROSSubscriber(_OwnClass):
         return bool(arrived)
 
     @abstractmethod
-    def update(self, message: Any) -> None:
+    def update(self, message: object) -> None:
         """Write a message into ``self.data``, the fields of the component."""

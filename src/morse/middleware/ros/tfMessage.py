@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
 
-tfMessage: Any = import_module("tf2_msgs.msg").TFMessage
+tfMessage: object = import_module("tf2_msgs.msg").TFMessage
 
 __all__ = ["tfMessage"]

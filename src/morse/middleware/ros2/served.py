@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from morse.rosmsgs.topics.backend import Backend, ServiceServer
 
-    Reply = Callable[[dict[str, Any]], object]
-    Handler = Callable[[dict[str, Any], Reply], object]
+    Reply = Callable[[dict[str, object]], object]
+    Handler = Callable[[dict[str, object], Reply], object]
 
 _EACH_TICK = 16
 

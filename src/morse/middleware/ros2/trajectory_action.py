@@ -26,7 +26,7 @@ NAME, SERVICE = "follow_joint_trajectory", "trajectory"
 INSTALL = "sudo apt install ros-$ROS_DISTRO-control-msgs"
 
 
-def action_type() -> Any:
+def action_type() -> object:
     """The class of the action; None if its package is not installed."""
     try:
         from control_msgs.action import FollowJointTrajectory

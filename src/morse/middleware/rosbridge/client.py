@@ -59,7 +59,7 @@ class RosbridgeClient(HubClient):
         super().__init__(hub, connection)
         self._level = 1
         #: subscriptions of each topic, by id
-        self._wishes: dict[str, dict[Any, _Wish]] = {}
+        self._wishes: dict[str, dict[object, _Wish]] = {}
         self._last: dict[str, float] = {}
 
     # -- topics ------------------------------------------------------------------------------

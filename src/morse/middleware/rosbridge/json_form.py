@@ -61,7 +61,7 @@ def _plain(type_name: str, message: Mapping[str, object]) -> RosMessage:
 
 
 @cache
-def _writers(type_name: str) -> dict[str, Callable[[Any], Any]]:
+def _writers(type_name: str) -> dict[str, Callable[[object], object]]:
     return {field.name: _writer(field) for field in fields_of(type_name)}
 
 
@@ -114,11 +114,11 @@ def _message(type_name: str, value: object, where: str) -> RosMessage:
 
 
 @cache
-def _readers(type_name: str) -> dict[str, Callable[[Any, str], object]]:
+def _readers(type_name: str) -> dict[str, Callable[[object, str], object]]:
     return {field.name: _reader(field) for field in fields_of(type_name)}
 
 
-def _reader(field: MessageField) -> Callable[[Any, str], object]:
+def _reader(field: MessageField) -> Callable[[object, str], object]:
     if field.size != SINGLE:
         return _numbers_reader(field) if field.type in PRIMITIVES else _items_reader(field)
     if field.type == "string":
@@ -158,11 +158,11 @@ def _number_reader(field: MessageField) -> Callable[[Any, str], object]:
     return read
 
 
-def _numbers_reader(field: MessageField) -> Callable[[Any, str], object]:
+def _numbers_reader(field: MessageField) -> Callable[[object, str], object]:
     single = _number_reader(field)
     dtype = np.dtype("?" if field.type == "bool" else field.type)
 
-    def read(value: Any, where: str) -> Any:
+    def read(value: object, where: str) -> object:
         if value is None:
             return np.zeros(field.size, dtype)
         if isinstance(value, str) and field.type in _BYTES:
@@ -185,10 +185,10 @@ def _numbers_reader(field: MessageField) -> Callable[[Any, str], object]:
     return read
 
 
-def _items_reader(field: MessageField) -> Callable[[Any, str], object]:
+def _items_reader(field: MessageField) -> Callable[[object, str], object]:
     single = _reader(field._replace(size=SINGLE))
 
-    def read(value: Any, where: str) -> list[Any]:
+    def read(value: object, where: str) -> list[object]:
         if value is None:
             return [single(None, where) for _ in range(field.size)]
         if not isinstance(value, list) or field.size not in (SEQUENCE, len(value)):

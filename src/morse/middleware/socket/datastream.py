@@ -150,17 +150,17 @@ class SocketDatastreamManager(DatastreamManager):
         return bool(server.connected or (binary is not None and (binary.every or binary.ready)))
 
     @maps("general")
-    def general(self, stream: SocketStream, message: Message) -> Mapping[str, Any]:
+    def general(self, stream: SocketStream, message: Message) -> Mapping[str, object]:
         """The data of the component, for all other kinds."""
         return message.fields
 
     @maps("image")
-    def image(self, stream: SocketStream, message: Message) -> Mapping[str, Any]:
+    def image(self, stream: SocketStream, message: Message) -> Mapping[str, object]:
         """The pixels; in base64 in lines."""
         return image_fields(stream.component_instance, message.fields)
 
     @maps("cloud")
-    def cloud(self, stream: SocketStream, message: Message) -> Mapping[str, Any]:
+    def cloud(self, stream: SocketStream, message: Message) -> Mapping[str, object]:
         """The points; in base64 in lines."""
         return cloud_fields(stream.component_instance, message.fields)
 

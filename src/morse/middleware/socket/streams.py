@@ -40,7 +40,7 @@ class SocketPublisher(SocketStream):
         return None if type(self).encode is SocketPublisher.encode else self.encode
 
     @property
-    def waiting(self) -> Collection[Any] | None:
+    def waiting(self) -> Collection[object] | None:
         """The clients."""
         return self.server.readers if type(self).default is KindStream.default else None
 
@@ -56,7 +56,7 @@ class SocketReader(SocketStream):
     """
 
     @property
-    def waiting(self) -> Collection[Any] | None:
+    def waiting(self) -> Collection[object] | None:
         """Messages of clients."""
         return self.server.inbox.arrived if type(self).default is KindStream.default else None
 

@@ -70,7 +70,7 @@ def from_text(text: str) -> list[object]:
     return stack[0]
 
 
-def _value(token: str) -> Any:
+def _value(token: str) -> object:
     if token[0] == '"':
         return re.sub(r"\\(.)", lambda found: _ESCAPES.get(found[1], found[1]), token[1:-1], flags=re.DOTALL)
     if token[0] == "[":

@@ -67,7 +67,7 @@ class YarpDatastreamManager(DatastreamManager):
         self._outgoing.append((stream.port, payload))
 
     @maps("general", direction="IN")
-    def command(self, stream: YarpReader, kind: BoundKind, data: list[Any]) -> dict[str, Any]:
+    def command(self, stream: YarpReader, kind: BoundKind, data: list[object]) -> dict[str, object]:
         """The fields of a bottle.
 
         Raises:
@@ -102,7 +102,7 @@ def bottle(stream: YarpStream, values: Any) -> bytes | None:
         return None
 
 
-def _value(present: object, value: object) -> Any:
+def _value(present: object, value: object) -> object:
     if isinstance(present, bool) and type(value) is int and value in (0, 1):
         return bool(value)  # a bottle of 1.4 has no booleans
     if isinstance(present, dict) and isinstance(value, list):

@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import logging
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 from morse.core.clients.complaints import Complaints
@@ -76,7 +76,7 @@ class Ports:
         """The name of a port from its path below the prefix."""
         return f"/{self._prefix}/{path}"
 
-    def open(self, name: str, owner: str, take: Callable[[list[Any], int], object] | None = None) -> Port:
+    def open(self, name: str, owner: str, take: Callable[[list[object], int], object] | None = None) -> Port:
         """Open a port.
 
         Args:

@@ -104,7 +104,7 @@ class YarpRequestManager(AnsweredRequests):
         if self._arrived:
             self._context.wake()
 
-    def _handle(self, place: str, values: list[Any]) -> None:
+    def _handle(self, place: str, values: list[object]) -> None:
         number = str(values[0]) if values else ""
         try:
             component, service, arguments = _request(values)

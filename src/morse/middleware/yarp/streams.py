@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.streams.kind_stream import KindStream
 from morse.middleware.yarp.mapping import STREAM_OPTIONS
@@ -78,7 +78,7 @@ class YarpReader(YarpStream):
         """Bottles that have arrived."""
         return self._bottles
 
-    def arrived(self) -> Iterable[list[Any]]:
+    def arrived(self) -> Iterable[list[object]]:
         """The bottles that have arrived, as many as there is time for."""
         while self._bottles and not self.rests:
             yield self._bottles.popleft()

@@ -34,7 +34,7 @@ class Sender:
     def __init__(self, paced: Callable[[], bool]) -> None:
         self._paced = paced
         self.failures: list[tuple[Any, BaseException]] = []
-        self._queue: queue.Queue[tuple[Callable[[], object], Any] | None] = queue.Queue(_MOST)
+        self._queue: queue.Queue[tuple[Callable[[], object], object] | None] = queue.Queue(_MOST)
         self._thread: threading.Thread | None = None
 
     def do(self, work: Callable[[], object], stream: object = None) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import struct
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from zlib import crc32
 
 import numpy as np
@@ -193,7 +193,7 @@ class TopicStream(KindStream, ComponentMessages):
 
     # -- commands ----------------------------------------------------------------------------
 
-    def arrived(self) -> Iterable[Any]:
+    def arrived(self) -> Iterable[object]:
         """See `KindStream.arrived`: what has arrived, unless it took more than its share of the time."""
         if not self._sender.rests:
             self._take()
@@ -264,7 +264,7 @@ class TopicStream(KindStream, ComponentMessages):
             frame = converted_slots
         self.receive(hearing.bound, slots, frame)
 
-    def _call(self, service: str, arguments: list[Any]) -> None:
+    def _call(self, service: str, arguments: list[object]) -> None:
         """Call an asynchronous service of the component, whose outcome nobody waits for."""
         component = self.component_instance
         component.context.journal.note(SERVICE, self.component_name, (service, arguments))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import data_fields, levels, properties
 from morse.core.declarations.refused import numbers_in, shape_of
@@ -76,7 +76,7 @@ def _missing(name: str, field: DataField) -> Iterator[str]:
 
 def _is_measured(field: DataField) -> bool:
     """Whether it contains quantities: neither words, nor flags, nor counts."""
-    default: Any = field.default
+    default: object = field.default
     if isinstance(default, (bool, dict)) or field.type in _COUNTED or field.dtype in ("uint8", "bool"):
         return False
     if isinstance(default, str):

@@ -16,7 +16,7 @@ _SOME = 0.3
 _deep: list[object] = []
 for _ in range(100):
     _deep = [_deep]
-_endless: dict[str, Any] = {}
+_endless: dict[str, object] = {}
 _endless["again"] = _endless
 
 #: invalid or malicious values of clients
@@ -27,7 +27,7 @@ BAD_VALUES: tuple[object, ...] = (
 )  # fmt: skip
 
 
-def example(component: Object) -> dict[str, Any]:
+def example(component: Object) -> dict[str, object]:
     """A valid command for an actuator."""
     declarations = fields_of_component(component)
     values = {

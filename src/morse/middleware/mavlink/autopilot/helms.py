@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.kinds.turning import quaternion_of
 
@@ -79,7 +79,7 @@ class Helm(ABC):
         """The vehicle was steered by something else."""
         self._last = {}
 
-    def send(self, **slots: Any) -> None:
+    def send(self, **slots: object) -> None:
         """Command the actuator, unless it has the same command already."""
         if slots != self._last:
             self._last = slots

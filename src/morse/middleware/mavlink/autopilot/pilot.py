@@ -47,7 +47,7 @@ class Autopilot:
         self._gimbal = Gimbal(vehicle)
         orders = Orders(vehicle, self.flight, self._reports, self._gimbal)
         self._transfers = transfers = Transfers(vehicle, self.flight.mission)
-        self._takes: dict[str, Callable[[Any], object]] = {
+        self._takes: dict[str, Callable[[object], object]] = {
             "COMMAND_LONG": orders.take,
             "COMMAND_INT": orders.take,
             "SET_MODE": self._set_mode,

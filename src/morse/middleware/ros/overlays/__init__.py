@@ -10,7 +10,7 @@ from morse.core.exceptions import MorseMiddlewareError
 _OF_DEBIAN = ("move_base_msgs",)
 
 
-def action_type(name: str, *packages: str) -> Any:
+def action_type(name: str, *packages: str) -> object:
     """The class of an action, from the first of some packages of messages that is installed.
 
     Raises:
