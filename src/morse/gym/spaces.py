@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morse.gym.task import Command, Read
 
 
-def space_of(read: Read, component: Any, values: NDArray[Any]) -> spaces.Box:
+def space_of(read: Read, component: object, values: NDArray[Any]) -> spaces.Box:
     """Return the space of data: uint8 for pictures, else float32 within the declared ranges.
 
     Args:

@@ -36,7 +36,7 @@ def scenes_of(task: Task, first: int, count: int) -> Any:
     return [partial(scenes[row % len(scenes)], **arguments_of(task, row)) for row in rows]
 
 
-def draw(task: Task, row: int, rng: np.random.Generator) -> dict[str, Any]:
+def draw(task: Task, row: int, rng: np.random.Generator) -> dict[str, object]:
     """Draw the parameters of an episode of a row, and apply them.
 
     Returns:

@@ -137,7 +137,7 @@ def _origins(origins: Any) -> list[str]:
         raise ValueError(f"view_origins: {error}") from None
 
 
-def _check(seed: Any, view: Any, arguments: Any, speed: Any, view_port: Any) -> None:
+def _check(seed: object, view: object, arguments: Any, speed: object, view_port: object) -> None:
     if seed is not None and (isinstance(seed, bool) or not isinstance(seed, numbers.Integral)):
         raise TypeError(f"seed is an integer or None, not {seed!r:.80}")
     if view not in _VIEWS:

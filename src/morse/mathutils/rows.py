@@ -88,7 +88,7 @@ class Column(MutableSequence[float]):
         else:
             self._rows[index][self._column] = value
 
-    def __delitem__(self, index: Any) -> None:
+    def __delitem__(self, index: object) -> None:
         raise TypeError("a column of a matrix has a fixed length")
 
     def insert(self, index: int, value: float) -> None:
@@ -108,7 +108,7 @@ class Lines:
     def __len__(self) -> int:
         return self._count
 
-    def __getitem__(self, index: int) -> Any:
+    def __getitem__(self, index: int) -> object:
         return self._line(self._checked(index))
 
     def __setitem__(self, index: int, values: Iterable[float]) -> None:

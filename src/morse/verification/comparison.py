@@ -203,7 +203,7 @@ def _pairs(type_name: str, was: bytes, now: bytes) -> Iterator[Any]:
     return zip_longest(_leaves(decode(type_name, was)), _leaves(decode(type_name, now)))
 
 
-def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, object]]:
     if isinstance(value, dict):
         for key, inner in value.items():
             yield from _leaves(inner, f"{name}.{key}" if name else key)

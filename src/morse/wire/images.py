@@ -31,7 +31,7 @@ def _is_packed(name: str, value: object) -> bool:
     return isinstance(value, np.ndarray) and name not in _NOT_OTHERS
 
 
-def image_fields(camera: Any, data: Mapping[str, Any]) -> PictureFields:
+def image_fields(camera: Any, data: Mapping[str, object]) -> PictureFields:
     """``{timestamp, height, width, image, intrinsic_matrix}``, and the other fields of the component.
 
     The image is RGBA, 8 bits each. A camera with ``compression`` has the bytes of an image file instead, and ``format``
@@ -70,7 +70,7 @@ def cloud_fields(camera: object, data: Mapping[str, object]) -> Mapping[str, obj
     return fields
 
 
-def _fields(camera: Any, data: Mapping[str, Any], field: str) -> PictureFields:
+def _fields(camera: object, data: Mapping[str, Any], field: str) -> PictureFields:
     height, width = np.shape(data[field])[:2] if np.ndim(data[field]) >= 2 else (None, None)
     return PictureFields(
         timestamp=data["timestamp"],

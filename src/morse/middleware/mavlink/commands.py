@@ -37,7 +37,7 @@ class CommandKinds:
     """The part of the stream manager for commands; each method returns slots, or None."""
 
     @maps("attitude", direction="IN")
-    def take_attitude(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
+    def take_attitude(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, object] | None:
         """SET_ATTITUDE_TARGET."""
         if message.get_type() != "SET_ATTITUDE_TARGET":
             return None
@@ -66,7 +66,7 @@ class CommandKinds:
         return {"values": [value * full for value in message.controls[:count]]}
 
     @maps("fix", direction="IN")
-    def take_fix(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
+    def take_fix(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, object] | None:
         """SET_POSITION_TARGET_GLOBAL_INT; without a geoid, altitudes are above the ellipsoid."""
         if message.get_type() != "SET_POSITION_TARGET_GLOBAL_INT" or message.type_mask & _NO_POSITION:
             return None

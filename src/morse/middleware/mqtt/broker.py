@@ -152,7 +152,7 @@ class Broker:
         """Note why the present connection is ended."""
         self._refusal = reason
 
-    def _on_connect(self, client: Any, userdata: Any, flags: Any, reason: Any, properties: Any) -> None:
+    def _on_connect(self, client: Any, userdata: object, flags: object, reason: Any, properties: object) -> None:
         self._has_answered = True
         if reason.is_failure:
             self._complaints.warn("refused", f"mqtt: the broker {self.place} refuses the connection: {reason}")
@@ -169,7 +169,7 @@ class Broker:
             "absent", f"mqtt: there is no broker at {self.place}; the simulation continues without it"
         )
 
-    def _on_disconnect(self, client: Any, userdata: Any, flags: Any, reason: Any, properties: Any) -> None:
+    def _on_disconnect(self, client: object, userdata: object, flags: object, reason: Any, properties: object) -> None:
         if self.connected:
             self._is_gone((self._refusal or str(reason)) if reason.is_failure else "")
         elif reason.is_failure and not self._has_answered:
@@ -182,7 +182,7 @@ class Broker:
         if because:
             self._complaints.warn("gone", f"mqtt: the broker {self.place} has disconnected: {because}")
 
-    def _on_message(self, client: Any, userdata: Any, message: Any) -> None:
+    def _on_message(self, client: object, userdata: object, message: Any) -> None:
         taker = self._takers.get(message.topic)
         if taker is not None:
             taker[1](message.payload)

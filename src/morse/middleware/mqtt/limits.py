@@ -84,7 +84,7 @@ class _LimitedSocket:
     def __init__(self, connection: Any, refuse: Callable[[str], object]) -> None:
         self._connection, self._refuse, self._limits = connection, refuse, PacketLimits()
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         return getattr(self._connection, name)
 
     def do_handshake(self) -> None:

@@ -112,7 +112,7 @@ class _Latched(_Publisher):
 class _Subscription(Subscription):
     def __init__(self, rospy: Any, topic: str, kind: Any, arrivals: Arrivals) -> None:
         complaints = Complaints(logger)
-        self._arrived: Waiting[Any] = Waiting(_WAITING, complaints, f"ros: {topic}", "messages")
+        self._arrived: Waiting[object] = Waiting(_WAITING, complaints, f"ros: {topic}", "messages")
         self._arrivals = arrivals
         self._subscriber = rospy.Subscriber(topic, kind, self._arrive, queue_size=_WAITING)
 

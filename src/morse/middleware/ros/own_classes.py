@@ -96,7 +96,7 @@ class ROSPublisher(_OwnClass):
         stamp = self.manager.context.clock.stamp() if seconds is None else round(seconds * _SECOND)
         return Time(*divmod(stamp, int(_SECOND)))
 
-    def get_ros_header(self) -> Any:
+    def get_ros_header(self) -> object:
         """A ``std_msgs.msg.Header`` with the time of the data and the frame of the stream."""
         header = message("std_msgs/Header", {"frame_id": self.frame_id})
         header.seq, header.stamp = self.sequence, self.get_time()

@@ -152,7 +152,7 @@ def _fields(request: Any) -> list[Any]:
     return [getattr(request, name) for name in request.__slots__]
 
 
-def _declared(kind: Any) -> Callable[[str, Any], object]:
+def _declared(kind: Any) -> Callable[[str, object], object]:
     """The response of a service with a declared type; an exception makes rospy report a failure to the caller."""
     response = kind._response_class
 

@@ -86,7 +86,7 @@ def _bytes_writer(field: MessageField) -> Callable[[Any], str]:
     return write
 
 
-def _list_writer(field: MessageField) -> Callable[[Any], list[Any]]:
+def _list_writer(field: MessageField) -> Callable[[object], list[object]]:
     single = _writer(field._replace(size=SINGLE))
 
     def write(value: Any) -> list[Any]:

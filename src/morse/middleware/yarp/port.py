@@ -224,7 +224,7 @@ class Port:
             return "\r\n".join([f"This is {self.name}", *ways])
         return "Port command not understood."
 
-    async def _administer(self, command: list[Any]) -> list[Any]:
+    async def _administer(self, command: list[object]) -> list[Any]:
         words = [str(word) for word in command] + ["", "", ""]
         if words[0] == "ver":
             return _VERSION

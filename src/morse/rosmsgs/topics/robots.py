@@ -35,7 +35,7 @@ class _Robot:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.streams: list[ComponentMessages] = []
-        self.measured: list[tuple[Any, BoundKind]] = []
+        self.measured: list[tuple[object, BoundKind]] = []
         self.states: Publisher | None = None
         self.description: Publisher | None = None
         self.last = -1

@@ -55,7 +55,7 @@ def has_points(component: Object) -> bool:
     return field is not None and tuple(field.shape or ()) == (None, 3)
 
 
-def in_world(component: Any, points: Any) -> NDArray[np.float32]:
+def in_world(component: Any, points: object) -> NDArray[np.float32]:
     """Some points of a cloud, (N, 3), in the frame of the world; the origin of the sensor stands for no point."""
     array = np.asarray(points, np.float32)
     if array.ndim != 2 or array.shape[1] != 3:

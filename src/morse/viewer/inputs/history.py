@@ -34,7 +34,7 @@ _OVERHEAD = 64
 class Restorable(Protocol):
     """The part of a simulation that the history uses."""
 
-    def save(self) -> Any:
+    def save(self) -> object:
         """The state, as plain data."""
 
     def restore(self, state: Any) -> None:
@@ -47,7 +47,7 @@ class Restorable(Protocol):
 @dataclass(frozen=True, slots=True)
 class _Kept:
     time: float
-    state: Any
+    state: object
     size: int
     wall: float
 

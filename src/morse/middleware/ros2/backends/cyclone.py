@@ -206,7 +206,7 @@ class CycloneBackend(Backend):
         self.opens = f"domain {domain}, UDP {place}"
         self.graph = GraphNode(self.participant, node, _qos(Qos(1, latched=True)))
         self.graph.tell()
-        self._topics: dict[tuple[str, str], Any] = {}
+        self._topics: dict[tuple[str, str], object] = {}
         self._endpoints: Any = None
         #: types of discovered publishers by the DDS names of the topics of this participant
         self._types: dict[str, set[str]] = {}
