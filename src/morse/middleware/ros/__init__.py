@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from morse.middleware.ros.own_classes import ROSPublisher, ROSPublisherTF, ROSSubscriber
