@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.kinds.binding import fields_of
 from morse.core.kinds.turning import quaternion_of
@@ -11,8 +11,11 @@ from morse.core.mapping import maps
 from morse.mathutils.rotations import both_eulers, rotation_from_quaternion
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.kinds import BoundKind
     from morse.core.values import Fields
+    from morse.middleware.mavlink.messages import MavlinkMessage
     from morse.middleware.mavlink.stream import MavlinkStream
 
 #: bits of type_mask: fields to ignore
@@ -37,7 +40,7 @@ class CommandKinds:
     """The part of the stream manager for commands; each method returns slots, or None."""
 
     @maps("attitude", direction="IN")
-    def take_attitude(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, object] | None:
+    def take_attitude(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> Fields | None:
         """SET_ATTITUDE_TARGET."""
         if message.get_type() != "SET_ATTITUDE_TARGET":
             return None
@@ -56,7 +59,7 @@ class CommandKinds:
         return slots
 
     @maps("actuators", direction="IN")
-    def take_actuators(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
+    def take_actuators(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> Fields | None:
         """HIL_ACTUATOR_CONTROLS."""
         if message.get_type() != "HIL_ACTUATOR_CONTROLS":
             return None
@@ -66,7 +69,7 @@ class CommandKinds:
         return {"values": [value * full for value in message.controls[:count]]}
 
     @maps("fix", direction="IN")
-    def take_fix(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, object] | None:
+    def take_fix(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> Fields | None:
         """SET_POSITION_TARGET_GLOBAL_INT; without a geoid, altitudes are above the ellipsoid."""
         if message.get_type() != "SET_POSITION_TARGET_GLOBAL_INT" or message.type_mask & _NO_POSITION:
             return None
@@ -77,7 +80,7 @@ class CommandKinds:
         return {name: _finite(value) for name, value in place.items()}
 
     @maps("general", direction="IN")
-    def take_general(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
+    def take_general(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> Fields | None:
         """NAMED_VALUE_FLOAT with the name of a field."""
         if message.get_type() != "NAMED_VALUE_FLOAT" or bound.kind.name != "general":
             return None
@@ -91,7 +94,7 @@ def _finite(number: float) -> float:
     return float(number)
 
 
-def _unit(q: Any) -> list[float]:
+def _unit(q: Sequence[float]) -> list[float]:
     length = math.hypot(*q)
     if not math.isfinite(length) or length < 1e-9:
         raise ValueError("a quaternion without length")

@@ -6,7 +6,7 @@ import logging
 import math
 import time
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.time_share import TimeShare
@@ -27,6 +27,7 @@ from morse.middleware.mavlink.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from morse.core.context import Context
+    from morse.core.interfaces import Carrier
     from morse.core.object import Object
     from morse.core.values import Options
     from morse.middleware.mavlink.links import Link
@@ -85,7 +86,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         stream.vehicle = self._vehicle(robot, device, stream.kwargs["system_id"])
         return stream
 
-    def _vehicle(self, body: Any, device: str, wanted: int | None) -> Vehicle:
+    def _vehicle(self, body: Object | Carrier, device: str, wanted: int | None) -> Vehicle:
         robot = body.name()
         known = self._vehicles.get((robot, device))
         if known is not None:

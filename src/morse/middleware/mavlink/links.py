@@ -9,7 +9,7 @@ import math
 import socket
 import time
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.clients.acceptors import Acceptor
 from morse.core.clients.complaints import Complaints
@@ -129,7 +129,9 @@ class _Connection:
         over: whether the connection has ended.
     """
 
-    def __init__(self, sock: socket.socket, address: Any = None, ended: Callable[[_Connection], object] = bool) -> None:
+    def __init__(
+        self, sock: socket.socket, address: tuple[str, int] | None = None, ended: Callable[[_Connection], object] = bool
+    ) -> None:
         self._socket, self._ended = sock, ended
         self._heard = time.monotonic()
         self.peer = f"{address[0]}:{address[1]}" if address else "?"
@@ -206,7 +208,7 @@ class TcpLink(Link):
                 listener.close()
                 raise _refused(device, error) from None
 
-    def _join(self, sock: socket.socket, address: object) -> None:
+    def _join(self, sock: socket.socket, address: tuple[str, int]) -> None:
         assert self._acceptor is not None
         one = _Connection(sock, address, self._acceptor.leave)
         self._acceptor.join(one)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from morse.core.mapping import maps
 from morse.mathutils.rotations import nine, product, quaternion_from_rotation, rotation_from_quaternion, turn
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from morse.core.kinds import Message
     from morse.middleware.mavlink.axes import Axes
     from morse.middleware.mavlink.stream import MavlinkStream
@@ -238,7 +240,7 @@ class Telemetry:
                     stream.vehicle.measure("debug_float_array", m.stamp // 1000, label, number, values)
 
 
-def _named(what: str, vector: Any) -> dict[str, float]:
+def _named(what: str, vector: Iterable[float]) -> dict[str, float]:
     return {f"{axis}{what}": float(value) for axis, value in zip("xyz", vector, strict=True)}
 
 

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import logging
 import struct
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from morse.core.clients.complaints import Complaints
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from types import ModuleType
 
+    from morse.core.interfaces import Carrier
+    from morse.core.object import Object
+    from morse.middleware.mavlink.autopilot.helms import Helm
     from morse.middleware.mavlink.autopilot.place import Place
     from morse.middleware.mavlink.links import Link
+    from morse.middleware.mavlink.messages import MavlinkMessage
+    from morse.middleware.mavlink.stream import MavlinkStream
 
 logger = logging.getLogger(__name__)
 
@@ -50,7 +56,7 @@ class Pilot(Protocol):
     def steer(self, stamp: int) -> None:
         """Steer the vehicle in a tick, whose time is in ns."""
 
-    def take(self, message: object) -> bool:
+    def take(self, message: MavlinkMessage) -> bool:
         """Answer a message; False if it is for the streams of the actuators."""
 
 
@@ -61,7 +67,7 @@ class Vehicle:
         system: its system id.
         link: where its messages go.
         hil: whether an autopilot in the loop is the peer.
-        robot: the robot.
+        robot: the robot; set before the first tick.
         streams: the streams of its actuators.
         helms: what can steer it, the best first.
         pilot: the autopilot; None with an autopilot in the loop.
@@ -72,13 +78,14 @@ class Vehicle:
         after_tick: what sends the messages that were requested.
     """
 
-    def __init__(self, dialect: Any, system: int, link: Link, hil: bool) -> None:
+    robot: Object | Carrier
+
+    def __init__(self, dialect: ModuleType, system: int, link: Link, hil: bool) -> None:
         self._dialect = dialect
         self.system, self.link, self.hil = system, link, hil
         self._mav = dialect.MAVLink(None, srcSystem=system, srcComponent=_AUTOPILOT)
-        self.robot: Any = None
-        self.streams: list[Any] = []
-        self.helms: Sequence[Any] = ()
+        self.streams: list[MavlinkStream] = []
+        self.helms: Sequence[Helm] = ()
         self.pilot: Pilot | None = None
         self.kind = 0
         self.autopilot = _INVALID if hil else _PX4

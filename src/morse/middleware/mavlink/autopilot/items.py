@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from morse.mathutils.rotations import Triple
     from morse.middleware.mavlink.autopilot.place import Place
+    from morse.middleware.mavlink.messages import MavlinkMessage
 
 #: MAV_CMD
 WAYPOINT, LOITER, LOITER_TIME, RETURN, LAND, TAKEOFF = 16, 17, 19, 20, 21, 22
@@ -47,7 +48,7 @@ class Item(NamedTuple):
     z: float
 
 
-def item_of(message: Any) -> Item | int:
+def item_of(message: MavlinkMessage) -> Item | int:
     """Read MISSION_ITEM_INT or MISSION_ITEM; MAV_MISSION_RESULT if it is not valid or not supported."""
     params = (message.param1, message.param2, message.param3, message.param4)
     x, y = message.x, message.y

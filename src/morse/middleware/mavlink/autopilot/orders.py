@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from morse.middleware.mavlink.autopilot.modes import Mode, mode_of
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from morse.middleware.mavlink.autopilot.flight import Flight
     from morse.middleware.mavlink.autopilot.gimbal import Gimbal
     from morse.middleware.mavlink.autopilot.reports import Reports
+    from morse.middleware.mavlink.messages import MavlinkMessage
     from morse.middleware.mavlink.vehicle import Vehicle
 
 #: MAV_RESULT
@@ -46,7 +47,7 @@ class Orders:
     def __init__(self, vehicle: Vehicle, flight: Flight, reports: Reports, gimbal: Gimbal) -> None:
         self._vehicle, self._flight, self._reports, self._gimbal = vehicle, flight, reports, gimbal
 
-    def take(self, message: Any) -> None:
+    def take(self, message: MavlinkMessage) -> None:
         """Execute a message, and answer it."""
         if message.target_component not in _OWN:
             return
@@ -219,5 +220,5 @@ class Orders:
     }  # fmt: skip
 
 
-def _four(message: Any) -> tuple[float, float, float, float]:
+def _four(message: MavlinkMessage) -> tuple[float, float, float, float]:
     return message.param1, message.param2, message.param3, message.param4

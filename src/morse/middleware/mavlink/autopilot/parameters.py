@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from morse.middleware.mavlink.messages import MavlinkMessage
     from morse.middleware.mavlink.vehicle import Vehicle
 
 #: MAV_PARAM_TYPE_REAL32. All parameters have it: the bytes of whole numbers differ between autopilots
@@ -54,7 +55,7 @@ class Parameters:
         if math.isfinite(value) and TABLE[name].low <= value <= TABLE[name].high:
             self._values[name] = value
 
-    def take(self, message: Any) -> None:
+    def take(self, message: MavlinkMessage) -> None:
         """PARAM_REQUEST_LIST, PARAM_REQUEST_READ, PARAM_SET."""
         kind = message.get_type()
         if kind == "PARAM_REQUEST_LIST":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.middleware.mavlink.autopilot.flight import Flight
 from morse.middleware.mavlink.autopilot.gimbal import Gimbal
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.middleware.mavlink.autopilot.place import Place
+    from morse.middleware.mavlink.messages import MavlinkMessage
     from morse.middleware.mavlink.vehicle import Vehicle
 
 #: MAV_TYPE
@@ -47,7 +48,7 @@ class Autopilot:
         self._gimbal = Gimbal(vehicle)
         orders = Orders(vehicle, self.flight, self._reports, self._gimbal)
         self._transfers = transfers = Transfers(vehicle, self.flight.mission)
-        self._takes: dict[str, Callable[[object], object]] = {
+        self._takes: dict[str, Callable[[MavlinkMessage], object]] = {
             "COMMAND_LONG": orders.take,
             "COMMAND_INT": orders.take,
             "SET_MODE": self._set_mode,
@@ -61,7 +62,7 @@ class Autopilot:
             **dict.fromkeys(PARAMETER_MESSAGES, parameters.take),
         }
 
-    def take(self, message: Any) -> bool:
+    def take(self, message: MavlinkMessage) -> bool:
         """Answer a message; False if it is for the streams of the actuators."""
         kind = message.get_type()
         if self.flight.helm is None and kind.startswith("SET_POSITION_TARGET"):
@@ -94,7 +95,7 @@ class Autopilot:
         self._transfers.tick(stamp)
         self._parameters.tick()
 
-    def _setpoint(self, message: object) -> None:
+    def _setpoint(self, message: MavlinkMessage) -> None:
         flight = self.flight
         try:
             setpoint = setpoint_of(message, flight.place, flight.home, flight.now)
@@ -103,25 +104,25 @@ class Autopilot:
             return
         flight.take_setpoint(setpoint)
 
-    def _heard(self, message: Any) -> None:
+    def _heard(self, message: MavlinkMessage) -> None:
         if message.type == _GROUND_STATION:
             self.flight.hear_station()
 
-    def _set_mode(self, message: Any) -> None:
+    def _set_mode(self, message: MavlinkMessage) -> None:
         mode = mode_of_custom(message.custom_mode) if message.base_mode & 1 else None
         if mode is not None:
             self.flight.switch(mode)
 
-    def _manual(self, message: Any) -> None:
+    def _manual(self, message: MavlinkMessage) -> None:
         sticks = (message.x, message.y, message.z, message.r)
         x, y, z, r = (0 if v == _NO_STICK else max(-1000, min(v, 1000)) for v in sticks)
         if self.flight.mode.by_hand:
             self.flight.take_sticks(x / 1000.0, y / 1000.0, max(-1.0, z / 500.0 - 1.0), r / 1000.0)
 
-    def _look(self, message: Any) -> None:
+    def _look(self, message: MavlinkMessage) -> None:
         self._gimbal.look(message.pitch, message.yaw)
 
-    def _timesync(self, message: Any) -> None:
+    def _timesync(self, message: MavlinkMessage) -> None:
         if message.tc1 == 0:
             self._vehicle.send("timesync", self.flight.stamp, message.ts1)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.middleware.mavlink.telemetry import boot_ms
 
@@ -185,7 +185,7 @@ class Reports:
         self._vehicle.send("autopilot_version", _CAPABILITIES, _VERSION, 0, 0, 0, empty, empty, empty, 0, 0, system)
 
     #: rate, Hz, 0 for those that are sent on request only
-    _MESSAGES: ClassVar[dict[str, tuple[float, Callable[[Any], None]]]] = {
+    _MESSAGES: ClassVar[dict[str, tuple[float, Callable[[Reports], None]]]] = {
         "HEARTBEAT": (1.0, _heartbeat),
         "SYS_STATUS": (1.0, _sys_status),
         "EXTENDED_SYS_STATE": (2.0, _extended_sys_state),

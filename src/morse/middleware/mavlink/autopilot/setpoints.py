@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from morse.mathutils.rotations import Triple
     from morse.middleware.mavlink.autopilot.helms import Motion
     from morse.middleware.mavlink.autopilot.place import Place
+    from morse.middleware.mavlink.messages import MavlinkMessage
 
 _LOCAL_NED, _LOCAL_OFFSET = 1, 7
 #: MAV_FRAME_BODY_NED, _BODY_OFFSET_NED, _BODY_FRD: forward, right, down, level
@@ -43,7 +44,7 @@ class SetpointError(ValueError):
     """A message has no valid setpoint; the text says why."""
 
 
-def setpoint_of(message: Any, place: Place, home: Triple, now: Motion) -> Setpoint:
+def setpoint_of(message: MavlinkMessage, place: Place, home: Triple, now: Motion) -> Setpoint:
     """Read SET_POSITION_TARGET_LOCAL_NED or SET_POSITION_TARGET_GLOBAL_INT.
 
     Args:

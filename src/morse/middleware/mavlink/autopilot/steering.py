@@ -11,7 +11,6 @@ from morse.middleware.mavlink.autopilot.helms import GoalHelm, TwistHelm
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.core.robot import Robot
     from morse.middleware.mavlink.autopilot.helms import Helm
     from morse.middleware.mavlink.autopilot.place import Place
     from morse.middleware.mavlink.vehicle import Vehicle
@@ -49,7 +48,7 @@ def helms_of(vehicle: Vehicle, place: Place) -> list[Helm]:
     return helms + [ForceHelm(stream, stream.kinds[0], place) for stream in cars]
 
 
-def type_of(robot: Robot, components: Iterable[object]) -> int:
+def type_of(robot: object, components: Iterable[object]) -> int:
     """MAV_TYPE of a robot, from the classes of the robot and of its components; a rover if none of them is known."""
     names = [cls.__name__ for one in (robot, *components) for cls in type(one).__mro__]
     return next((_TYPES[name] for name in names if name in _TYPES), ROVER)

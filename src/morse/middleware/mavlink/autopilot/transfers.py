@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.middleware.mavlink.autopilot import items
 from morse.middleware.mavlink.autopilot.items import Item, item_of
 
 if TYPE_CHECKING:
     from morse.middleware.mavlink.autopilot.mission import Mission
+    from morse.middleware.mavlink.messages import MavlinkMessage
     from morse.middleware.mavlink.vehicle import Vehicle
 
 _MISSION, _ALL = 0, 255
@@ -35,7 +36,7 @@ class Transfers:
         self._upload: _Upload | None = None
         self._stamp = 0
 
-    def take(self, message: Any) -> None:
+    def take(self, message: MavlinkMessage) -> None:
         """Answer a message."""
         sender = message.get_srcSystem(), message.get_srcComponent()
         kind = message.get_type()
@@ -100,7 +101,7 @@ class Transfers:
         upload.asked = self._stamp
         self._vehicle.send("mission_request_int", *upload.sender, len(upload.items), _MISSION)
 
-    def _item(self, sender: tuple[int, int], message: Any) -> None:
+    def _item(self, sender: tuple[int, int], message: MavlinkMessage) -> None:
         upload = self._upload
         if upload is None:
             return  # the repetition of the last item, or what is late
@@ -126,7 +127,7 @@ class Transfers:
         self._acknowledge(sender, items.ACCEPTED)
         self._mission.tell()
 
-    def _send_item(self, sender: tuple[int, int], message: Any) -> None:
+    def _send_item(self, sender: tuple[int, int], message: MavlinkMessage) -> None:
         if not 0 <= message.seq < len(self._mission.items):
             self._acknowledge(sender, items.INVALID_SEQUENCE)
             return
