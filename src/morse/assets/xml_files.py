@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 #: maximum size, bytes, and maximum depth of nested elements
 MOST_BYTES, _DEEPEST = 64 << 20, 200
 _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+#: a tag, and the end of a value that the name of the next attribute touches
+_TAG, _TOUCHING = re.compile(rb"<[^<>]*>"), re.compile(rb"""(=\s*(?:"[^"]*"|'[^']*'))(?=[A-Za-z_])""")
 
 
 def read_xml(path: Path) -> ElementTree.Element:
@@ -35,10 +37,10 @@ def parse_xml(data: bytes, path: Path) -> ElementTree.Element:
     """Return the root element of the content of a file; see `read_xml`.
 
     The programs that robots are written for also accept what is not XML: comments with double dashes, prefixes without
-    a namespace, Latin-1 without a declaration, and a zero at the end. A prefix without a namespace remains part of the
-    name.
+    a namespace, Latin-1 without a declaration, attributes without a space between them, and a zero at the end. A prefix
+    without a namespace remains part of the name.
     """
-    data = _COMMENT.sub(b"", data.strip()).strip()
+    data = _in_lines(_COMMENT.sub(lambda comment: b"\n" * comment[0].count(b"\n"), data.rstrip()).rstrip())
     try:
         return _parsed(data, path)
     except (expat.ExpatError, ValueError, LookupError) as error:
@@ -48,13 +50,20 @@ def parse_xml(data: bytes, path: Path) -> ElementTree.Element:
             raise AssetError(path, f"it is not XML: {error}") from None
 
 
+def _in_lines(data: bytes) -> bytes:
+    """Return a text without the space at its begin, but with the same lines, which errors name."""
+    text = data.lstrip()
+    begin = text.find(b"?>") + 2 if text.startswith(b"<?xml") else 0
+    return text[:begin] + b"\n" * data[: len(data) - len(text)].count(b"\n") + text[begin:]
+
+
 def _mended(data: bytes) -> bytes:
     data = data.rstrip(b"\0 \t\r\n")
     try:
         data.decode()
     except UnicodeDecodeError:
-        return data.decode("latin-1").encode()
-    return data
+        data = data.decode("latin-1").encode()
+    return _TAG.sub(lambda tag: _TOUCHING.sub(rb"\1 ", tag[0]), data)
 
 
 def _parsed(data: bytes, path: Path) -> ElementTree.Element:

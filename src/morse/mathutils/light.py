@@ -9,6 +9,8 @@ import numpy as np
 from morse.mathutils import portable
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
 
@@ -18,3 +20,9 @@ def linear_light(codes: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(
         np.where(values <= 0.04045, values / 12.92, portable.power((np.maximum(values, 0.0) + 0.055) / 1.055, 2.4))
     )
+
+
+def linear_color(color: Sequence[float]) -> tuple[float, float, float, float]:
+    """Return the linear light and the opacity of a colour of a file whose programs show its numbers as they are (sRGB)."""
+    red, green, blue = linear_light(color[:3]).tolist()
+    return red, green, blue, float(color[3])

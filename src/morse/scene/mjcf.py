@@ -91,6 +91,7 @@ class MjcfModel:
         motors: name of a joint to the name of its actuator, if that is a motor for a position, a velocity or an effort.
         ground: friction (3), ``solref`` (2), ``solimp`` (5), ``solmix``, ``margin``, ``gap``, ``condim`` and
             ``priority`` of the plane that is the floor of the file, or of a plane without settings.
+        is_joined: whether a constraint of the file joins it with another part.
     """
 
     file: MjcfFile
@@ -101,6 +102,7 @@ class MjcfModel:
     step: float = 0.002
     motors: dict[str, str] = field(default_factory=dict)
     ground: tuple[float, ...] = DEFAULT_CONTACT
+    is_joined: bool = False
 
 
 def name_all(spec: Any) -> None:

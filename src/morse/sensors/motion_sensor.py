@@ -48,7 +48,7 @@ class MotionSensor(Sensor):
         "ComputationMode",
         "string",
         "Source of velocities: Velocity for those of the body of the robot, Position for the change of the pose "
-        "of the sensor, Automatic for Velocity if the robot is a dynamic body",
+        "of the sensor, Automatic for Velocity if the robot is a dynamic body and no dynamic joint moves the sensor",
         choices=("Automatic", "Velocity", "Position"),
     )
 
@@ -61,6 +61,7 @@ class MotionSensor(Sensor):
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
+        self._is_on_robot = obj.slot == (parent or self).bge_object.slot
         self._time = self.clock.time
         self._pose = self.position_3d.get_pose()
         self._linear, self._angular = self._velocity_of_robot()
@@ -80,7 +81,8 @@ class MotionSensor(Sensor):
         if dt <= 0.0:
             dt = self.clock.period
         mode = self._computation_mode
-        by_velocity = mode == "Velocity" or (mode == "Automatic" and self.robot_parent.bge_object.is_dynamic)
+        is_of_robot = mode == "Automatic" and self._is_on_robot
+        by_velocity = mode == "Velocity" or (is_of_robot and self.robot_parent.bge_object.is_dynamic)
         pose = self.position_3d.get_pose()
         if by_velocity:
             linear, angular = self._velocity_of_robot()

@@ -13,6 +13,7 @@ import trimesh
 import morse
 from morse.assets import load
 from morse.assets.mjcf import read_mjcf
+from morse.mathutils.light import linear_light
 from morse.physics import World
 from morse.scene import Control, JointKind, PhysicsType, Scene, ShapeKind
 
@@ -148,11 +149,11 @@ def test_shapes_looks_and_contacts(folder: Path) -> None:
     shapes = {child.parent.name: child for child in library.nodes() if child.mesh is not None}
     assert shapes["trunk"].shapes[0].kind is ShapeKind.BOX
     assert shapes["trunk"].shapes[0].size == (0.2, 0.1, 0.05)
-    assert shapes["trunk"].materials[0].color == pytest.approx((0.9, 0.1, 0.1, 1.0))
+    assert shapes["trunk"].materials[0].color == pytest.approx((*linear_light((0.9, 0.1, 0.1)), 1.0))
     assert shapes["thigh"].shapes[0].kind is ShapeKind.CAPSULE
     assert shapes["thigh"].shapes[0].size == pytest.approx((0.03, 0.15))
     assert np.ptp(shapes["thigh"].mesh.vertices, axis=0)[2] == pytest.approx(0.36)
-    assert shapes["thigh"].materials[0].color == pytest.approx((0.2, 0.3, 0.4, 1.0))
+    assert shapes["thigh"].materials[0].color == pytest.approx((*linear_light((0.2, 0.3, 0.4)), 1.0))
     assert shapes["plate"].shapes == [], "it collides with nothing"
     assert "floor" not in nodes
     assert ("trunk", "foot") in nodes["crab_joints"].articulation.apart

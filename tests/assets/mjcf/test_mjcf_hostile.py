@@ -27,7 +27,7 @@ def robot(inside: str = BODY, more: str = "") -> str:
         ("<mujocoinclude/>", "load the file that includes it"),
         ("<robot/>", "begins with <robot>, expected <mujoco>"),
         ("<mujoco/>", "no bodies"),
-        (robot('<geom type="plane" size="1 1 1"/>'), "no bodies"),
+        (robot('<light pos="1 1 1"/>'), "no bodies"),
         ('<!DOCTYPE m [<!ENTITY a "aaa"><!ENTITY b "&a;&a;">]><mujoco model="&b;"/>', "defines the entity 'a'"),
         (robot('<body pos="nan 0 0"><geom size="0.1"/></body>'), "pos='nan 0 0'.*expected numbers"),
         (robot('<body><geom size="inf"/></body>'), "size='inf'"),

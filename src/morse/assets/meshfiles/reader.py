@@ -95,8 +95,9 @@ class _Reading:
 
     def __init__(self, path: Path, scene: Any) -> None:
         self._path, self._scene = path, scene
-        self._turn = _FROM_GLTF if path.suffix.lower() in _GLTF else np.eye(3)
-        self._surfaces = Surfaces(self._turn)
+        is_gltf = path.suffix.lower() in _GLTF
+        self._turn = _FROM_GLTF if is_gltf else np.eye(3)
+        self._surfaces = Surfaces(self._turn, is_linear=is_gltf)
         self._names: set[str] = set()
         self._sheared: list[str] = []
 

@@ -10,7 +10,7 @@ from morse.assets.blend.normals import corner_normals
 from morse.assets.blend.polygons import Polygons
 from morse.assets.meshfiles.pictures import Pictures
 from morse.assets.shapes.surface import without_equal_triangles
-from morse.mathutils.light import linear_light
+from morse.mathutils.light import linear_color
 from morse.mathutils.portable import matmul
 from morse.scene import Image, Material, Mesh
 
@@ -18,6 +18,8 @@ from morse.scene import Image, Material, Mesh
 _USUAL = 2
 #: rad; edges with a larger angle are shown as creases
 _CREASE = 0.7
+#: colour without a material, sRGB and opacity
+_GREY = (204, 204, 204, 255)
 
 
 class Surfaces:
@@ -25,13 +27,15 @@ class Surfaces:
 
     Args:
         turn: (3, 3) rotation from the axes of the file to those of MORSE.
+        is_linear: whether colours are linear light, as in glTF; the programs for other formats show the numbers as
+            they are.
 
     Attributes:
         images: by name of the first material that shows them.
     """
 
-    def __init__(self, turn: Any) -> None:
-        self._turn = np.asarray(turn, dtype=np.float32)
+    def __init__(self, turn: Any, *, is_linear: bool) -> None:
+        self._turn, self._is_linear = np.asarray(turn, dtype=np.float32), is_linear
         self._meshes: dict[int, Mesh] = {}
         self._materials: dict[int, Material] = {}
         self.images: dict[str, Image] = {}
@@ -81,8 +85,7 @@ class Surfaces:
     def _material(self, name: str, visual: object) -> Material:
         material = getattr(visual, "material", None)
         if material is None:
-            color = _linear(_numbers(getattr(visual, "main_color", None), 4, (204, 204, 204, 255)) / 255.0)
-            return Material(name, (color[0], color[1], color[2], color[3]))
+            return Material(name, linear_color(_numbers(getattr(visual, "main_color", None), 4, _GREY) / 255.0))
         if id(material) not in self._materials:
             self._materials[id(material)] = self._of(name, material, visual)
         return self._materials[id(material)]
@@ -98,7 +101,7 @@ class Surfaces:
             glow = np.clip(_numbers(material.emissiveFactor, 3, (0.0, 0.0, 0.0)), 0.0, 100.0)
             picture, sided = material.baseColorTexture, bool(material.doubleSided)
         else:
-            color = _numbers(getattr(material, "diffuse", None), 4, (204, 204, 204, 255)) / 255.0
+            color = _numbers(getattr(material, "diffuse", None), 4, _GREY) / 255.0
             roughness, metallic, glow = 0.6, 0.0, np.zeros(3)
             picture, sided = getattr(material, "image", None), True
             if picture is not None and getattr(visual, "uv", None) is not None:
@@ -106,7 +109,7 @@ class Surfaces:
         r, g, b, alpha = (float(part) for part in np.clip(color, 0.0, 1.0))
         return Material(
             own,
-            (r, g, b, alpha),
+            (r, g, b, alpha) if self._is_linear else linear_color((r, g, b, alpha)),
             metallic=metallic,
             roughness=roughness,
             emission=(float(glow[0]), float(glow[1]), float(glow[2])),
@@ -147,8 +150,3 @@ def _numbers(values: object, count: int, default: tuple[float, ...]) -> Any:
     if array.size == count - 1 and count == 4:
         array = np.append(array, default[3])
     return array if array.size == count and np.isfinite(array).all() else np.array(default, dtype=float)
-
-
-def _linear(color: Any) -> list[float]:
-    """Convert a colour from sRGB; the fourth number is opacity."""
-    return [*linear_light(color[:3]).tolist(), float(color[3])]

@@ -81,7 +81,8 @@ class Bones:
         elif joint.start:
             frame = frame @ Matrix.Rotation(-joint.start, 4, "Z")
         local = frame if parent < 0 else self._frames[parent].inverted() @ frame
-        low, high = (-_ENDLESS, _ENDLESS) if joint.limits is None else joint.limits
+        limits = joint.limits or (-_ENDLESS, _ENDLESS)
+        low, high = (min(max(value, -_ENDLESS), _ENDLESS) for value in limits)
         kind = _KINDS[joint.kind]
         x, y, z = local.translation
         index = len(self.bones)

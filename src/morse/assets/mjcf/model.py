@@ -177,6 +177,7 @@ class ModelData:
         bodies: the world first; parents are before their children.
         follows: joints that follow another joint: (joint, leader, factor, offset).
         apart: pairs of bodies that do not collide.
+        joined: pairs of bodies that a constraint joins.
         lost: unsupported features of the file, one sentence each.
         step: time step, s.
         keyframes: name to the joint values of each joint (number of the joint to values).
@@ -190,6 +191,7 @@ class ModelData:
     sensors: list[SensorData]
     follows: list[tuple[int, int, float, float]]
     apart: list[tuple[int, int]]
+    joined: list[tuple[int, int]]
     lost: list[str]
     keyframes: dict[str, dict[int, tuple[float, ...]]]
     step: float = 0.002
@@ -242,6 +244,7 @@ class _Reading:
             sensors,
             self.follows(),
             self.apart(),
+            self.joined(),
             self.lost,
             self.keyframes(),
             float(m.opt.timestep),
@@ -301,7 +304,7 @@ class _Reading:
             _row(m.hfield_size[field]) if field >= 0 else _row(m.geom_size[index])[: counts.get(kind, 0)],
             _row(m.geom_pos[index]),
             _row(m.geom_quat[index]),
-            _row(color),
+            _row(np.clip(color, 0.0, 1.0)),
             int(m.geom_group[index]),
             (
                 *_row(m.geom_friction[index]),
@@ -460,6 +463,19 @@ class _Reading:
                 for joint, start in enumerate(m.jnt_qposadr.tolist())
             }
         return values
+
+    def joined(self) -> list[tuple[int, int]]:
+        m = self.model
+        places = {
+            int(mujoco.mjtObj.mjOBJ_BODY): range(m.nbody),
+            int(mujoco.mjtObj.mjOBJ_SITE): m.site_bodyid,
+            int(mujoco.mjtObj.mjOBJ_JOINT): m.jnt_bodyid,
+        }
+        return [
+            (int(bodies[m.eq_obj1id[index]]), int(bodies[max(m.eq_obj2id[index], 0)]))
+            for index in range(m.neq)
+            if (bodies := places.get(int(m.eq_objtype[index]))) is not None
+        ]
 
     def apart(self) -> list[tuple[int, int]]:
         return [(int(signature) >> 16, int(signature) & 0xFFFF) for signature in self.model.exclude_signature]

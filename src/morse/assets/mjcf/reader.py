@@ -55,12 +55,16 @@ class _Reader:
         self.warnings = [*source.warnings, *dict.fromkeys(model.lost)]
         self._images = TextureImages(source.textures)
         self._names: set[str] = set()
+        self._ground: tuple[float, ...] = DEFAULT_CONTACT
         #: name of the node of a shape to the number of the geom
         self._shape_of: dict[str, int] = {}
 
     def library(self) -> Library:
         check_sizes(self.model, self.source.path)
         hide_collision_shapes(self.model)
+        if len(self.model.bodies) == 1 and len(self.model.geoms) == 1:
+            # the floor of a world that has nothing else
+            return self._terrain()
         self._ground = self._floor()
         if len(self.model.bodies) == 1:
             return self._terrain()
@@ -160,6 +164,7 @@ class _Reader:
             (top for top in tops if any(model.joints[j].kind == "free" for j in model.bodies[top].joints)), None
         )
         names = [model.bodies[top].name for top in tops]
+        own = set(links)
         return MjcfModel(
             model.file,
             tuple(names if base is not None else [*names, "world"]),
@@ -173,6 +178,7 @@ class _Reader:
             step=model.step,
             motors={} if bones is None else bones.motors,
             ground=self._ground,
+            is_joined=any((one in own) != (other in own) for one, other in model.joined if one and other),
         )
 
     def _link(self, name: str, body: BodyData) -> Node:

@@ -23,9 +23,21 @@ _PRODUCTS = {
     "accelerometer": "IMU",
     "gyro": "IMU",
     "magnetometer": "Magnetometer",
+    "force": "ForceTorqueSensor",
+    "torque": "ForceTorqueSensor",
+    "touch": "ContactForce",
+    "velocimeter": "Velocity",
+    "framelinvel": "Velocity",
+    "frameangvel": "Velocity",
     "framepos": "Pose",
     "framequat": "Pose",
+    "framexaxis": "Pose",
+    "frameyaxis": "Pose",
+    "framezaxis": "Pose",
+    "clock": "Clock",
 }
+#: sensors of which each measures something else, also at one place
+_SINGLE = ("VideoCamera", "Infrared")
 #: cameras look along -Z with +Y up, range finders along +Z; sensors of MORSE look along +X with +Z up
 _FROM_CAMERA = Matrix(((0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0))).to_4x4()
 _FROM_FINDER = Matrix(((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))).to_4x4()
@@ -45,7 +57,7 @@ def sensors_of(model: ModelData, links: Mapping[int, str]) -> tuple[list[Declare
         product = _PRODUCTS.get(sensor.kind)
         if sensor.kind.startswith(_OF_JOINTS):
             continue
-        if product is None or sensor.body not in links:
+        if product is None or (sensor.body not in links and product != "Clock"):
             unknown.append(f"'{sensor.name:.60}' ({sensor.kind})")
             continue
         place = pose(sensor.position, sensor.quaternion)
@@ -61,10 +73,12 @@ def sensors_of(model: ModelData, links: Mapping[int, str]) -> tuple[list[Declare
                 properties = (("range", min(max(sensor.values[0], 1e-3), 1e6)),)
         x, y, z = place.translation
         declaration = DeclaredSensor(
-            sensor.name, product, links[sensor.body], (x, y, z), nine(list(place.to_3x3())), properties
+            sensor.name, product, links.get(sensor.body, ""), (x, y, z), nine(list(place.to_3x3())), properties
         )
-        own = () if product in ("IMU", "Pose", "Magnetometer") else (sensor.name,)
-        by_site.setdefault((product, sensor.body, sensor.position, sensor.quaternion, *own), declaration)
+        own = (sensor.name,) if product in _SINGLE else ()
+        # the contacts are those of the whole body
+        where = () if product == "ContactForce" else (sensor.position, sensor.quaternion)
+        by_site.setdefault((product, sensor.body, *where, *own), declaration)
     warnings = []
     if unknown:
         more = f" and {len(unknown) - 10} more" if len(unknown) > 10 else ""

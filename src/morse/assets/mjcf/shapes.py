@@ -10,6 +10,7 @@ from morse.assets import solids
 from morse.assets.mjcf.heights import height_mesh
 from morse.assets.texture_coordinates import with_texture_coordinates
 from morse.mathutils import Quaternion
+from morse.mathutils.light import linear_color
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
 
 if TYPE_CHECKING:
@@ -56,16 +57,15 @@ def shape_node(geom: GeomData, name: str, images: TextureImages) -> Node:
     surface = geom.surface
     if surface is None or not node.visible:
         return node
-    red, green, blue, alpha = geom.color
     image = images.image(surface.texture) if surface.texture >= 0 else None
     node.materials = [
         Material(
             name,
-            (red, green, blue, alpha),
+            linear_color(geom.color),
             # without the reflections that metal needs, MuJoCo does not draw it either
             roughness=surface.roughness if surface.roughness >= 0.0 else 1.0 - 0.8 * min(surface.shininess, 1.0),
             specular=min(surface.specular, 1.0),
-            emission=(surface.emission * red, surface.emission * green, surface.emission * blue),
+            emission=linear_color([min(surface.emission * part, 1.0) for part in geom.color])[:3],
             image=image,
         )
     ]
@@ -79,9 +79,8 @@ def shape_node(geom: GeomData, name: str, images: TextureImages) -> Node:
 def _plain_node(geom: GeomData, name: str) -> Node:
     node = Node(name, NodeKind.MESH, source_name=name, location=list(geom.position))
     node.rotation_euler = list(Quaternion(geom.quaternion).to_euler())
-    red, green, blue, alpha = geom.color
-    node.visible = geom.group < _HIDDEN and alpha > 0.0
-    node.materials = [Material(name, (red, green, blue, alpha))]
+    node.visible = geom.group < _HIDDEN and geom.color[3] > 0.0
+    node.materials = [Material(name, linear_color(geom.color))]
     is_solid = any(geom.masks)
     if is_solid:
         node.body = BodySettings(type=PhysicsType.STATIC)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,6 +41,8 @@ _UNSUPPORTED = ("composite", "deformable", "extension", "flex", "flexcomp", "plu
 _MOST_MODELS = 50
 #: attributes that request memory or name files
 _ATTRIBUTES = ("nsample", "delay", "interval", "plugin", "file", "fileleft", "fileright", "resolution")
+#: no limit, in ranges
+_INFINITE = re.compile(r"(?<![^\s])[+-]?inf(inity)?(?![^\s])", re.IGNORECASE)
 #: attributes with words that may look like numbers
 _WORDS = ("name", "class", "childclass", "mesh", "material", "model")
 
@@ -79,6 +82,8 @@ class Source:
         self._take_meshes(root)
         self._take_heights(root)
         self._attached[number] = tuple(self._take_models(root, number))
+        for element in root.iter():
+            element.attrib.pop(_ORIGIN, None)
         self._texts[number] = ElementTree.tostring(root, encoding="unicode")
 
     def file(self) -> MjcfFile:
@@ -177,6 +182,8 @@ class Source:
             for name, value in element.attrib.items():
                 if name in _WORDS:
                     continue
+                if "range" in name:
+                    value = _INFINITE.sub("0", value)
                 for number in _numbers(value):
                     if not abs(number) <= _LARGEST:
                         raise self._fail(

@@ -10,7 +10,7 @@ from morse.assets.gazebo.values import ValueMistakeError, number, text_of, vecto
 from morse.assets.meshfiles.pictures import Pictures, mistake_in
 from morse.assets.nearby_files import FileRefusedError, find_folder_near, find_near
 from morse.assets.sdf.scripts import Script, scripts_in
-from morse.mathutils.light import linear_light
+from morse.mathutils.light import linear_color
 from morse.scene import Image, Material
 from morse.system.regular_files import read_regular
 
@@ -47,7 +47,7 @@ class Materials:
         element = visual.find("material")
         opacity = 1.0 - self._share(visual, "transparency", 0.0)
         if element is None:
-            return None if opacity == 1.0 else Material(name, _linear((*_GREY[:3], opacity)))
+            return None if opacity == 1.0 else Material(name, linear_color((*_GREY[:3], opacity)))
         color = self._color(element, "diffuse") or self._color(element, "ambient")
         light = self._color(element, "emissive")
         glow = light[:3] if light is not None and max(light[:3]) > 0.0 else None
@@ -72,10 +72,10 @@ class Materials:
         r, g, b, alpha = color or (_GREY if glow is None else (*glow, 1.0))
         return Material(
             name,
-            _linear((r, g, b, alpha * opacity)),
+            linear_color((r, g, b, alpha * opacity)),
             metallic=metal,
             roughness=roughness,
-            emission=_linear((*(glow or (0.0, 0.0, 0.0)), 1.0))[:3],
+            emission=linear_color((*(glow or (0.0, 0.0, 0.0)), 1.0))[:3],
             image=image,
             shadeless=text_of(element, "lighting").lower() in ("false", "0"),
         )
@@ -177,8 +177,3 @@ def _place(uri: str, path: Path) -> Path | None:
         return find_near(uri, path) if uri.endswith(".material") else find_folder_near(uri, path)
     except FileRefusedError:
         return None
-
-
-def _linear(color: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-    r, g, b = linear_light(color[:3]).tolist()
-    return r, g, b, color[3]

@@ -13,6 +13,7 @@ from morse.assets.urdf.expansion import read_expanded, text_with_urls
 from morse.assets.urdf.sensors import sensors_of
 from morse.assets.urdf.structure import LOOSE, Document, Joint, Link, Shape
 from morse.mathutils import Euler, Matrix
+from morse.mathutils.light import linear_color
 from morse.scene import JointDynamics
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ class _Parser:
         if color is None:
             return self.colors.get(material.get("name") or "")
         r, g, b, a = self.numbers(color, "rgba", (0.8, 0.8, 0.8, 1.0))
-        rgba = (min(max(r, 0.0), 1.0), min(max(g, 0.0), 1.0), min(max(b, 0.0), 1.0), min(max(a, 0.0), 1.0))
+        rgba = linear_color([min(max(value, 0.0), 1.0) for value in (r, g, b, a)])
         if material.get("name"):
             self.colors[str(material.get("name"))] = rgba
         return rgba

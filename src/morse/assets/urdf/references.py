@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from morse.assets.gazebo.colors import color_of
 from morse.assets.gazebo.friction import friction_of
 from morse.assets.gazebo.values import text_of
+from morse.mathutils.light import linear_color
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -45,4 +46,4 @@ def _paint(link: Link, material: str) -> None:
     color = color_of(material)
     for shape in link.visuals:
         if color is not None and shape.color is None and shape.kind != "mesh":
-            shape.color = (*color, 1.0)
+            shape.color = linear_color((*color, 1.0))

@@ -46,6 +46,9 @@ _PRODUCTS = {
     "segmentation_camera": "SegmentationCamera",
     "boundingbox_camera": "SemanticCamera",
     "logical_camera": "SemanticCamera",
+    "altimeter": "Pose",
+    "contact": "ContactForce",
+    "force_torque": "ForceTorqueSensor",
 }
 _MOST_PIXELS, _MOST_RAYS = 4096, 100_000
 _FARTHEST = 1e6
@@ -89,9 +92,13 @@ def _elements(robot: ElementTree.Element) -> Iterator[tuple[ElementTree.Element,
     for element in robot.findall("sensor"):
         parent = element.find("parent")
         yield element, "" if parent is None else parent.get("link", "")
+    joints = {joint.get("name"): joint.find("child") for joint in robot.findall("joint")}
     for gazebo in robot.findall("gazebo"):
         for element in gazebo.findall("sensor"):
-            yield element, gazebo.get("reference", "")
+            place = gazebo.get("reference", "")
+            # a force is measured in a joint, in the frame of its child
+            child = joints.get(place) if _kind(element) == "force_torque" else None
+            yield element, place if child is None else child.get("link", "")
 
 
 def _kind(element: ElementTree.Element) -> str:

@@ -20,6 +20,7 @@ from morse.physics.gliding.plane_builder import PlaneBuilder
 from morse.physics.model.articulated import Articulated, is_single_link
 from morse.physics.model.couplings import CouplingBuilder
 from morse.physics.model.damping import set_damping
+from morse.physics.model.file_links import add_links
 from morse.physics.model.file_options import are_all_from_files, level, models_of, set_ground, set_options
 from morse.physics.model.files import Files
 from morse.physics.model.inertia import bounding_box, robot_inertia, volume
@@ -136,6 +137,7 @@ def _compile(scene: Scene) -> Compiled:
         set_options(spec, builder.files.parts[0])
     builder.articulated.finish(spec.option.timestep)
     builder.couple(slots)
+    add_links(spec, builder.files.parts)
     builder.planes.finish()
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:

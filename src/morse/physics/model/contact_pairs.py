@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from morse.physics.model.collision_bits import ALL_BITS, OF_FILE
+
 #: smallest weight of contact parameters that counts
 _LEAST = 1e-15
 
@@ -32,6 +34,27 @@ def add_pair(spec: Any, one: Any, other: Any) -> None:
         friction = np.maximum(one.friction, other.friction)
     slide, torsion, roll = friction
     pair.friction = [slide, slide, torsion, roll, roll]
+
+
+def touch_floors(spec: Any, floors: set[str]) -> None:
+    """Let the shapes that an MJCF file pairs with floors touch the objects of a scene as they would touch these.
+
+    The floors are not part of the scene. The objects of the scene touch any shape with the bits of a file, those of the
+    same file only touch the shape if it has others as well.
+    """
+    first = 1 + max((geom.priority for geom in spec.geoms), default=0)
+    for pair in spec.pairs:
+        names = {pair.geomname1, pair.geomname2}
+        if len(names & floors) != 1:
+            continue
+        geom = spec.geom((names - floors).pop())
+        if geom is None:
+            continue
+        geom.priority, geom.condim, geom.margin, geom.gap = first, pair.condim, pair.margin, pair.gap
+        geom.solref, geom.solimp = pair.solref, pair.solimp
+        geom.friction = [pair.friction[0], pair.friction[2], pair.friction[3]]
+        if not geom.contype and not geom.conaffinity:
+            geom.contype, geom.conaffinity = OF_FILE, ALL_BITS
 
 
 def _share(one: float, other: float) -> float:

@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from morse.physics.model.collision_bits import file_bits
-from morse.physics.model.contact_pairs import add_pair
+from morse.physics.model.contact_pairs import add_pair, touch_floors
 from morse.physics.model.file_models import Part, model_of
 from morse.physics.model.file_motors import SUFFIX, FileMotor, motors_of
 from morse.physics.model.layout import Motion
@@ -78,15 +78,12 @@ class Files:
         spec = model.file.spec()
         armature = next((node for node in frame.members if node.bones), frame.node)
         part = self._parts[frame] = Part(frame, model, f"{armature.name}/", copy_of(spec.option))
-        _reduce(spec, model)
         file_bits(spec.geoms)
+        _reduce(spec, model)
         names = [body.name for body in spec.bodies if body.name != "world"]
         shapes = [geom.name for geom in spec.geoms]
         if model.base:
-            base = spec.body(model.base)
-            base.set_frame(spec.worldbody.add_frame())
-            base.pos, base.quat = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-            base.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+            _move_to_origin(spec, spec.body(model.base))
         if frame.motion is Motion.FREE:
             rotation = np.zeros(4)
             mujoco.mju_mat2Quat(rotation, np.array([list(row) for row in slot.pose.rotation]).ravel())
@@ -190,8 +187,26 @@ class Files:
             mujoco.mj_resetData(model, data)
 
 
+def _move_to_origin(spec: Any, base: Any) -> None:
+    """Place a free body so that its frame in the compiled model is that of the world."""
+    base.set_frame(spec.worldbody.add_frame())
+    base.pos, base.quat = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+    base.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+    joint = next(joint for joint in base.joints if joint.type == _FREE)
+    is_aligned = mujoco.mjtAlignFree.mjALIGNFREE_TRUE
+    if joint.align == is_aligned or (joint.align == mujoco.mjtAlignFree.mjALIGNFREE_AUTO and spec.compiler.alignfree):
+        # the compiler moves the frame to the centre of mass, along the principal axes of the inertia
+        body = spec.copy().compile().body(base.name)
+        turned = np.zeros(4)
+        mujoco.mju_negQuat(turned, body.quat)
+        place = np.zeros(3)
+        mujoco.mju_rotVecQuat(place, -body.pos, turned)
+        base.pos, base.quat = place, turned
+
+
 def _reduce(spec: Any, model: MjcfModel) -> None:
     """Remove what does not belong to a part of a file, or what the scene has in another form."""
+    needed = {name for pair in spec.pairs for name in (pair.geomname1, pair.geomname2)}
     for body in list(spec.worldbody.bodies):
         if body.name not in model.tops:
             spec.delete(body)
@@ -201,6 +216,7 @@ def _reduce(spec: Any, model: MjcfModel) -> None:
         if "world" not in model.tops or geom.name not in set(model.shapes.values())
     ]
     motors = set(model.motors.values())
+    touch_floors(spec, {geom.name for geom in floors})
     removed = [
         *floors,
         *(actuator for actuator in spec.actuators if actuator.name in motors),
@@ -210,11 +226,11 @@ def _reduce(spec: Any, model: MjcfModel) -> None:
         spec.delete(element)
     for actuator in spec.actuators:
         actuator.name += SUFFIX
-    guides = {wrap.target.name for tendon in spec.tendons for wrap in tendon.path if wrap.target is not None}
+    needed |= {wrap.target.name for tendon in spec.tendons for wrap in tendon.path if wrap.target is not None}
     for body in spec.bodies:
         if body.explicitinertial and body.name != "world":
             for geom in [geom for geom in body.geoms if not (geom.contype or geom.conaffinity)]:
-                if geom.name not in guides:
+                if geom.name not in needed:
                     spec.delete(geom)
     meshes = {geom.meshname for geom in spec.geoms} | {
         site.meshname for site in spec.sites if hasattr(site, "meshname")

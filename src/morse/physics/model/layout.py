@@ -56,7 +56,9 @@ class Frame:
     @property
     def has_body(self) -> bool:
         """Whether the frame has a body in the engine."""
-        return self.motion is not Motion.VIRTUAL and (bool(self.solid) or self.carries or bool(self.joints))
+        has_part = bool(self.solid) or self.carries or bool(self.joints)
+        is_of_file = _is_free_in_file(self.node) or _is_joined_in_file(self.node)
+        return self.motion is not Motion.VIRTUAL and (has_part or is_of_file)
 
     @property
     def root(self) -> Frame:
@@ -121,7 +123,7 @@ def frames_of(scene: Scene) -> list[Frame]:
     for frame in frames:
         if frame.carries and frame.motion is Motion.FIXED:
             frame.motion = Motion.KINEMATIC
-        if frame.motion is Motion.KINEMATIC and not frame.solid and not frame.carries:
+        if frame.motion is Motion.KINEMATIC and not frame.has_body:
             frame.motion = Motion.VIRTUAL
     return frames
 
@@ -167,11 +169,22 @@ class _Hanging:
 
 
 def _motion(node: Node, is_robot: bool) -> Motion:
-    if node.body.moves and _collides_somewhere(node):
+    if node.body.moves and (_collides_somewhere(node) or _is_free_in_file(node)):
         return Motion.FREE
-    if is_robot or node.body.moves:
+    if is_robot or node.body.moves or _is_joined_in_file(node):
         return Motion.KINEMATIC
     return Motion.FIXED
+
+
+def _is_free_in_file(node: Node) -> bool:
+    """Whether a file declares a free joint; in MJCF, what has no shapes that collide falls as well."""
+    return node.articulation is not None and node.articulation.model is not None and bool(node.articulation.model.base)
+
+
+def _is_joined_in_file(node: Node) -> bool:
+    """Whether a constraint joins a fixed part of a file with another part."""
+    model = node.articulation.model if node.articulation is not None else None
+    return model is not None and model.is_joined and not model.base
 
 
 def _collides_somewhere(node: Node) -> bool:
