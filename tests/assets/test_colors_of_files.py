@@ -25,7 +25,8 @@ TEXTS = {
     "mesh.urdf": '<robot name="r"><link name="l"><visual><geometry><mesh filename="mesh.obj"/></geometry></visual>'
     "</link></robot>",
     "model.sdf": '<sdf version="1.9"><model name="m"><link name="l"><visual name="v">'
-    "<geometry><box><size>1 1 1</size></box></geometry><material><diffuse>0.5 0.2 1 1</diffuse></material></visual></link></model></sdf>",
+    "<geometry><box><size>1 1 1</size></box></geometry>"
+    "<material><diffuse>0.5 0.2 1 1</diffuse></material></visual></link></model></sdf>",
 }
 
 

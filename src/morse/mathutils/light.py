@@ -23,6 +23,6 @@ def linear_light(codes: ArrayLike) -> NDArray[np.float64]:
 
 
 def linear_color(color: Sequence[float]) -> tuple[float, float, float, float]:
-    """Return the linear light and the opacity of a colour of a file whose programs show its numbers as they are (sRGB)."""
+    """Return the linear light and the opacity of a colour whose numbers programs show as they are, sRGB."""
     red, green, blue = linear_light(color[:3]).tolist()
     return red, green, blue, float(color[3])
