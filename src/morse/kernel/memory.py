@@ -26,7 +26,7 @@ def aligned(count: int, dtype: DTypeLike) -> NDArray[Any]:
     return whole[start : start + size].view(dtype)
 
 
-def address(array: NDArray[Any] | None) -> int | None:
+def address(array: NDArray[np.generic] | None) -> int | None:
     """The address of the first number of an array; None for None.
 
     The caller has to keep a reference to the array.
@@ -47,11 +47,11 @@ def address(array: NDArray[Any] | None) -> int | None:
         return place
 
 
-def addresses(*arrays: NDArray[Any] | None) -> list[int | None]:
+def addresses(*arrays: NDArray[np.generic] | None) -> list[int | None]:
     """The addresses of some arrays."""
     return [address(array) for array in arrays]
 
 
-def pointer(array: NDArray[Any] | None) -> ctypes.c_void_p:
+def pointer(array: NDArray[np.generic] | None) -> ctypes.c_void_p:
     """The address as an argument of a function."""
     return ctypes.c_void_p(address(array))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import colorsys
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar, SupportsFloat
 
 from morse.mathutils.sequence import FloatSequence, floats, is_number, rounded
 
@@ -17,7 +17,7 @@ class Color(FloatSequence):
     __slots__ = ()
     _sizes: ClassVar[tuple[int, int]] = (3, 3)
 
-    def __init__(self, values: Iterable[Any] = (0.0, 0.0, 0.0)) -> None:
+    def __init__(self, values: Iterable[SupportsFloat] = (0.0, 0.0, 0.0)) -> None:
         self._items = floats(values, "Color", 3, 3)
 
     def __repr__(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import collections.abc
 from math import cos, sin
 from operator import mul
-from typing import TYPE_CHECKING, Any, Self, overload
+from typing import TYPE_CHECKING, Any, Self, SupportsFloat, overload
 
 from morse.mathutils import rotations
 from morse.mathutils import rows as algebra
@@ -30,7 +30,7 @@ class Matrix:
     __slots__ = ("_rows",)
     _rows: Rows
 
-    def __init__(self, rows: Iterable[Iterable[Any]] = _IDENTITY) -> None:
+    def __init__(self, rows: Iterable[Iterable[SupportsFloat]] = _IDENTITY) -> None:
         try:
             self._rows = [floats(row, "a row of a Matrix", 2, 4) for row in rows]
         except TypeError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import acos, atan2, sqrt
-from typing import TYPE_CHECKING, Any, ClassVar, Self, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsFloat, overload
 
 from morse.mathutils import matrix as matrices
 from morse.mathutils import rotations, tracking
@@ -155,7 +155,7 @@ class Euler(FloatSequence):
     _sizes: ClassVar[tuple[int, int]] = (3, 3)
     _order: str
 
-    def __init__(self, angles: Iterable[Any] = (0.0, 0.0, 0.0), order: str = "XYZ") -> None:
+    def __init__(self, angles: Iterable[SupportsFloat] = (0.0, 0.0, 0.0), order: str = "XYZ") -> None:
         self._items = floats(angles, "Euler", 3, 3)
         self.order = order
 

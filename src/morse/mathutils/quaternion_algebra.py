@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import atan2, cos, pi, sin, sqrt
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self, SupportsFloat
 
 from morse.mathutils.sequence import FloatSequence, floats, is_number, rounded
 
@@ -22,7 +22,7 @@ class QuaternionAlgebra(FloatSequence):
     _sizes: ClassVar[tuple[int, int]] = (4, 4)
     _plain: type[Self]
 
-    def __init__(self, values: Iterable[Any] = (1.0, 0.0, 0.0, 0.0), angle: float | None = None) -> None:
+    def __init__(self, values: Iterable[SupportsFloat] = (1.0, 0.0, 0.0, 0.0), angle: float | None = None) -> None:
         if angle is not None:
             self._items = about(floats(values, "Quaternion: an axis with an angle", 3, 3), float(angle))
             return

@@ -5,7 +5,7 @@ The products of `morse.mathutils.rotations` take columns (R,) instead of numbers
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -39,22 +39,30 @@ def _root(square: Column) -> Column:
     return np.where(s == 0.0, 1.0, s)
 
 
-def _by_trace(a: Any, b: Any, c: Any, d: Any, e: Any, f: Any, g: Any, h: Any, i: Any) -> tuple[Column, ...]:
+def _by_trace(
+    a: Column, b: Column, c: Column, d: Column, e: Column, f: Column, g: Column, h: Column, i: Column
+) -> tuple[Column, ...]:
     s = 2.0 * np.sqrt(1.0 + a + e + i)
     return s / 4, (h - f) / s, (c - g) / s, (d - b) / s
 
 
-def _by_x(a: Any, b: Any, c: Any, d: Any, e: Any, f: Any, g: Any, h: Any, i: Any) -> tuple[Column, ...]:
+def _by_x(
+    a: Column, b: Column, c: Column, d: Column, e: Column, f: Column, g: Column, h: Column, i: Column
+) -> tuple[Column, ...]:
     s = _root(1.0 + a - e - i)
     return (h - f) / s, s / 4, (b + d) / s, (c + g) / s
 
 
-def _by_y(a: Any, b: Any, c: Any, d: Any, e: Any, f: Any, g: Any, h: Any, i: Any) -> tuple[Column, ...]:
+def _by_y(
+    a: Column, b: Column, c: Column, d: Column, e: Column, f: Column, g: Column, h: Column, i: Column
+) -> tuple[Column, ...]:
     s = _root(1.0 + e - a - i)
     return (c - g) / s, (b + d) / s, s / 4, (f + h) / s
 
 
-def _by_z(a: Any, b: Any, c: Any, d: Any, e: Any, f: Any, g: Any, h: Any, i: Any) -> tuple[Column, ...]:
+def _by_z(
+    a: Column, b: Column, c: Column, d: Column, e: Column, f: Column, g: Column, h: Column, i: Column
+) -> tuple[Column, ...]:
     s = _root(1.0 + i - a - e)
     return (d - b) / s, (c + g) / s, (f + h) / s, s / 4
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import collections.abc
 from numbers import Real
-from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsFloat, SupportsIndex, overload
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
@@ -14,7 +14,7 @@ else:
     _Base = object
 
 
-def floats(values: Iterable[Any], kind: str, smallest: int, largest: int) -> list[float]:
+def floats(values: Iterable[SupportsFloat], kind: str, smallest: int, largest: int) -> list[float]:
     """Return the values as floats.
 
     Raises:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -11,8 +11,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+_Scalar = TypeVar("_Scalar", bound=np.generic)
 
-def stacked(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
+
+def stacked(arrays: Sequence[NDArray[_Scalar]]) -> NDArray[_Scalar]:
     """Return R arrays of one shape and type as one (R, ...), as `numpy.stack`, in a tenth of its time.
 
     Raises:

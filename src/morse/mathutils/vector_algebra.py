@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import atan2, hypot, sin
 from operator import add, mul, sub
-from typing import TYPE_CHECKING, Any, ClassVar, Self, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsFloat, overload
 
 from morse.mathutils.sequence import FloatSequence, floats, is_number, rounded
 
@@ -25,7 +25,7 @@ class VectorAlgebra(FloatSequence):
     _sizes: ClassVar[tuple[int, int]] = (2, 4)
     _plain: type[Self]
 
-    def __init__(self, values: Iterable[Any] = (0.0, 0.0, 0.0)) -> None:
+    def __init__(self, values: Iterable[SupportsFloat] = (0.0, 0.0, 0.0)) -> None:
         self._items = floats(values, "Vector", 2, 4)
 
     def __repr__(self) -> str:

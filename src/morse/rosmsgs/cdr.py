@@ -16,7 +16,7 @@ import numpy as np
 from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -38,7 +38,7 @@ class CdrError(ValueError):
     """The bytes are not a message of that type."""
 
 
-def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
+def encode(type_name: str, message: RosMessage) -> bytes:
     """Encode a message, with the header of four bytes that contains the encoding.
 
     Raises:
@@ -90,7 +90,7 @@ def _stamped(type_name: str, frame_id: str, child_frame_id: str | None) -> tuple
     return struct.Struct(form + _padding(letters, begin)).pack, texts
 
 
-def encode_rows(type_name: str, message: Mapping[str, object], count: int) -> NDArray[np.uint8]:
+def encode_rows(type_name: str, message: RosMessage, count: int) -> NDArray[np.uint8]:
     """Encode many messages of the same size at once.
 
     Args:
@@ -134,7 +134,7 @@ def _struct_writer(type_name: str) -> Write:
     parts = [(field.name, _writer(field)) for field in fields_of(type_name)]
     names = frozenset(name for name, _ in parts)
 
-    def write(buffer: bytearray, value: Mapping[str, object]) -> None:
+    def write(buffer: bytearray, value: RosMessage) -> None:
         for name, write_field in parts:
             write_field(buffer, value.get(name))
         _check_names(type_name, names, value)
@@ -142,7 +142,7 @@ def _struct_writer(type_name: str) -> Write:
     return write
 
 
-def _write_header(buffer: bytearray, value: Mapping[str, Any]) -> None:
+def _write_header(buffer: bytearray, value: RosMessage) -> None:
     """The beginning of most messages; the frames of a simulation are few."""
     _check_names("std_msgs/msg/Header", _HEADER_FIELDS, value)
     stamp = value.get("stamp") or {}
@@ -165,7 +165,7 @@ def _string_bytes(text: str) -> bytes:
     return (len(data) + 1).to_bytes(4, "little") + data + b"\0"
 
 
-def _check_names(type_name: str, names: frozenset[str], value: Mapping[str, object]) -> None:
+def _check_names(type_name: str, names: frozenset[str], value: RosMessage) -> None:
     if not names.issuperset(value):
         raise ValueError(f"{type_name} has no field {sorted(value.keys() - names)}")
 
@@ -189,7 +189,7 @@ def _plain_writer(type_name: str) -> Write:
     # the padding between the numbers depends on the offset of the message
     packers = [_padded(letters, begin) for begin in range(_LARGEST)]
 
-    def write(buffer: bytearray, value: Mapping[str, object]) -> None:
+    def write(buffer: bytearray, value: RosMessage) -> None:
         numbers: list[Any] = []
         collect(value, numbers)
         buffer += packers[(len(buffer) - len(_HEADER)) % _LARGEST](*numbers)
@@ -213,7 +213,7 @@ def _padding(letters: str, begin: int) -> str:
 
 
 @cache
-def _collector(type_name: str) -> Callable[[Mapping[str, Any], list[Any]], None]:
+def _collector(type_name: str) -> Callable[[RosMessage, list[Any]], None]:
     """Appends the numbers of a message of fixed length to a list."""
     fields = fields_of(type_name)
     parts = [
@@ -222,7 +222,7 @@ def _collector(type_name: str) -> Callable[[Mapping[str, Any], list[Any]], None]
     ]
     names = frozenset(name for name, _, _, _ in parts)
 
-    def collect(value: Mapping[str, Any], numbers: list[Any]) -> None:
+    def collect(value: RosMessage, numbers: list[Any]) -> None:
         _check_names(type_name, names, value)
         for name, size, inner, default in parts:
             content = value.get(name)
@@ -241,7 +241,7 @@ def _collector(type_name: str) -> Callable[[Mapping[str, Any], list[Any]], None]
         return collect
     all_of = itemgetter(*(field.name for field in fields))
 
-    def collect_all(value: Mapping[str, object], numbers: list[Any]) -> None:
+    def collect_all(value: RosMessage, numbers: list[Any]) -> None:
         """Vectors and quaternions, which usually contain all their numbers."""
         if len(value) != len(fields):
             collect(value, numbers)
@@ -362,7 +362,7 @@ class _Rows:
                 table[:, begin : begin + size] = column
         return table
 
-    def put_struct(self, type_name: str, value: Mapping[str, object]) -> None:
+    def put_struct(self, type_name: str, value: RosMessage) -> None:
         fields = fields_of(type_name)
         _check_names(type_name, frozenset(field.name for field in fields), value)
         for field in fields:

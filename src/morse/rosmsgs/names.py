@@ -10,11 +10,10 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.quoting import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from morse.core.interfaces import Carrier
     from morse.core.object import Object
     from morse.core.robot import Robot
+    from morse.core.values import Options
     from morse.scene import Node
 
 MAP = "map"
@@ -63,7 +62,7 @@ class Names:
         options: ``namespace`` and ``frame_prefix`` of the stream manager.
     """
 
-    def __init__(self, options: Mapping[str, Any]) -> None:
+    def __init__(self, options: Options) -> None:
         self._namespace, self._prefix = options["namespace"], options["frame_prefix"]
         self._roots: WeakKeyDictionary[Node, str] = WeakKeyDictionary()
         if self._namespace:
@@ -81,7 +80,7 @@ class Names:
             checked_topic(given, f"{robot.name()}: the option 'namespace'")
         return "/" + text.strip("/") if text else "" if text == "" else "/" + _part(robot.name())
 
-    def topic(self, component: Object, options: Mapping[str, Any]) -> str:
+    def topic(self, component: Object, options: Options) -> str:
         """The topic of a component: from the options of its stream, or its name."""
         robot = robot_of(component)
         base = self.namespace(robot, options["namespace"])

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from morse.rosmsgs.qos import Qos
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from morse.core.kinds import Message
+    from morse.core.values import RosMessage
 
 COMMAND = Qos(1)
 
@@ -63,9 +64,9 @@ class Inlet(NamedTuple):
     """
 
     type: str
-    take: Callable[[Mapping[str, Any]], dict[str, Any]]
+    take: Callable[[RosMessage], RosMessage]
     topic: str = ""
     also: str = ""
     or_none: bool = False
     other: Inlet | None = None
-    call: Callable[[Mapping[str, Any]], tuple[str, list[Any]] | None] | None = None
+    call: Callable[[RosMessage], tuple[str, list[Any]] | None] | None = None

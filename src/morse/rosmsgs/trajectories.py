@@ -19,7 +19,7 @@ def seconds(time: Mapping[str, int]) -> float:
     return float(time["sec"] + time["nanosec"] / _SECOND)
 
 
-def service_call(message: Mapping[str, Any], bound: BoundKind) -> tuple[str, list[Any]] | None:
+def service_call(message: RosMessage, bound: BoundKind) -> tuple[str, list[Any]] | None:
     """The service that a trajectory calls, and its arguments; None for a single point at once, which is a command.
 
     Raises:
@@ -35,7 +35,7 @@ def service_call(message: Mapping[str, Any], bound: BoundKind) -> tuple[str, lis
     return "trajectory", [trajectory_of(message)]
 
 
-def trajectory_of(message: Mapping[str, Any]) -> RosMessage:
+def trajectory_of(message: RosMessage) -> RosMessage:
     """The trajectory of some joints; the other joints keep their setpoints.
 
     It starts at the stamp of its header, or now if that is 0.
@@ -49,7 +49,7 @@ def trajectory_of(message: Mapping[str, Any]) -> RosMessage:
     return {"starttime": start, **trajectory} if start else trajectory
 
 
-def _point(point: Mapping[str, Any], count: int) -> RosMessage:
+def _point(point: RosMessage, count: int) -> RosMessage:
     result: RosMessage = {"time_from_start": seconds(point["time_from_start"])}
     for quantity in _QUANTITIES:
         values = point[quantity]

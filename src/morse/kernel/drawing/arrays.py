@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -118,15 +118,15 @@ class Drawing(NamedTuple):
             sphere.
     """
 
-    vertices: NDArray[Any]
+    vertices: NDArray[np.void]
     triangles: NDArray[np.int32]
     clusters: NDArray[np.int32]
     spheres: NDArray[np.float32]
     parts: NDArray[np.int32]
     slots: NDArray[np.int32]
-    materials: NDArray[Any]
+    materials: NDArray[np.void]
     texels: NDArray[np.int32]
-    textures: NDArray[Any]
+    textures: NDArray[np.void]
     closed: NDArray[np.uint8]
     guards: NDArray[np.float32]
     levels: NDArray[np.float32]
@@ -163,7 +163,7 @@ class Light(NamedTuple):
         shadow_changes, near_changes: (N,) int64, numbers of the last changes of these maps; see `changes_for`.
     """
 
-    lamps: NDArray[Any]
+    lamps: NDArray[np.void]
     sky: NDArray[np.float32]
     sun: NDArray[np.float32]
     shadow: NDArray[np.float32] | None
@@ -211,7 +211,7 @@ class Pictures(NamedTuple):
     normals: NDArray[np.float32]
 
 
-def number_tiles(cameras: NDArray[Any]) -> tuple[int, int]:
+def number_tiles(cameras: NDArray[np.void]) -> tuple[int, int]:
     """Set the first tile and pixel of each camera; return the numbers of all tiles and pixels."""
     sizes = tuple(zip(cameras["width"].tolist(), cameras["height"].tolist(), strict=True))
     cameras["tile"], cameras["pixel"], tiles, pixels = _tiles_of_sizes(sizes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -53,10 +53,10 @@ class NativeDrawer:
         self.drawn_tiles = 0
         self._seen = 0
         self._sizes = (-1, -1)
-        self._room: dict[str, NDArray[Any]] = {}
+        self._room: dict[str, NDArray[np.generic]] = {}
 
     def draw(
-        self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int, memories: Sequence[Kept | None] = ()
+        self, cameras: NDArray[np.void], poses: Poses, light: Light, samples: int, memories: Sequence[Kept | None] = ()
     ) -> Pictures:
         """Render the images of cameras.
 
@@ -84,7 +84,7 @@ class NativeDrawer:
         return pictures
 
     def _begin(
-        self, cameras: NDArray[Any], memories: Sequence[Kept | None], poses: Poses, light: Light, samples: int
+        self, cameras: NDArray[np.void], memories: Sequence[Kept | None], poses: Poses, light: Light, samples: int
     ) -> tuple[Lit, list[NativeKept]]:
         """Point to the images of standing cameras that are kept."""
         lit, frame, pointers = Lit(light, samples), self._frame, []
@@ -101,7 +101,7 @@ class NativeDrawer:
         frame.point(kept=addresses if pointers else None)
         return lit, pointers
 
-    def _room_for(self, cameras: int, tiles: int) -> dict[str, NDArray[Any]]:
+    def _room_for(self, cameras: int, tiles: int) -> dict[str, NDArray[np.generic]]:
         """Arrays for that many cameras and tiles; they are kept for the next images."""
         if self._sizes != (cameras, tiles):
             self._sizes, parts = (cameras, tiles), len(self.drawing.parts)

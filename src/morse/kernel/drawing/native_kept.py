@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -64,10 +64,10 @@ class NativeKept:
         self._key: object = None
         self._maps: tuple[object, ...] = ()
         self._shape: tuple[int, int, bool, bool] | None = None
-        self._arrays: dict[str, NDArray[Any] | None] = {}
+        self._arrays: dict[str, NDArray[np.generic] | None] = {}
         self._structure = _Kept()
 
-    def begin(self, camera: NDArray[Any], lit: Lit, instances: int) -> int | None:
+    def begin(self, camera: NDArray[np.void], lit: Lit, instances: int) -> int | None:
         """Return the address of the structure for an image; None if the image is not kept.
 
         Args:
@@ -94,7 +94,7 @@ class NativeKept:
         self._structure.lamp_shadow = address(lit.lamp_shadow)
         self._structure.is_complete = 1
 
-    def _make_room(self, camera: Any, instances: int) -> None:
+    def _make_room(self, camera: np.void, instances: int) -> None:
         width, height = int(camera["width"]), int(camera["height"])
         tiles, pixels = -(-width // TILE) * -(-height // TILE), width * height
         shape = (width, height, bool(camera["color"]), bool(camera["normals"]))

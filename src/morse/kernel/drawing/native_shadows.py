@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class NativeMovers:
         self.touched = np.zeros((count, 4), np.int32)
         # one more than needed: an empty array has no address
         self._left_out = np.zeros(count + 1, np.uint8)
-        self._arrays: dict[str, NDArray[Any] | None] = {
+        self._arrays: dict[str, NDArray[np.generic] | None] = {
             "parts": np.append(parts, 0).astype(np.int32),
             "left_out": self._left_out,
             "base": shadow.copy(),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,7 +36,7 @@ class ReferenceDrawer:
         self.drawn_tiles = 0
 
     def draw(
-        self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int, memories: Sequence[Kept | None] = ()
+        self, cameras: NDArray[np.void], poses: Poses, light: Light, samples: int, memories: Sequence[Kept | None] = ()
     ) -> Pictures:
         """The images of cameras (K,) `CAMERA`; nothing is kept."""
         self.drawn_tiles, _ = number_tiles(cameras)
@@ -58,7 +58,7 @@ class ReferenceDrawer:
         """Return the shadows of parts that may move, in a map that has the shadows of the others already."""
         return reference_shadows.ReferenceMovers(self.drawing, parts, light)
 
-    def _draw(self, camera: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
+    def _draw(self, camera: NDArray[np.void], poses: Poses, light: Light, samples: int) -> Pictures:
         count = samples if camera["color"] else 1
         projected = project(self.drawing, camera, poses, count)
         shape = (count, int(camera["height"]), int(camera["width"]))
@@ -80,7 +80,7 @@ class ReferenceDrawer:
 
     def _cover(
         self,
-        camera: NDArray[Any],
+        camera: NDArray[np.void],
         projected: Projected,
         number: int,
         samples: int,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,7 +27,12 @@ _ONE_LIGHT = np.float32(4095.0 * (1 << _LIGHT_SHIFT))
 
 
 def paint(
-    drawing: Drawing, camera: NDArray[Any], poses: Poses, light: Light, projected: Projected, visible: NDArray[np.int32]
+    drawing: Drawing,
+    camera: NDArray[np.void],
+    poses: Poses,
+    light: Light,
+    projected: Projected,
+    visible: NDArray[np.int32],
 ) -> NDArray[np.uint8]:
     """(N, 4) the colours of pixels that show triangles (samples, N)."""
     samples, pixels = visible.shape
@@ -123,7 +128,7 @@ class _Flat:
 
 def _colors(
     d: Drawing,
-    k: NDArray[Any],
+    k: NDArray[np.void],
     poses: Poses,
     light: Light,
     projected: Projected,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +20,7 @@ _ONE = np.float32(1)
 
 
 def normals(
-    drawing: Drawing, camera: NDArray[Any], poses: Poses, projected: Projected, visible: NDArray[np.int32]
+    drawing: Drawing, camera: NDArray[np.void], poses: Poses, projected: Projected, visible: NDArray[np.int32]
 ) -> NDArray[np.float32]:
     """(N, 3) unit vectors in the axes of the camera, of pixels with the triangles ``visible``; 0 without a surface."""
     result = np.zeros((len(visible), 3), np.float32)

@@ -48,11 +48,11 @@ class Projected:
     def vertices(self, drawing: Drawing, numbers: NDArray[np.integer]) -> NDArray[Any]:
         """(N, 3) `VERTEX`, the corners of some triangles."""
         first = drawing.clusters[drawing.parts[self.part[numbers], 0], 0]
-        vertices: NDArray[Any] = drawing.vertices[drawing.triangles[self.triangle[numbers], :3] + first[:, None]]
+        vertices: NDArray[np.void] = drawing.vertices[drawing.triangles[self.triangle[numbers], :3] + first[:, None]]
         return vertices
 
 
-def project(drawing: Drawing, camera: NDArray[Any], poses: Poses, samples: int) -> Projected:
+def project(drawing: Drawing, camera: NDArray[np.void], poses: Poses, samples: int) -> Projected:
     """The triangles that may be visible to a camera."""
     batches = [
         one
@@ -74,7 +74,7 @@ def project(drawing: Drawing, camera: NDArray[Any], poses: Poses, samples: int) 
     return Projected(*(np.concatenate(column) for column in columns))
 
 
-def _may_be_seen(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> bool:
+def _may_be_seen(drawing: Drawing, k: NDArray[np.void], poses: Poses, part: int) -> bool:
     cluster, instance = drawing.parts[part, :2]
     s, m, r = drawing.spheres[cluster], poses.models[instance].reshape(3, 4), k["axes"]
     fx, fy = k["fx"], k["fy"]
@@ -96,7 +96,7 @@ def _may_be_seen(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> 
     return bool(side[2] * q[2] + fy * q[1] >= -size * length[2] and side[3] * q[2] - fy * q[1] >= -size * length[3])
 
 
-def _is_level(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> bool:
+def _is_level(drawing: Drawing, k: NDArray[np.void], poses: Poses, part: int) -> bool:
     """Whether a cluster belongs to the level of detail that a camera sees."""
     cluster, instance = drawing.parts[part, :2]
     s, m, r = drawing.levels[cluster], poses.models[instance].reshape(3, 4), k["axes"]
@@ -121,7 +121,7 @@ def _scale(m: NDArray[np.float32]) -> np.float32:
     return np.float32(np.sqrt(most))
 
 
-def _is_outside(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> bool:
+def _is_outside(drawing: Drawing, k: NDArray[np.void], poses: Poses, part: int) -> bool:
     """Whether the closed parts of a cluster are beyond the near plane."""
     cluster, instance = drawing.parts[part, :2]
     s, m, r = drawing.spheres[cluster], poses.models[instance].reshape(3, 4), k["axes"]
@@ -138,7 +138,7 @@ def _stretch(m: NDArray[np.float32]) -> np.float32:
     return np.float32(np.sqrt(scale))
 
 
-def _part(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int, reach: float) -> Projected:
+def _part(drawing: Drawing, k: NDArray[np.void], poses: Poses, part: int, reach: float) -> Projected:
     cluster, instance, slots, flags = drawing.parts[part].tolist()
     first_vertex, vertices, first, count = drawing.clusters[cluster].tolist()
     a = _projection(k, poses.models[instance].reshape(3, 4))
@@ -170,7 +170,7 @@ def _part(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int, reach: flo
     )  # fmt: skip
 
 
-def _projection(k: NDArray[Any], m: NDArray[np.float32]) -> NDArray[np.float64]:
+def _projection(k: NDArray[np.void], m: NDArray[np.float32]) -> NDArray[np.float64]:
     """(3, 4) mesh to (x w, y w, w)."""
     r = k["axes"].astype(np.float64)
     fx, fy, cx, cy = (float(k[name]) for name in ("fx", "fy", "cx", "cy"))
@@ -189,13 +189,13 @@ def _is_finite(a: NDArray[np.float64], sphere: NDArray[np.float32]) -> bool:
     return bool((most < _FARTHEST).all())
 
 
-def _cut(k: NDArray[Any]) -> float:
+def _cut(k: NDArray[np.void]) -> float:
     """The depth in front of which triangles are clipped for their bounds: no sample is visible there."""
     return float(k["near"]) / 2
 
 
 def _bounds(
-    k: NDArray[Any], q: NDArray[np.float64], at: NDArray[np.float64], reach: float
+    k: NDArray[np.void], q: NDArray[np.float64], at: NDArray[np.float64], reach: float
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Pixels whose samples may lie in triangles, and whether there are any."""
     low, high = _visible(_cut(k), q, at)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.kernel.memory import address
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 _ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
@@ -35,9 +36,9 @@ class FrameStructure(ctypes.Structure):
 
     def __init__(self) -> None:
         super().__init__()
-        self._kept: dict[str, NDArray[Any] | None] = {}
+        self._kept: dict[str, NDArray[np.generic] | None] = {}
 
-    def point(self, **arrays: NDArray[Any] | None) -> None:
+    def point(self, **arrays: NDArray[np.generic] | None) -> None:
         """Set addresses to those of contiguous arrays, or to null."""
         memory = self._kept
         for name, array in arrays.items():

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.moos.mapping import INSTALL
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from morse.core.values import Options
 
 logger = logging.getLogger(__name__)
 
@@ -25,7 +25,7 @@ class Database:
         MorseMiddlewareError: pymoos2 is not installed.
     """
 
-    def __init__(self, options: Mapping[str, Any]) -> None:
+    def __init__(self, options: Options) -> None:
         try:
             import pymoos2.core.MOOSMsg  # noqa: F401 - the import of `Exchange` must not fail
         except ImportError:

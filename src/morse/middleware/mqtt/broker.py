@@ -16,9 +16,10 @@ from morse.middleware.mqtt.limits import LimitedConnections
 from morse.middleware.mqtt.mapping import INSTALL, PORT, TLS_PORT
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from morse.core.clients.arrivals import Arrivals
+    from morse.core.values import Options
 
 logger = logging.getLogger(__name__)
 
@@ -44,7 +45,7 @@ class Broker:
         MorseMiddlewareError: paho-mqtt is not installed, or an option is invalid.
     """
 
-    def __init__(self, options: Mapping[str, Any], arrivals: Arrivals) -> None:
+    def __init__(self, options: Options, arrivals: Arrivals) -> None:
         self._arrivals = arrivals
         try:
             from paho.mqtt import client, enums

@@ -15,7 +15,7 @@ from morse.rosmsgs.parts import from_quaternion, from_xyz, header
 from morse.rosmsgs.table import topics
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
@@ -141,9 +141,9 @@ def _metres(message: Message, frame: str) -> RosMessage:
     return {"header": header(message, frame), "latitude": float(x), "longitude": float(y), "altitude": float(z)}
 
 
-def _from_pose(message: Mapping[str, Any]) -> RosMessage:
+def _from_pose(message: RosMessage) -> RosMessage:
     return {"position": from_xyz(message["position"]), "orientation": from_quaternion(message["orientation"])}
 
 
-def _from_wrench(message: Mapping[str, Any]) -> RosMessage:
+def _from_wrench(message: RosMessage) -> RosMessage:
     return {"force": from_xyz(message["force"]), "torque": from_xyz(message["torque"])}

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
+
+    from morse.core.values import RosMessage
 
 #: a symbol: none of the characters that the Lisp reader treats specially, and not a number
 _SYMBOL = re.compile(r"(?![+-]?[.\d])[\w.+*/<>=!?&$%^~-]+")
 
 
-def as_lisp(objects: Iterable[Mapping[str, object]]) -> str:
+def as_lisp(objects: Iterable[RosMessage]) -> str:
     """Return ``((name description x y z qx qy qz qw) ...)``.
 
     An empty description is ``-``. Texts that are no symbols are strings in quotation marks.
@@ -23,7 +25,7 @@ def as_lisp(objects: Iterable[Mapping[str, object]]) -> str:
     return f"({' '.join(map(_object, objects))})"
 
 
-def _object(description: Mapping[str, Any]) -> str:
+def _object(description: RosMessage) -> str:
     turned = description["orientation"]
     numbers = (*description["position"], turned.x, turned.y, turned.z, turned.w)
     words = (_atom(description["name"]), _atom(description["description"] or "-"), *(repr(float(n)) for n in numbers))

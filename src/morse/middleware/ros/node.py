@@ -19,7 +19,7 @@ from morse.middleware.ros.messages import message, message_class, plain
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, MutableMapping
+    from collections.abc import MutableMapping
 
     from morse.core.clients.arrivals import Arrivals
     from morse.core.values import RosMessage
@@ -144,7 +144,7 @@ class RospyBackend(Backend):
         self._rospy = join(name)
         self.opens = f"node {self._rospy.get_name()}, master {os.environ.get('ROS_MASTER_URI')}"
 
-    def encode(self, type_name: str, fields: Mapping[str, Any]) -> Any:
+    def encode(self, type_name: str, fields: RosMessage) -> Any:
         """See `Backend.encode`."""
         return message(type_name, fields)
 

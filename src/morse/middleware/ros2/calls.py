@@ -17,7 +17,7 @@ from morse.core.services import hints_of, signature_of
 from morse.rosmsgs.json_text import as_json, from_json
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from morse.core.values import RosMessage
 
@@ -56,7 +56,7 @@ class Call:
         else:
             self.type = SET_PARAMETERS
 
-    def arguments(self, request: Mapping[str, Any]) -> list[Any]:
+    def arguments(self, request: RosMessage) -> list[Any]:
         """The arguments in the order of the service.
 
         Raises:
@@ -89,7 +89,7 @@ class Call:
                 values.append(parameter.default)
         return values
 
-    def _value(self, name: str, value: Mapping[str, Any]) -> Any:
+    def _value(self, name: str, value: RosMessage) -> Any:
         field = VALUES.get(value["type"])
         if field is None:
             return None

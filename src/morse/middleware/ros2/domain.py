@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 from morse.core.exceptions import MorseMiddlewareError
@@ -12,10 +12,8 @@ from morse.middleware.ros2.backends.choice import make_backend
 from morse.middleware.ros2.mapping import LAST_DOMAIN, MANAGER_OPTIONS, MIDDLEWARE
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from morse.core.context import Context
-    from morse.core.values import RosMessage
+    from morse.core.values import Options, RosMessage
     from morse.rosmsgs.topics.backend import Backend
 
 _joined: WeakKeyDictionary[Context, Backend] = WeakKeyDictionary()
@@ -31,7 +29,7 @@ def options_of(context: Context) -> RosMessage:
     return with_defaults(MANAGER_OPTIONS, checked_options("ros2", MANAGER_OPTIONS, dict(options)))
 
 
-def join(context: Context, options: Mapping[str, Any]) -> Backend:
+def join(context: Context, options: Options) -> Backend:
     """Return the participant of a simulation; the caller has to call `Backend.release` at the end.
 
     Raises:
@@ -47,7 +45,7 @@ def join(context: Context, options: Mapping[str, Any]) -> Backend:
     return made
 
 
-def _domain(options: Mapping[str, Any]) -> int:
+def _domain(options: Options) -> int:
     if options["domain_id"] is not None:
         return int(options["domain_id"])
     text = os.environ.get("ROS_DOMAIN_ID") or "0"

@@ -19,7 +19,7 @@ from morse.middleware.ros2.served import Served
 from morse.rosmsgs.json_text import as_json, from_json
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable
 
     from morse.core.context import Context
     from morse.core.declarations import Property
@@ -74,7 +74,7 @@ class _Parameter:
             value = as_json(value)
         return {"type": kind, VALUES[kind]: value}
 
-    def taken(self, value: Mapping[str, Any]) -> Any:
+    def taken(self, value: RosMessage) -> Any:
         """The value of a message.
 
         Raises:
@@ -164,7 +164,7 @@ class Parameters(Served):
 
     # -- setting -----------------------------------------------------------------------------
 
-    def _checked(self, given: Mapping[str, Any]) -> tuple[str, str, Any] | str:
+    def _checked(self, given: RosMessage) -> tuple[str, str, Any] | str:
         """Component, property and value; or why a parameter is refused."""
         name = given["name"]
         one = self._parameter(name)

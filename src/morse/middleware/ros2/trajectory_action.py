@@ -15,9 +15,8 @@ from morse.middleware.ros2.actions import ActionServer
 from morse.rosmsgs.trajectories import seconds, trajectory_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from morse.core.request_manager import Outcome
+    from morse.core.values import RosMessage
 
 logger = logging.getLogger(__name__)
 
@@ -82,6 +81,6 @@ class TrajectoryActionServer(ActionServer):
         return result
 
 
-def _given(tolerance: Mapping[str, Any]) -> dict[str, float]:
+def _given(tolerance: RosMessage) -> dict[str, float]:
     """The tolerances of a joint: 0 means none is set, a negative number removes it."""
     return {name: tolerance[name] for name in ("position", "velocity") if tolerance[name] > 0.0}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.middleware.rosbridge import json_form
 from morse.middleware.rosbridge.hub import RosbridgeHub
@@ -12,15 +12,13 @@ from morse.middleware.web.topics import WebTopics
 from morse.rosmsgs.topics.manager import TopicManager
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from morse.core.values import RosMessage
 
 
 class RosbridgeTopics(WebTopics):
     """Topics with messages in JSON."""
 
-    def encode(self, type_name: str, message: Mapping[str, Any]) -> bytes:
+    def encode(self, type_name: str, message: RosMessage) -> bytes:
         """See `morse.rosmsgs.topics.backend.Backend.encode`."""
         return json_form.encode(type_name, message)
 

@@ -28,7 +28,7 @@ _BYTES = ("uint8", "int8")
 _encoder = msgspec.json.Encoder()
 
 
-def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
+def encode(type_name: str, message: RosMessage) -> bytes:
     """Encode a message with all its fields as JSON; missing fields have their defaults.
 
     Raises:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.rosmsgs.definitions import PRIMITIVES, definition, fields_of
@@ -58,7 +58,7 @@ def _raw_types(hub: Hub, _: str) -> RosMessage:
 
 def _message_details(hub: Hub, kind: str) -> RosMessage:
     """Describe a message and all messages in it."""
-    remaining, details = [kind.replace("/", "/msg/") if kind.count("/") == 1 else kind], list[dict[str, Any]]()
+    remaining, details = [kind.replace("/", "/msg/") if kind.count("/") == 1 else kind], []
     for name in remaining:
         try:
             fields = fields_of(name)

@@ -23,12 +23,13 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.web.client import WebClient
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from websockets.asyncio.server import Server, ServerConnection
     from websockets.http11 import Request, Response
 
     from morse.core.context import Context
+    from morse.core.values import Options
 
 _C = TypeVar("_C", bound=WebClient)
 
@@ -66,7 +67,7 @@ class WebServer(Generic[_C]):
         self,
         context: Context,
         name: str,
-        options: Mapping[str, Any],
+        options: Options,
         make: Callable[[ServerConnection], _C],
         subprotocols: Sequence[str] = (),
     ) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.rosmsgs.json_text import as_json
 from morse.rosmsgs.outlets import Outlet
@@ -10,8 +10,6 @@ from morse.rosmsgs.parts import header, quaternion, xyz
 from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from morse.core.kinds import BoundKind, Message
     from morse.core.values import RosMessage
     from morse.rosmsgs.table import Carrier
@@ -43,7 +41,7 @@ def _detections(message: Message, frame: str) -> RosMessage:
     return {"header": head, "detections": [_detection(head, record) for record in message.records]}
 
 
-def _detection(head: Mapping[str, Any], record: Mapping[str, Any]) -> RosMessage:
+def _detection(head: RosMessage, record: RosMessage) -> RosMessage:
     pose = _pose(record)
     hypothesis = {"class_id": str(record.get("label", "")), "score": float(record.get("score", 1.0))}
     return {
@@ -54,7 +52,7 @@ def _detection(head: Mapping[str, Any], record: Mapping[str, Any]) -> RosMessage
     }
 
 
-def _pose(record: Mapping[str, Any]) -> RosMessage:
+def _pose(record: RosMessage) -> RosMessage:
     return {"position": xyz(record.get("position")), "orientation": quaternion(record.get("orientation"))}
 
 

@@ -13,7 +13,7 @@ from morse.rosmsgs.table import TopicTable, topics
 from morse.rosmsgs.trajectories import service_call
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from morse.core.kinds import BoundKind, Message
     from morse.core.values import RosMessage
@@ -132,7 +132,7 @@ def joint_state(messages: Sequence[Message]) -> RosMessage:
     return first
 
 
-def _from_joints(message: Mapping[str, Any], bound: BoundKind) -> RosMessage:
+def _from_joints(message: RosMessage, bound: BoundKind) -> RosMessage:
     present = bound.gather()
     names = list(present.names)
     slots: RosMessage = {}
@@ -165,13 +165,13 @@ def _from_numbers(numbers: Any, bound: BoundKind) -> RosMessage:
     return {quantity: np.where(np.isnan(column), column, numbers) for quantity, column in columns.items()}
 
 
-def _from_point(message: Mapping[str, Any], bound: BoundKind) -> RosMessage:
+def _from_point(message: RosMessage, bound: BoundKind) -> RosMessage:
     point = message["points"][0]
     quantities = {"position": point["positions"], "velocity": point["velocities"], "effort": point["effort"]}
     return _from_joints({"name": message["joint_names"], **quantities}, bound)
 
 
-def _from_text(message: Mapping[str, Any]) -> RosMessage:
+def _from_text(message: RosMessage) -> RosMessage:
     fields = from_json(message["data"])
     if not isinstance(fields, dict):
         raise ValueError(f"a JSON object of fields is expected, not {type(fields).__name__}")

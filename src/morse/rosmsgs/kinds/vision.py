@@ -14,8 +14,6 @@ from morse.rosmsgs.parts import header
 from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from morse.core.kinds import BoundKind, Message
     from morse.core.values import RosMessage
     from morse.rosmsgs.kinds.image_forms import Form
@@ -137,7 +135,7 @@ def _image(message: Message, frame: str, form: Form | None = None) -> RosMessage
     }
 
 
-def _from_image(message: Mapping[str, Any]) -> RosMessage:
+def _from_image(message: RosMessage) -> RosMessage:
     height, width, encoding = message["height"], message["width"], message["encoding"]
     if encoding not in _ENCODINGS:
         raise ValueError(f"the encoding {encoding!r}; known: {', '.join(_ENCODINGS)}")

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 from morse.rosmsgs import cdr
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from morse.core.values import RosMessage
     from morse.rosmsgs.qos import Qos
 
@@ -61,7 +59,7 @@ class ServiceServer(ABC):
         """The received calls, oldest first, up to a maximum number: the caller, and the request; non-blocking."""
 
     @abstractmethod
-    def answer(self, caller: object, response: Mapping[str, object]) -> None:
+    def answer(self, caller: object, response: RosMessage) -> None:
         """Answer a call.
 
         Raises:
@@ -93,7 +91,7 @@ class Backend(ABC):
     name: str
     opens: str
 
-    def encode(self, type_name: str, message: Mapping[str, Any]) -> bytes:
+    def encode(self, type_name: str, message: RosMessage) -> bytes:
         """Encode a message for publishers: CDR, unless the backend has another format.
 
         Raises:
@@ -152,7 +150,7 @@ class Backend(ABC):
         """Offer a topic with a ROS class, whose messages are objects; None if this backend has no services."""
         return None
 
-    def filled(self, message: object, fields: Mapping[str, object]) -> Any:
+    def filled(self, message: object, fields: RosMessage) -> Any:
         """A message object of `typed_publisher` with some fields, for backends with services.
 
         Raises:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros2.mapping import BACKENDS, INSTALL
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
+    from morse.core.values import Options
     from morse.rosmsgs.topics.backend import Backend
 
 _CLASSES = {
@@ -25,7 +24,7 @@ def available() -> list[str]:
     return [name for name in BACKENDS if find_spec(name) is not None]
 
 
-def make_backend(options: Mapping[str, Any]) -> Backend:
+def make_backend(options: Options) -> Backend:
     """Join the domain.
 
     Args:

@@ -33,7 +33,7 @@ from morse.rosmsgs.qos import Qos
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from morse.core.values import Options
 
 #: time for which a reliable writer waits for a reader with a full queue; the simulation must not wait
 _NO_TIME = 0.0
@@ -200,7 +200,7 @@ class CycloneBackend(Backend):
     name = "cyclonedds"
     takes_threads = True
 
-    def __init__(self, options: Mapping[str, Any], node: str = NODE) -> None:
+    def __init__(self, options: Options, node: str = NODE) -> None:
         self._domain = domain = options["domain_id"]
         self.participant, place = _join(domain, options["interface"])
         self.opens = f"domain {domain}, UDP {place}"

@@ -22,9 +22,9 @@ from morse.middleware.ros2.mapping import NODE
 from morse.rosmsgs.topics.backend import Backend, Publisher, ServiceServer, Subscription
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
-    from morse.core.values import RosMessage
+    from morse.core.values import Options, RosMessage
     from morse.rosmsgs.qos import Qos
 
 _LOOPBACK = ("", "lo", "127.0.0.1", "localhost")
@@ -141,7 +141,7 @@ class _Service(ServiceServer):
                 messages.append((info.request_id, request))
         return messages
 
-    def answer(self, caller: object, response: Mapping[str, object]) -> None:
+    def answer(self, caller: object, response: RosMessage) -> None:
         self.answer_message(caller, fill(self.new_response(), response))
 
     def answer_message(self, caller: Any, response: Any) -> None:
@@ -164,7 +164,7 @@ def plain(message: object) -> Any:
     return [plain(item) for item in message] if isinstance(message, list) else message
 
 
-def fill(message: Any, fields: Mapping[str, Any]) -> Any:
+def fill(message: Any, fields: RosMessage) -> Any:
     """A message with the fields of a dictionary.
 
     Raises:
@@ -202,7 +202,7 @@ class RclpyBackend(Backend):
     name = "rclpy"
     has_services = takes_threads = True
 
-    def __init__(self, options: Mapping[str, Any]) -> None:
+    def __init__(self, options: Options) -> None:
         self._options = options
         self._other: Backend | None = None
         self._context = Context()
@@ -264,7 +264,7 @@ class RclpyBackend(Backend):
         """See `Backend.typed_publisher`."""
         return _Publisher(self._node, self._node.create_publisher(kind, topic, _profile(qos)))
 
-    def filled(self, message: object, fields: Mapping[str, object]) -> Any:
+    def filled(self, message: object, fields: RosMessage) -> Any:
         """See `Backend.filled`."""
         return fill(message, fields)
 
