@@ -15,7 +15,7 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.helpers.geodesy import angle_against_north
 from morse.middleware.mavlink.autopilot.pilot import MESSAGES, Autopilot
 from morse.middleware.mavlink.autopilot.place import Place
-from morse.middleware.mavlink.autopilot.steering import helms_of, type_of
+from morse.middleware.mavlink.autopilot.steering import type_of
 from morse.middleware.mavlink.axes import Axes
 from morse.middleware.mavlink.commands import COMMANDS, CommandKinds
 from morse.middleware.mavlink.framing import Framer
@@ -217,7 +217,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
             components = [one for one in self.context.components.values() if one.robot_parent is vehicle.robot]
             vehicle.kind = self.options["vehicle"] or type_of(vehicle.robot, components)
             if vehicle.pilot is not None:
-                vehicle.helms = helms_of(vehicle, vehicle.pilot.place)
+                vehicle.pilot.look_for_helms()
 
     def _arrived(self, device: str, data: bytes) -> bool:
         """Pass a candidate for a message on; False if it is none."""

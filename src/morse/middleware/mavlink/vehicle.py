@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Protocol
 from morse.core.clients.complaints import Complaints
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
     from types import ModuleType
 
     from morse.core.interfaces import Carrier
     from morse.core.object import Object
-    from morse.middleware.mavlink.autopilot.helms import Helm
     from morse.middleware.mavlink.autopilot.place import Place
     from morse.middleware.mavlink.links import Link
     from morse.middleware.mavlink.messages import MavlinkMessage
@@ -47,6 +46,9 @@ class Pilot(Protocol):
 
     place: Place
 
+    def look_for_helms(self) -> None:
+        """Determine what can steer the vehicle; its actuators have changed."""
+
     def greet(self) -> None:
         """Introduce the vehicle to a new peer."""
 
@@ -69,7 +71,6 @@ class Vehicle:
         hil: whether an autopilot in the loop is the peer.
         robot: the robot; set before the first tick.
         streams: the streams of its actuators.
-        helms: what can steer it, the best first.
         pilot: the autopilot; None with an autopilot in the loop.
         kind: MAV_TYPE.
         autopilot: MAV_AUTOPILOT.
@@ -85,7 +86,6 @@ class Vehicle:
         self.system, self.link, self.hil = system, link, hil
         self._mav = dialect.MAVLink(None, srcSystem=system, srcComponent=_AUTOPILOT)
         self.streams: list[MavlinkStream] = []
-        self.helms: Sequence[Helm] = ()
         self.pilot: Pilot | None = None
         self.kind = 0
         self.autopilot = _INVALID if hil else _PX4

@@ -13,6 +13,8 @@ from morse.middleware.mavlink.autopilot.mission import NEAR, ON_GROUND, Mission
 from morse.middleware.mavlink.autopilot.modes import Mode
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.context import Context
     from morse.mathutils.rotations import Triple
     from morse.middleware.mavlink.autopilot.helms import Helm
@@ -41,6 +43,7 @@ class Flight:
     """The state of a vehicle: where it is, what it does.
 
     Attributes:
+        helms: what can steer the vehicle, the best first.
         mode: the flight mode.
         is_armed: whether it may move.
         landed: MAV_LANDED_STATE.
@@ -55,6 +58,7 @@ class Flight:
     def __init__(self, vehicle: Vehicle, place: Place, parameters: Parameters, context: Context) -> None:
         self.vehicle, self.place, self.parameters = vehicle, place, parameters
         self._context = context
+        self.helms: Sequence[Helm] = ()
         self.mode = Mode.HOLD
         self.mission = Mission(self)
         self._last: int | None = None
@@ -114,8 +118,7 @@ class Flight:
     @property
     def helm(self) -> Helm | None:
         """What steers the vehicle; None if it has no actuator."""
-        helms = self.vehicle.helms
-        return helms[0] if helms else None
+        return self.helms[0] if self.helms else None
 
     @property
     def cruise(self) -> Speeds:
@@ -126,7 +129,7 @@ class Flight:
 
     def _act(self, active: bool) -> None:
         """Start or stop the rotors."""
-        for helm in self.vehicle.helms:
+        for helm in self.helms:
             component = helm.stream.component_instance
             is_wanted = active and helm is self.helm
             if component.active != is_wanted:

@@ -11,6 +11,7 @@ from morse.middleware.mavlink.autopilot.orders import Orders
 from morse.middleware.mavlink.autopilot.parameters import Parameters
 from morse.middleware.mavlink.autopilot.reports import Reports
 from morse.middleware.mavlink.autopilot.setpoints import SetpointError, setpoint_of
+from morse.middleware.mavlink.autopilot.steering import helms_of
 from morse.middleware.mavlink.autopilot.transfers import Transfers
 
 if TYPE_CHECKING:
@@ -78,6 +79,10 @@ class Autopilot:
         if take is not None:
             take(message)
         return take is not None
+
+    def look_for_helms(self) -> None:
+        """Determine what can steer the vehicle; its actuators have changed."""
+        self.flight.helms = helms_of(self._vehicle, self.place)
 
     def greet(self) -> None:
         """Send a heartbeat."""
