@@ -10,6 +10,10 @@ library that are missing. With the names of components, their pictures are taken
 ``python -m tools release [FOLDER]``: the source distribution and the wheels of all platforms, verified.
 
 ``python -m tools rehearse [FOLDER]``: the same, then an installation from a local index, a demo and the documentation.
+
+``python -m tools arm64 [WHEEL]``: tries the wheel for Linux on ARM64 in an emulator.
+
+``python -m tools wine``: tries the kernel for Windows.
 """
 
 from __future__ import annotations
@@ -27,6 +31,14 @@ def main(arguments: list[str]) -> int:
         from tools.release import rehearsal
 
         return getattr(rehearsal, part)(Path(*names) if names else Path("dist"))
+    if part == "arm64" and len(names) <= 1:
+        from tools.release import arm64
+
+        return arm64.main(Path(*names) if names else None)
+    if part == "wine" and not names:
+        from tools.release import wine
+
+        return wine.main()
     if part == "compatibility":
         from tools import compatibility
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import zipfile
 from typing import TYPE_CHECKING
 
 import pytest
 
 from morse.kernel import targets
-from tools.release import contents
+from tools.release import arm64, contents, steps, wine
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -99,3 +101,33 @@ def test_a_wheel_for_any_platform_is_refused(tmp_path: Path):
     path = tmp_path / "morse_simulator-2.0.0-py3-none-any.whl"
     zipfile.ZipFile(path, "w").close()
     assert "names no platform" in contents.verify([path])[0]
+
+
+def test_other_bits_are_named(capsys: pytest.CaptureFixture[str]):
+    assert arm64.compare("video 1 aa\ndepth 1 bb\n", "video 1 aa\ndepth 1 bb\n") == 0
+    assert arm64.compare("video 1 aa\ndepth 1 bb\n", "video 1 aa\ndepth 1 cc\n") == 1
+    assert "depth 1 bb" in capsys.readouterr().err
+    assert arm64.compare("video 1 aa\n", "video 1 aa\ndepth 1 cc\n") == 1
+
+
+def test_a_failed_step_shows_its_output(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    assert steps.run("good", [sys.executable, "-c", "print('done')"], tmp_path) == "done\n"
+    assert steps.run("bad", [sys.executable, "-c", "import sys; sys.exit('out of paper')"], tmp_path) is None
+    assert "out of paper" in capsys.readouterr().err
+
+
+def test_all_functions_of_the_kernel_are_recorded():
+    assert HOST is not None
+    _, exported = contents.inspect(library(HOST.levels[0]), HOST)
+    assert {line[len("FUNCTION(") :].partition(",")[0] for line in wine.functions().splitlines()} == exported
+
+
+@pytest.mark.parametrize("command", ["arm64", "wine"])
+def test_without_packages_of_debian_they_are_skipped_by_name(command: str, tmp_path: Path):
+    program = (
+        "import sys, shutil; shutil.which = lambda *words, **options: None;"
+        "from tools import __main__; sys.exit(__main__.main(sys.argv[1:]))"
+    )
+    done = subprocess.run([sys.executable, "-c", program, command], capture_output=True, text=True)
+    assert done.returncode == 0
+    assert "skipped: needs" in done.stderr

@@ -10,11 +10,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-import subprocess
 import sys
 import tempfile
 import threading
-import time
 import venv
 from contextlib import contextmanager
 from functools import partial
@@ -22,7 +20,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tools.release import contents, wheels
+from tools.release import contents, steps, wheels
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -59,13 +57,8 @@ def rehearse(folder: Path) -> int:
             ("sdist", [*pip[:-2], "--no-deps", "--target", str(place / "sdist"), str(next(folder.glob("*.tar.gz")))]),
             ("docs", [sys.executable, "-m", "sphinx", "-q", "-W", str(wheels.ROOT / "docs"), str(place / "docs")]),
         ):
-            start = time.monotonic()
             # in a folder of its own, so that the package is the installed one
-            done = subprocess.run(command, cwd=place, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-            seconds = time.monotonic() - start
-            print(f"{'ok    ' if done.returncode == 0 else 'FAILED'} {title:8} {seconds:6.1f} s", flush=True)
-            if done.returncode:
-                print(done.stdout[-8000:], file=sys.stderr)
+            if steps.run(title, command, place) is None:
                 return 1
     return 0
 
@@ -82,7 +75,9 @@ def index(folder: Path) -> Iterator[str]:
             links.append(
                 f'<a href="{file.name}#sha256={hashlib.sha256(file.read_bytes()).hexdigest()}">{file.name}</a>'
             )
-        (pages / "index.html").write_text(f"<!DOCTYPE html><html><body>{''.join(links)}</body></html>")
+        (pages / "index.html").write_text(
+            f"<!DOCTYPE html><html><body>{''.join(links)}</body></html>", encoding="utf-8"
+        )
         server = ThreadingHTTPServer(("127.0.0.1", 0), partial(_Quiet, directory=temporary))
         threading.Thread(target=server.serve_forever, daemon=True).start()
         try:
