@@ -13,7 +13,7 @@ library that are missing. With the names of components, their pictures are taken
 
 ``python -m tools arm64 [WHEEL]``: tries the wheel for Linux on ARM64 in an emulator.
 
-``python -m tools wine``: tries the kernel for Windows.
+``python -m tools wine [WHEEL]``: tries the kernel of the wheel for Windows.
 """
 
 from __future__ import annotations
@@ -31,14 +31,10 @@ def main(arguments: list[str]) -> int:
         from tools.release import rehearsal
 
         return getattr(rehearsal, part)(Path(*names) if names else Path("dist"))
-    if part == "arm64" and len(names) <= 1:
-        from tools.release import arm64
+    if part in ("arm64", "wine") and len(names) <= 1:
+        from tools.release import arm64, wine
 
-        return arm64.main(Path(*names) if names else None)
-    if part == "wine" and not names:
-        from tools.release import wine
-
-        return wine.main()
+        return {"arm64": arm64, "wine": wine}[part].main(Path(*names) if names else None)
     if part == "compatibility":
         from tools import compatibility
 

@@ -1,7 +1,7 @@
 """Tries the kernel for Windows: calls that the tests make on this machine are recorded and repeated under Wine.
 
-``python -m tools wine``: needs Linux on x86-64 and Wine (``apt-get install wine64``); skipped without them. Each call has to
-leave the same bits behind.
+``python -m tools wine [WHEEL]``: without a wheel, the kernel is compiled. It needs Linux on x86-64 and Wine
+(``apt-get install wine64``), and is skipped without them. Each call has to leave the same bits behind.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ import re
 import shutil
 import sys
 import tempfile
+import zipfile
 from pathlib import Path
 
 from morse.kernel import build, targets
-from tools.release import steps
+from tools.release import contents, steps
 from tools.release.wheels import ROOT
 
 _CALLS = Path(__file__).parent / "calls"
@@ -23,7 +24,7 @@ _WINDOWS, _LINUX = targets.Target("windows", "x86_64"), targets.Target("linux-gn
 _PLACES = os.pathsep.join([os.environ.get("PATH", ""), "/usr/lib/wine"])
 
 
-def main() -> int:
+def main(wheel: Path | None) -> int:
     """Compile, record, repeat; the result is the status of the process."""
     wine = next(filter(None, (shutil.which(name, path=_PLACES) for name in ("wine64", "wine"))), None)
     if wine is None or targets.host() != _LINUX:
@@ -35,7 +36,7 @@ def main() -> int:
         (place / "functions.h").write_text(functions(), encoding="utf-8")
         zig = [sys.executable, "-m", "ziglang", "cc", "-O1", "-fno-stack-protector", "-fno-sanitize=undefined"]
         own = [*zig, "-target", _LINUX.zig, "-shared", "-fPIC", "-I", str(place), "-o", str(recorder)]
-        (real, *_), libraries = build.build(_LINUX), build.build(_WINDOWS, place)
+        (real, *_), libraries = build.build(_LINUX), _libraries(wheel, place)
         recording = {
             **os.environ,
             "MORSE_TESTED_KERNEL": str(recorder),
@@ -58,6 +59,15 @@ def main() -> int:
                 return 1
             print("      ", output.strip().rpartition("\n")[2])
     return 0
+
+
+def _libraries(wheel: Path | None, place: Path) -> list[Path]:
+    """The libraries for Windows, from a wheel or from the sources."""
+    if wheel is None:
+        return build.build(_WINDOWS, place)
+    with zipfile.ZipFile(wheel) as archive:
+        names = [contents.LIBRARIES + _WINDOWS.file_name(level) for level in _WINDOWS.levels]
+        return [Path(archive.extract(name, place)) for name in names]
 
 
 def functions() -> str:
