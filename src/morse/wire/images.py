@@ -44,7 +44,7 @@ def image_fields(camera: Any, data: Mapping[str, object]) -> PictureFields:
     form = getattr(camera, "compression", "")
     fields = _fields(camera, data, "image")
     if form and np.size(fields["image"]):
-        fields["image"] = _file(fields["image"], form, camera.quality)
+        fields["image"] = image_file(fields["image"], form, camera.quality)
     if form:
         fields["format"] = form
     if "intrinsic_matrix" in data:
@@ -80,7 +80,7 @@ def _fields(camera: object, data: Mapping[str, Any], field: str) -> PictureField
     )
 
 
-def _file(pixels: Any, form: str, quality: int) -> bytes:
+def image_file(pixels: Any, form: str, quality: int) -> bytes:
     """An image (H, W, 4) uint8, (H, W) uint8 or uint16, as the bytes of an image file."""
     # imported only by cameras that compress
     from PIL import Image

@@ -87,39 +87,48 @@ class GroundStation:
         self.until(lambda: (system, name) in self.seen)
         return self.seen[system, name]
 
-    def command(self, number: int, *params: float, system: int = 1) -> int:
+    def last_of(self, number: int, system: int = 1) -> Any:
+        """The next message of a number, or the one that has just come."""
+        name = common.mavlink_map[number].msgname
+        self.until(lambda: (system, name) in self.seen)
+        return self.seen.pop((system, name))
+
+    def command(self, number: int, *params: float, system: int = 1, component: int = 1) -> int:
         """Send COMMAND_LONG; its result."""
         values = [*params, *[0.0] * (7 - len(params))]
         self.seen.pop((system, "COMMAND_ACK"), None)
-        self.send("command_long", system, 1, number, 0, *values)
+        self.send("command_long", system, component, number, 0, *values)
         ack = self.last("COMMAND_ACK", system)
         assert (ack.command, ack.target_system) == (number, self.mav.srcSystem)
+        assert ack.get_srcComponent() == component
         return int(ack.result)
 
     def is_armed(self, system: int = 1) -> bool:
         return bool(self.last("HEARTBEAT", system).base_mode & 128)
 
-    def upload(self, items: list[tuple[Any, ...]], system: int = 1) -> int:
-        """Upload items (frame, command, param1..4, x, y, z); the result."""
+    def upload(self, items: list[tuple[Any, ...]], system: int = 1, type_: int = 0) -> int:
+        """Upload items (frame, command, param1..4, x, y, z) of a mission or another plan; the result."""
         self.seen.pop((system, "MISSION_ACK"), None)
         self.seen.pop((system, "MISSION_REQUEST_INT"), None)
-        self.send("mission_count", system, 1, len(items), 0)
+        self.send("mission_count", system, 1, len(items), type_)
         while True:
             self.until(lambda: {(system, "MISSION_ACK"), (system, "MISSION_REQUEST_INT")} & self.seen.keys())
             if (system, "MISSION_ACK") in self.seen:
                 return int(self.seen[system, "MISSION_ACK"].type)
             seq = self.seen.pop((system, "MISSION_REQUEST_INT")).seq
             frame, command, *rest = items[seq]
-            self.send("mission_item_int", system, 1, seq, frame, command, int(seq == 0), 1, *rest, 0)
+            self.send("mission_item_int", system, 1, seq, frame, command, int(seq == 0), 1, *rest, type_)
 
 
-def fly(folder: Path, body: str, *, world: str = "nwu", stations: int = 1, properties: str = "") -> list[GroundStation]:
+def fly(
+    folder: Path, body: str, *, world: str = "nwu", stations: int = 1, properties: str = "", fastmode: bool = True
+) -> list[GroundStation]:
     """Load a scene of robots with MAVLink; its ground stations, whose ``sim`` is the simulation."""
     ports = free_ports(stations)
     device = ",".join(f"udpout:127.0.0.1:{port}" for port in ports)
     scene = folder / "scene.py"
     scene.write_text(
-        f"from morse.builder import *\n{body}\nenv = Environment('empty', fastmode=True)\n{properties}\n"
+        f"from morse.builder import *\n{body}\nenv = Environment('empty', fastmode={fastmode})\n{properties}\n"
         f"env.configure_stream_manager('mavlink', device={device!r}, world={world!r})\n"
     )
     listeners = [GroundStation(port, 255 - number) for number, port in enumerate(ports)]

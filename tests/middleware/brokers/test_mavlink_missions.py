@@ -20,7 +20,8 @@ pytestmark = pytest.mark.long
 __all__ = ["station"]
 
 LOCAL, ABOVE_HOME, NO_FRAME = 1, 6, 2
-WAYPOINT, RETURN, LAND, TAKEOFF, JUMP, SPEED, CAMERA = 16, 20, 21, 22, 177, 178, 2000
+WAYPOINT, RETURN, LAND, TAKEOFF, JUMP, SPEED, VIDEO = 16, 20, 21, 22, 177, 178, 2500
+RALLY = 2
 UNSUPPORTED, NO_SPACE, INVALID_X, INVALID_SEQUENCE, CANCELLED, REFUSED = 3, 4, 10, 13, 15, 14
 NAN = math.nan
 
@@ -163,16 +164,15 @@ def test_what_was_uploaded_is_downloaded(station: Callable[..., Any]) -> None:
     assert ground.command(SET_MODE, 1.0, 4.0, 4.0) != ACCEPTED, "there is no mission"
 
 
-def test_fences_rally_points_and_what_is_not_supported_are_refused(station: Callable[..., Any]) -> None:
+def test_rally_points_and_what_is_not_supported_are_refused(station: Callable[..., Any]) -> None:
     ground = station(drone("RotorcraftWaypoint"))
     assert ground.upload(SQUARE) == ACCEPTED
-    for kind in (1, 2):
-        ground.send("mission_count", 1, 1, 4, kind)
-        answer = ground.last("MISSION_ACK")
-        assert (answer.type, answer.mission_type) == (UNSUPPORTED, kind)
-        ground.send("mission_request_list", 1, 1, kind)
-        assert ground.last("MISSION_ACK").type == UNSUPPORTED
-    assert ground.upload([at(0, 0, -3.0), (NO_FRAME, CAMERA, *[0.0] * 4, 0, 0, 0.0)]) == UNSUPPORTED
+    ground.send("mission_count", 1, 1, 4, RALLY)
+    answer = ground.last("MISSION_ACK")
+    assert (answer.type, answer.mission_type) == (UNSUPPORTED, RALLY)
+    ground.send("mission_request_list", 1, 1, RALLY)
+    assert (ground.last("MISSION_COUNT").count, ground.seen[1, "MISSION_COUNT"].mission_type) == (0, RALLY)
+    assert ground.upload([at(0, 0, -3.0), (NO_FRAME, VIDEO, *[0.0] * 4, 0, 0, 0.0)]) == UNSUPPORTED
     assert ground.upload([(99, WAYPOINT, *[0.0] * 4, 0, 0, 0.0)]) == 2, "MAV_MISSION_UNSUPPORTED_FRAME"
     assert ground.upload([(ABOVE_HOME, WAYPOINT, *[0.0] * 4, 910_000_000, 0, 5.0)]) == INVALID_X
     for wrong in (NAN, math.inf, -3e38):

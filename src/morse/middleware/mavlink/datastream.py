@@ -217,7 +217,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
             components = [one for one in self.context.components.values() if one.robot_parent is vehicle.robot]
             vehicle.kind = self.options["vehicle"] or type_of(vehicle.robot, components)
             if vehicle.pilot is not None:
-                vehicle.pilot.look_for_helms()
+                vehicle.pilot.look_at(components)
 
     def _arrived(self, device: str, data: bytes) -> bool:
         """Pass a candidate for a message on; False if it is none."""

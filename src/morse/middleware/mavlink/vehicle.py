@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import logging
 import struct
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.clients.complaints import Complaints
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
     from types import ModuleType
 
     from morse.core.interfaces import Carrier
@@ -46,9 +46,6 @@ class Pilot(Protocol):
 
     place: Place
 
-    def look_for_helms(self) -> None:
-        """Determine what can steer the vehicle; its actuators have changed."""
-
     def greet(self) -> None:
         """Introduce the vehicle to a new peer."""
 
@@ -60,6 +57,9 @@ class Pilot(Protocol):
 
     def take(self, message: MavlinkMessage) -> bool:
         """Answer a message; False if it is for the streams of the actuators."""
+
+    def look_at(self, components: Iterable[Object]) -> None:
+        """Find out which components of the robot the vehicle has."""
 
 
 class Vehicle:
@@ -84,7 +84,8 @@ class Vehicle:
     def __init__(self, dialect: ModuleType, system: int, link: Link, hil: bool) -> None:
         self._dialect = dialect
         self.system, self.link, self.hil = system, link, hil
-        self._mav = dialect.MAVLink(None, srcSystem=system, srcComponent=_AUTOPILOT)
+        #: by the id of the component, each of which counts its messages
+        self._senders: dict[int, Any] = {}
         self.streams: list[MavlinkStream] = []
         self.pilot: Pilot | None = None
         self.kind = 0
@@ -109,6 +110,10 @@ class Vehicle:
         entry = self._dialect.mavlink_map.get(number)
         return None if entry is None else str(entry.msgname)
 
+    def knows(self, name: str) -> bool:
+        """Whether the installed version of pymavlink has a message."""
+        return hasattr(self._dialect.MAVLink, f"{name}_encode")
+
     def complain(self, kind: str, text: str) -> None:
         """Log a problem of a client, at most once in a while for each kind."""
         self._complaints.warn(kind, f"mavlink: system {self.system}: {text}")
@@ -120,12 +125,19 @@ class Vehicle:
             name: of the message, in lower case.
             values: of its fields, in order. A message with invalid values is omitted, and the log reports it.
         """
+        self.send_from(_AUTOPILOT, name, *values)
+
+    def send_from(self, component: int, name: str, *values: Any) -> None:
+        """Send a message of a component of the vehicle, such as a camera; see `send`."""
+        sender = self._senders.get(component)
+        if sender is None:
+            sender = self._senders[component] = self._dialect.MAVLink(None, self.system, component)
         try:
-            data = getattr(self._mav, f"{name}_encode")(*values).pack(self._mav)
+            data = getattr(sender, f"{name}_encode")(*values).pack(sender)
         except (struct.error, ValueError, TypeError, OverflowError) as error:
             self._complaints.warn(name, f"mavlink: {name.upper()} of the system {self.system} is left out: {error}")
             return
-        self._mav.seq = (self._mav.seq + 1) % 256
+        sender.seq = (sender.seq + 1) % 256
         self.link.send(bytes(data))
 
     def measure(self, name: str, *values: object) -> None:

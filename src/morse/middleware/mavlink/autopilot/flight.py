@@ -7,6 +7,10 @@ from typing import TYPE_CHECKING
 
 from morse.core.journal import SERVICE
 from morse.mathutils.rotations import turn_back
+from morse.middleware.mavlink.autopilot.cameras import Cameras
+from morse.middleware.mavlink.autopilot.failsafe import WARNING, Failsafe
+from morse.middleware.mavlink.autopilot.fence import NO_BREACH, Fence
+from morse.middleware.mavlink.autopilot.follow import Follow
 from morse.middleware.mavlink.autopilot.helms import Motion, Speeds, TwistHelm
 from morse.middleware.mavlink.autopilot.items import destination
 from morse.middleware.mavlink.autopilot.mission import NEAR, ON_GROUND, Mission
@@ -32,9 +36,6 @@ _FLYING = 0.25
 _STILL, _LANDED_AFTER = 0.05, 1.5
 #: s after which MANUAL_CONTROL no longer counts
 _BY_HAND_FOR = 1.0
-#: by NAV_DLL_ACT; MAV_SEVERITY
-_ON_SILENCE = {1: Mode.HOLD, 2: Mode.RETURN, 3: Mode.LAND}
-_WARNING, _INFO = 4, 6
 _AIRCRAFT = (2, 3, 4, 13, 14, 15, 29)
 _SUBMARINE = 12
 
@@ -53,6 +54,7 @@ class Flight:
         is_released: whether attitudes go from the ground station to the actuator.
         speed: cruising speed that a ground station has set, m/s.
         setpoint: of OFFBOARD.
+        mission, fence, cameras, failsafe, follow: parts of the vehicle.
     """
 
     def __init__(self, vehicle: Vehicle, place: Place, parameters: Parameters, context: Context) -> None:
@@ -60,7 +62,8 @@ class Flight:
         self._context = context
         self.helms: Sequence[Helm] = ()
         self.mode = Mode.HOLD
-        self.mission = Mission(self)
+        self.mission, self.fence, self.cameras = Mission(self), Fence(place), Cameras(self)
+        self.failsafe, self.follow = Failsafe(self), Follow(self)
         self._last: int | None = None
         self._reset()
 
@@ -78,9 +81,8 @@ class Flight:
         self._sticks: tuple[float, float, float, float] = (0.0,) * 4
         self._sticks_age = math.inf
         self.is_released = False
-        #: s since the last heartbeat of a ground station; infinite before the first
-        self._silence = math.inf
-        self._is_lost = False
+        self.failsafe.reset()
+        self.follow.reset()
 
     # -- the state ---------------------------------------------------------------------------
 
@@ -141,8 +143,11 @@ class Flight:
     # -- commands ----------------------------------------------------------------------------
 
     def arm(self) -> bool:
-        """Allow it to move; False if it has no actuator."""
+        """Allow it to move; False if it has no actuator, or is outside of its fence."""
         if self.helm is None:
+            return False
+        if not self.is_armed and self.failsafe.breach != NO_BREACH:
+            self.say(WARNING, "Arming denied: outside geofence")
             return False
         self.is_commanded = True
         if not self.is_armed:
@@ -187,6 +192,7 @@ class Flight:
             height = self.home[2] + self.parameters["RTL_RETURN_ALT"]
             self._goal = (*self._goal[:2], max(self._goal[2], height) if climbs else self._goal[2])
         self.mode = mode
+        self.failsafe.enter()
         if mode is not Mode.OFFBOARD:
             self.setpoint, self.is_released = None, False
         return True
@@ -215,12 +221,15 @@ class Flight:
 
     def follows(self) -> bool:
         """Whether setpoints count; the first one starts OFFBOARD."""
+        self.failsafe.hear_setpoint()
         if not self.is_commanded and self.helm is not None and not self.is_armed:
             self.arm()
             self.is_commanded = False
             self.mode = Mode.OFFBOARD
+            self.failsafe.enter(is_stream=False)
         if self.mode is Mode.HOLD and self.is_armed and self.landed != TAKING_OFF:
             self.switch(Mode.OFFBOARD)
+            self.failsafe.enter(is_stream=False)
         # also before it is armed: PX4 wants setpoints before the mode
         return self.mode is Mode.OFFBOARD
 
@@ -228,33 +237,11 @@ class Flight:
         """Manual control: shares from -1 to 1; turning to the right."""
         self._sticks, self._sticks_age = (forward, right, up, turn), 0.0
 
-    def hear_station(self) -> None:
-        """A ground station has sent a heartbeat."""
-        if self._is_lost:
-            self._say(_INFO, "Connection to ground station regained")
-        self._silence, self._is_lost = 0.0, False
-
-    def _say(self, severity: int, text: str) -> None:
+    def say(self, severity: int, text: str) -> None:
+        """Send a text to ground stations."""
         self.vehicle.send("statustext", severity, text.encode())
 
     # -- the tick ----------------------------------------------------------------------------
-
-    def _watch_station(self, dt: float) -> None:
-        """Hold, return or land if ground stations have become silent."""
-        if math.isinf(self._silence):
-            return
-        self._silence += dt
-        action = _ON_SILENCE.get(int(self.parameters["NAV_DLL_ACT"]))
-        if (
-            action is not None
-            and self.is_armed
-            and not self._is_lost
-            and self._silence > self.parameters["COM_DL_LOSS_T"]
-        ):
-            self._is_lost = True
-            self._say(_WARNING, f"Connection to ground station lost: {action.name.lower()}")
-            if self.mode is not Mode.LAND and not self.switch(action):
-                self.switch(Mode.HOLD)
 
     def tick(self, stamp: int) -> None:
         """Steer.
@@ -268,7 +255,7 @@ class Flight:
         dt = 0.0 if self._last is None else max(0, stamp - self._last) / _SECOND
         self._last = stamp
         self.now = self._motion(dt)
-        self._watch_station(dt)
+        self.failsafe.tick(dt)
         if self.helm is None or not self.is_armed:
             return
         self._sticks_age += dt
@@ -286,6 +273,8 @@ class Flight:
             self._return()
         elif self.mode is Mode.LAND:
             self.land()
+        elif self.mode is Mode.FOLLOW:
+            self.goto(*(self.follow.goal() or (self._goal, self._yaw)))
         elif self.mode is Mode.OFFBOARD:
             self._follow()
         elif self.mode.by_hand:

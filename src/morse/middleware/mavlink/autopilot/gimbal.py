@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.mathutils.rotations import turn_back
 from morse.middleware.mavlink.telemetry import PAN_TILT, boot_ms
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
+    from morse.mathutils.rotations import Triple
+    from morse.middleware.mavlink.autopilot.flight import Flight
     from morse.middleware.mavlink.stream import MavlinkStream
     from morse.middleware.mavlink.vehicle import Vehicle
 
@@ -20,14 +23,20 @@ _CAN = 8 | 16 | 32 | 256 | 512
 _DEVICE = 1
 #: GIMBAL_MANAGER_FLAGS_YAW_IN_VEHICLE_FRAME
 _IN_VEHICLE = 32
+#: rad/s
+_FASTEST = 100.0
 
 
 class Gimbal:
     """Answers as a gimbal manager."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self._vehicle = vehicle
+    def __init__(self, vehicle: Vehicle, flight: Flight) -> None:
+        self._vehicle, self._flight = vehicle, flight
         self._stamp = 0
+        #: rad/s upward and to the right; a place to look at, m in the world; who controls it: system and component
+        self._rates = (0.0, 0.0)
+        self._place: Triple | None = None
+        self._control = (0, 0)
 
     def _find(self) -> tuple[MavlinkStream, BoundKind] | None:
         for stream in self._vehicle.streams:
@@ -41,17 +50,51 @@ class Gimbal:
         """Whether the vehicle has one."""
         return self._find() is not None
 
-    def look(self, pitch: float, yaw: float) -> bool:
-        """Turn upward and to the right, rad; NaN keeps an angle. False without a gimbal."""
+    def look(self, pitch: float, yaw: float, pitch_rate: float = math.nan, yaw_rate: float = math.nan) -> bool:
+        """Turn to angles upward and to the right, rad, or with rates, rad/s; NaN keeps them. False without a gimbal."""
+        if math.isinf(pitch) or math.isinf(yaw) or not self._turn(pitch, yaw):
+            return False
+        self._place = None
+        self._rates = (
+            pitch_rate if math.isnan(pitch) and abs(pitch_rate) < _FASTEST else 0.0,
+            yaw_rate if math.isnan(yaw) and abs(yaw_rate) < _FASTEST else 0.0,
+        )
+        return True
+
+    def look_at(self, place: Triple | None) -> bool:
+        """Look at a place in the world, m, from now on, or ahead. False without a gimbal."""
+        self._rates, self._place = (0.0, 0.0), place
+        return self.is_there if place is not None else self._turn(0.0, 0.0)
+
+    def configure(self, params: tuple[float, ...], sender: tuple[int, int]) -> bool:
+        """MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE: who controls the gimbal. False without a gimbal."""
+        own, none = -2.0, -3.0
+        if params[0] == own:
+            self._control = sender
+        elif params[0] == none:
+            self._control = (0, 0)
+        elif 0.0 <= params[0] <= 255.0 and 0.0 <= params[1] <= 255.0:
+            self._control = int(params[0]), int(params[1])
+        return self.is_there
+
+    def _turn(self, pitch: float, yaw: float, *, adds: bool = False) -> bool:
+        """Command angles, or changes of them; NaN keeps an angle."""
         entry = self._find()
-        if entry is None or math.isinf(pitch) or math.isinf(yaw):
+        if entry is None:
             return False
         stream, bound = entry
         present = (float(angle) for angle in bound.gather().position)
         wanted = (-yaw, -pitch)  # positive is to the left and downward
-        angles = [old if math.isnan(new) else new for old, new in zip(present, wanted, strict=True)]
+        angles = [
+            old if math.isnan(new) else old + new if adds else new for old, new in zip(present, wanted, strict=True)
+        ]
         stream.receive(bound, {"position": angles})
         return True
+
+    def _aim(self, place: Triple) -> None:
+        now = self._flight.now
+        x, y, z = turn_back(now.rotation, [a - b for a, b in zip(place, now.position, strict=True)])
+        self._turn(math.atan2(z, math.hypot(x, y)), -math.atan2(y, x))
 
     def request(self, number: float) -> bool:
         """Send the message of a number; False if it is not one of a gimbal."""
@@ -66,11 +109,16 @@ class Gimbal:
             names = (b"MORSE", b"pan-tilt unit", b"")
             self._vehicle.send("gimbal_device_information", stamp, *names, 0, 0, 0, _CAN, 0, *limits, _DEVICE)
         else:
-            self._vehicle.send("gimbal_manager_status", stamp, _IN_VEHICLE, _DEVICE, 0, 0, 0, 0)
+            self._vehicle.send("gimbal_manager_status", stamp, _IN_VEHICLE, _DEVICE, *self._control, 0, 0)
         return True
 
     def tick(self, stamp: int) -> None:
-        """Send the status once in a second of simulated time, ns."""
+        """Turn, and send the status once in a second of simulated time, ns."""
         if stamp // _SECOND != self._stamp // _SECOND:
             self.request(_STATUS)
+        dt = max(0, stamp - self._stamp) / _SECOND
         self._stamp = stamp
+        if self._place is not None:
+            self._aim(self._place)
+        elif self._rates != (0.0, 0.0):
+            self._turn(self._rates[0] * dt, self._rates[1] * dt, adds=True)

@@ -6,6 +6,8 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.mathutils.rotations import Triple
     from morse.middleware.mavlink.autopilot.place import Place
     from morse.middleware.mavlink.messages import MavlinkMessage
@@ -15,7 +17,12 @@ WAYPOINT, LOITER, LOITER_TIME, RETURN, LAND, TAKEOFF = 16, 17, 19, 20, 21, 22
 DELAY, CONDITION_DELAY, CONDITION_YAW, JUMP, SPEED, HOME = 93, 112, 115, 177, 178, 179
 #: cameras and gimbals look where they look: these have no effect
 ROI, ROI_LOCATION, ROI_NONE, MOUNT, GIMBAL = 201, 195, 197, 205, 1000
-NOWHERE = (DELAY, CONDITION_DELAY, CONDITION_YAW, JUMP, SPEED, HOME, ROI, ROI_LOCATION, ROI_NONE, MOUNT, GIMBAL)
+#: photos: by distance, the mode of the camera, at intervals, no more
+CAMERA = (206, 530, 2000, 2001)
+NOWHERE = (
+    *(DELAY, CONDITION_DELAY, CONDITION_YAW, JUMP, SPEED, HOME, ROI, ROI_LOCATION, ROI_NONE, MOUNT, GIMBAL),
+    *CAMERA,
+)
 PLACES = (WAYPOINT, LOITER, LOITER_TIME, LAND, TAKEOFF)
 SUPPORTED = (*PLACES, RETURN, *NOWHERE)
 #: frames: above the sea, above home, the last of which is above the terrain, and north-east-down from the origin
@@ -48,20 +55,25 @@ class Item(NamedTuple):
     z: float
 
 
-def item_of(message: MavlinkMessage) -> Item | int:
-    """Read MISSION_ITEM_INT or MISSION_ITEM; MAV_MISSION_RESULT if it is not valid or not supported."""
+def item_of(message: MavlinkMessage, others: Sequence[int] = ()) -> Item | int:
+    """Read MISSION_ITEM_INT or MISSION_ITEM; MAV_MISSION_RESULT if it is not valid or not supported.
+
+    Args:
+        message: what has arrived.
+        others: the supported commands of plans that are not missions; each has a place.
+    """
     params = (message.param1, message.param2, message.param3, message.param4)
     x, y = message.x, message.y
-    has_place = message.command in (*PLACES, HOME)
+    has_place = message.command in (others or (*PLACES, HOME))
     if message.get_type() == "MISSION_ITEM":
         scale = 1e4 if message.frame in _LOCAL else 1e7
         if has_place and not (abs(x * scale) < 1 << 31 and abs(y * scale) < 1 << 31):
             return INVALID_Y if abs(x * scale) < 1 << 31 else INVALID_X
         x, y = (round(v * scale) if abs(v * scale) < 1 << 31 else 0 for v in (x, y))
-    if message.command not in SUPPORTED:
+    if message.command not in (others or SUPPORTED):
         return UNSUPPORTED
     if has_place:
-        if message.frame not in (*_SEA, *_HOME, *_LOCAL):
+        if message.frame not in (*_SEA, *_HOME, *(() if others else _LOCAL)):
             return BAD_FRAME
         if message.frame not in _LOCAL and not (abs(x) <= 900_000_000 and abs(y) <= 1_800_000_000):
             return INVALID_Y if abs(x) <= 900_000_000 else INVALID_X

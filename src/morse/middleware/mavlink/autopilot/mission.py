@@ -6,6 +6,8 @@ import math
 from typing import TYPE_CHECKING, ClassVar
 
 from morse.middleware.mavlink.autopilot.items import (
+    ACCEPTED,
+    CAMERA,
     CONDITION_DELAY,
     CONDITION_YAW,
     DELAY,
@@ -18,6 +20,7 @@ from morse.middleware.mavlink.autopilot.items import (
     SPEED,
     TAKEOFF,
     WAYPOINT,
+    item_of,
 )
 from morse.middleware.mavlink.autopilot.modes import Mode
 
@@ -58,12 +61,16 @@ class Mission:
         self._jumps: dict[int, int] = {}
         self._enter()
 
-    def replace(self, items: list[Item]) -> None:
-        """Store other items, from the first of which the mission starts."""
+    #: reads an item of a message
+    item_of = staticmethod(item_of)
+
+    def replace(self, items: list[Item]) -> int:
+        """Store other items, from the first of which the mission starts; MAV_MISSION_RESULT."""
         self.items = items
         self.restart()
         if self._flight.mode is Mode.MISSION:
             self._flight.switch(Mode.HOLD)
+        return ACCEPTED
 
     def begin(self) -> bool:
         """Start or continue; False if there are no items."""
@@ -219,6 +226,12 @@ class Mission:
             self._jump = target
         return True
 
+    def _photograph(self, item: Item) -> bool:
+        cameras = self._flight.cameras
+        if cameras.is_for(0, item.command):
+            cameras.obey(0, item.command, (*item.params, item.x, item.y, item.z))
+        return True
+
     def _change_speed(self, item: Item) -> bool:
         self._flight.change_speed(item.params[1])
         return True
@@ -231,5 +244,5 @@ class Mission:
     _STEPS: ClassVar[dict[int, Callable[[Mission, Item], bool]]] = {
         WAYPOINT: _to_place, LOITER: _to_place, LOITER_TIME: _to_place, TAKEOFF: _take_off, LAND: _land,
         RETURN: _return, DELAY: _wait, CONDITION_DELAY: _wait, CONDITION_YAW: _turn, JUMP: _jump_to,
-        SPEED: _change_speed, HOME: _set_home,
+        SPEED: _change_speed, HOME: _set_home, **dict.fromkeys(CAMERA, _photograph),
     }  # fmt: skip

@@ -22,6 +22,7 @@ class Mode(Enum):
     MISSION = 4, 4
     RETURN = 4, 5
     LAND = 4, 6
+    FOLLOW = 4, 8
 
     @property
     def custom(self) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
+from morse.middleware.mavlink.autopilot.failsafe import WARNING
 from morse.middleware.mavlink.autopilot.modes import Mode, mode_of
 
 if TYPE_CHECKING:
@@ -21,12 +22,13 @@ if TYPE_CHECKING:
 ACCEPTED, REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
 #: parameter 2 of MAV_CMD_COMPONENT_ARM_DISARM: also in flight
 _FORCE = 21196.0
-#: MAV_COMP_ID: all, the autopilot
-_OWN = (0, 1)
+#: MAV_COMP_ID
+_AUTOPILOT = 1
 #: frames of COMMAND_INT whose altitude is above home
 _ABOVE_HOME = (3, 6, 10, 11)
 _HIGHEST = 1e6
 _CUSTOM = 1
+_CONFIGURE_GIMBAL = 1001
 
 
 class Order(NamedTuple):
@@ -46,20 +48,27 @@ class Orders:
 
     def __init__(self, vehicle: Vehicle, flight: Flight, reports: Reports, gimbal: Gimbal) -> None:
         self._vehicle, self._flight, self._reports, self._gimbal = vehicle, flight, reports, gimbal
+        self._cameras = flight.cameras
 
     def take(self, message: MavlinkMessage) -> None:
         """Execute a message, and answer it."""
-        if message.target_component not in _OWN:
-            return
+        component = message.target_component or _AUTOPILOT
         if message.get_type() == "COMMAND_INT":
             place: tuple[float, float] = message.x * 1e-7, message.y * 1e-7
             order = Order((*_four(message), *place, message.z), message.frame)
         else:
             order = Order((*_four(message), message.param5, message.param6, message.param7), 0)
         execute = self._COMMANDS.get(message.command)
-        result = UNSUPPORTED if execute is None else execute(self, order)
+        result = UNSUPPORTED
         sender = message.get_srcSystem(), message.get_srcComponent()
-        self._vehicle.send("command_ack", message.command, result, 0, 0, *sender)
+        if component == _AUTOPILOT and message.command == _CONFIGURE_GIMBAL:
+            result = ACCEPTED if self._gimbal.configure(order.params, sender) else UNSUPPORTED
+        elif self._cameras.is_for(component, message.command):
+            result = self._cameras.obey(component, message.command, order.params)
+        elif component == _AUTOPILOT and execute is not None:
+            result = execute(self, order)
+        # also for a component that does not exist: the sender would ask again until it gives up
+        self._vehicle.send_from(component, "command_ack", message.command, result, 0, 0, *sender)
 
     def _altitude(self, order: Order) -> float:
         """The altitude above the sea of an order, m; NaN if it has none."""
@@ -161,6 +170,9 @@ class Orders:
         goal = self._position(order)
         if goal is None or not flight.is_armed:
             return DENIED if goal is None else REJECTED
+        if flight.failsafe.is_outside(goal):
+            flight.say(WARNING, "Reposition is outside geofence")
+            return DENIED
         speed, yaw = order.params[0], order.params[3]
         if speed > 0.0:
             flight.change_speed(speed)
@@ -205,18 +217,23 @@ class Orders:
         return ACCEPTED if self._reports.request("HOME_POSITION") else DENIED
 
     def _look(self, order: Order) -> int:
-        pitch, yaw = (math.radians(angle) for angle in order.params[:2])
-        return ACCEPTED if self._gimbal.look(pitch, yaw) else UNSUPPORTED
+        return ACCEPTED if self._gimbal.look(*(math.radians(angle) for angle in order.params[:4])) else UNSUPPORTED
 
-    def _control_gimbal(self, order: Order) -> int:
-        return ACCEPTED if self._gimbal.is_there else UNSUPPORTED
+    def _look_at(self, order: Order) -> int:
+        place = self._position(order)
+        if not self._gimbal.is_there:
+            return UNSUPPORTED
+        return ACCEPTED if place is not None and self._gimbal.look_at(place) else DENIED
+
+    def _look_ahead(self, order: Order) -> int:
+        return ACCEPTED if self._gimbal.look_at(None) else UNSUPPORTED
 
     _COMMANDS: ClassVar[dict[int, Callable[[Orders, Order], int]]] = {
         17: _hold, 20: _return, 21: _land, 22: _take_off, 176: _set_mode, 178: _change_speed, 179: _set_home,
         185: _end, 192: _reposition, 193: _pause, 224: _set_item, 300: _start_mission, 400: _arm,
         410: _request_home,
         510: _get_interval, 511: _set_interval, 512: _request, 520: _request_version, 1000: _look,
-        1001: _control_gimbal,
+        195: _look_at, 197: _look_ahead,
     }  # fmt: skip
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.middleware.mavlink.autopilot.absent import Absent
+from morse.middleware.mavlink.autopilot.files import Files
 from morse.middleware.mavlink.autopilot.flight import Flight
 from morse.middleware.mavlink.autopilot.gimbal import Gimbal
 from morse.middleware.mavlink.autopilot.modes import mode_of_custom
@@ -15,9 +17,10 @@ from morse.middleware.mavlink.autopilot.steering import helms_of
 from morse.middleware.mavlink.autopilot.transfers import Transfers
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from morse.core.context import Context
+    from morse.core.object import Object
     from morse.middleware.mavlink.autopilot.place import Place
     from morse.middleware.mavlink.messages import MavlinkMessage
     from morse.middleware.mavlink.vehicle import Vehicle
@@ -46,9 +49,11 @@ class Autopilot:
         self.flight = Flight(vehicle, place, parameters, context)
         self._parameters = parameters
         self._reports = Reports(vehicle, self.flight)
-        self._gimbal = Gimbal(vehicle)
+        self._gimbal = Gimbal(vehicle, self.flight)
         orders = Orders(vehicle, self.flight, self._reports, self._gimbal)
-        self._transfers = transfers = Transfers(vehicle, self.flight.mission)
+        self._transfers = transfers = Transfers(vehicle, self.flight.mission, self.flight.fence)
+        self._files = Files(vehicle, self.flight.cameras.photos)
+        absent = Absent(vehicle)
         self._takes: dict[str, Callable[[MavlinkMessage], object]] = {
             "COMMAND_LONG": orders.take,
             "COMMAND_INT": orders.take,
@@ -59,6 +64,10 @@ class Autopilot:
             "MANUAL_CONTROL": self._manual,
             "GIMBAL_MANAGER_SET_PITCHYAW": self._look,
             "TIMESYNC": self._timesync,
+            "FOLLOW_TARGET": self.flight.follow.take,
+            "FILE_TRANSFER_PROTOCOL": self._files.take,
+            "SET_GPS_GLOBAL_ORIGIN": lambda _: self._reports.request("GPS_GLOBAL_ORIGIN"),
+            **{name: getattr(absent, f"take_{name.lower()}") for name in ABSENT_MESSAGES},
             **dict.fromkeys(MISSION_MESSAGES, transfers.take),
             **dict.fromkeys(PARAMETER_MESSAGES, parameters.take),
         }
@@ -80,9 +89,10 @@ class Autopilot:
             take(message)
         return take is not None
 
-    def look_for_helms(self) -> None:
-        """Determine what can steer the vehicle; its actuators have changed."""
+    def look_at(self, components: Iterable[Object]) -> None:
+        """Determine what can steer the vehicle, and the cameras among the components of the robot."""
         self.flight.helms = helms_of(self._vehicle, self.place)
+        self.flight.cameras.look_at(components)
 
     def greet(self) -> None:
         """Send a heartbeat."""
@@ -99,6 +109,8 @@ class Autopilot:
         self._reports.tick(stamp)
         self._transfers.tick(stamp)
         self._parameters.tick()
+        self.flight.cameras.tick(stamp)
+        self._files.tick()
 
     def _setpoint(self, message: MavlinkMessage) -> None:
         flight = self.flight
@@ -111,7 +123,7 @@ class Autopilot:
 
     def _heard(self, message: MavlinkMessage) -> None:
         if message.type == _GROUND_STATION:
-            self.flight.hear_station()
+            self.flight.failsafe.hear_station()
 
     def _set_mode(self, message: MavlinkMessage) -> None:
         mode = mode_of_custom(message.custom_mode) if message.base_mode & 1 else None
@@ -125,7 +137,7 @@ class Autopilot:
             self.flight.take_sticks(x / 1000.0, y / 1000.0, max(-1.0, z / 500.0 - 1.0), r / 1000.0)
 
     def _look(self, message: MavlinkMessage) -> None:
-        self._gimbal.look(message.pitch, message.yaw)
+        self._gimbal.look(message.pitch, message.yaw, message.pitch_rate, message.yaw_rate)
 
     def _timesync(self, message: MavlinkMessage) -> None:
         if message.tc1 == 0:
@@ -143,11 +155,20 @@ MISSION_MESSAGES = (
     "MISSION_SET_CURRENT",
     "MISSION_ACK",
 )
-PARAMETER_MESSAGES = ("PARAM_REQUEST_LIST", "PARAM_REQUEST_READ", "PARAM_SET")
+PARAMETER_MESSAGES = (
+    *("PARAM_REQUEST_LIST", "PARAM_REQUEST_READ", "PARAM_SET"),
+    *("PARAM_EXT_REQUEST_LIST", "PARAM_EXT_REQUEST_READ", "PARAM_EXT_SET"),
+)
+#: of things that no vehicle has here
+ABSENT_MESSAGES = ("LOG_REQUEST_LIST", "LOG_REQUEST_DATA", "SERIAL_CONTROL")
 #: messages that an autopilot reads
 MESSAGES = (
     *MISSION_MESSAGES,
     *PARAMETER_MESSAGES,
+    *ABSENT_MESSAGES,
+    "FILE_TRANSFER_PROTOCOL",
+    "FOLLOW_TARGET",
+    "SET_GPS_GLOBAL_ORIGIN",
     "COMMAND_LONG",
     "COMMAND_INT",
     "SET_MODE",

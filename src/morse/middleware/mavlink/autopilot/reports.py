@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
+from morse.core.kinds.turning import quaternion_of
+from morse.mathutils.rotations import turn_back
 from morse.middleware.mavlink.telemetry import boot_ms
 
 if TYPE_CHECKING:
@@ -16,12 +18,14 @@ if TYPE_CHECKING:
 _SECOND = 10**9
 _U16, _U8, _I16 = 0xFFFF, 0xFF, 0x7FFF
 _FIX_3D = 3
+#: MAV_FRAME; MAV_ESTIMATOR_TYPE: the pose is known exactly
+_LOCAL_NED, _BODY_FRD, _ESTIMATOR_MOCAP = 1, 12, 7
 #: MAV_SYS_STATUS_SENSOR: inertial, magnetic, pressure, satellites; controls of rates, attitude, yaw, height, position;
 #: motors, estimator, battery; may be armed
 _SENSORS = 0b101111 | 0b111111 << 10 | 1 << 21 | 1 << 25 | 1 << 28
-#: MAV_PROTOCOL_CAPABILITY: float missions, float parameters, whole numbers in missions, commands with whole numbers,
-#: attitudes, positions in the local frame and on the earth, MAVLink 2
-_CAPABILITIES = 1 | 2 | 4 | 8 | 64 | 128 | 256 | 8192
+#: MAV_PROTOCOL_CAPABILITY: float missions, whole numbers in missions, commands with whole numbers, bytes of parameters,
+#: files, attitudes, positions in the local frame and on the earth, MAVLink 2, fences
+_CAPABILITIES = 1 | 4 | 8 | 16 | 32 | 64 | 128 | 256 | 8192 | 16384
 #: 1.14.0, a release: ground stations look for features by the version of PX4
 _VERSION = 0x010E00FF
 
@@ -179,6 +183,32 @@ class Reports:
     def _time(self) -> None:
         self._vehicle.send("system_time", 0, boot_ms(self._stamp))
 
+    def _attitude_quaternion(self) -> None:
+        flight = self._flight
+        rates = flight.place.axes.body(flight.turn_rates())
+        self._vehicle.send("attitude_quaternion", boot_ms(self._stamp), *quaternion_of(*self._angles()), *rates)
+
+    def _odometry(self) -> None:
+        flight, unknown = self._flight, [math.nan] + [0.0] * 20
+        axes = flight.place.axes
+        velocity = axes.body(turn_back(flight.now.rotation, flight.now.velocity))
+        self._vehicle.send(
+            "odometry", self._stamp // 1000, _LOCAL_NED, _BODY_FRD, *flight.place.local(flight.now.position),
+            list(quaternion_of(*self._angles())), *velocity, *axes.body(flight.turn_rates()), unknown, unknown, 0,
+            _ESTIMATOR_MOCAP, 100,
+        )  # fmt: skip
+
+    def _altitude(self) -> None:
+        flight = self._flight
+        z, altitude = flight.now.position[2], flight.place.earth(flight.now.position)[2]
+        local, nan = z - flight.place.origin[2], math.nan
+        self._vehicle.send("altitude", self._stamp // 1000, local, altitude, local, z - flight.home[2], nan, nan)
+
+    def _fence_status(self) -> None:
+        one = self._flight.failsafe
+        time = boot_ms(one.breach_time)
+        self._vehicle.send("fence_status", int(one.breach != 0), min(one.breaches, _U16), one.breach, time)
+
     def _version(self) -> None:
         system = self._vehicle.system
         empty = [0] * 8
@@ -199,6 +229,10 @@ class Reports:
         "MISSION_CURRENT": (1.0, _mission),
         "SYSTEM_TIME": (1.0, _time),
         "AUTOPILOT_VERSION": (0.0, _version),
+        "ATTITUDE_QUATERNION": (0.0, _attitude_quaternion),
+        "ODOMETRY": (0.0, _odometry),
+        "ALTITUDE": (0.0, _altitude),
+        "FENCE_STATUS": (0.0, _fence_status),
         "GPS_GLOBAL_ORIGIN": (0.0, _origin),
     }
 

@@ -5,22 +5,26 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.middleware.mavlink.autopilot import items
-from morse.middleware.mavlink.autopilot.items import Item, item_of
+from morse.middleware.mavlink.autopilot.items import Item
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.middleware.mavlink.autopilot.fence import Fence
     from morse.middleware.mavlink.autopilot.mission import Mission
     from morse.middleware.mavlink.messages import MavlinkMessage
     from morse.middleware.mavlink.vehicle import Vehicle
 
-_MISSION, _ALL = 0, 255
+#: MAV_MISSION_TYPE
+MISSION, FENCE, _ALL = 0, 1, 255
 _MOST_ITEMS = 5000
 #: simulated time, ns: an item that is late is asked for again; an upload without items ends
 _AGAIN, _GIVEN_UP = 500_000_000, 5 * 10**9
 
 
 class _Upload:
-    def __init__(self, sender: tuple[int, int], count: int, stamp: int) -> None:
-        self.sender, self.count = sender, count
+    def __init__(self, sender: tuple[int, int], type_: int, count: int, stamp: int) -> None:
+        self.sender, self.type, self.count = sender, type_, count
         self.items: list[Item] = []
         self.heard = self.asked = stamp
 
@@ -28,11 +32,13 @@ class _Upload:
 class Transfers:
     """Answers the messages of the mission protocol.
 
-    One ground station uploads at a time. A mission replaces the previous one when its last item has arrived.
+    One ground station uploads at a time. A plan replaces the previous one when its last item has arrived. There are no
+    rally points: their list is empty, and an upload is refused.
     """
 
-    def __init__(self, vehicle: Vehicle, mission: Mission) -> None:
+    def __init__(self, vehicle: Vehicle, mission: Mission, fence: Fence) -> None:
         self._vehicle, self._mission = vehicle, mission
+        self._plans: Mapping[int, Mission | Fence] = {MISSION: mission, FENCE: fence}
         self._upload: _Upload | None = None
         self._stamp = 0
 
@@ -43,22 +49,23 @@ class Transfers:
         if kind == "MISSION_SET_CURRENT":
             self._mission.go_on_at(message.seq)
             return
-        type_ = getattr(message, "mission_type", _MISSION)
-        if type_ != _MISSION and not (kind == "MISSION_CLEAR_ALL" and type_ == _ALL):
-            # there are no fences and no rally points
+        type_ = getattr(message, "mission_type", MISSION)
+        plan = self._plans.get(type_)
+        if kind == "MISSION_REQUEST_LIST":
+            self._vehicle.send("mission_count", *sender, 0 if plan is None else len(plan.items), type_)
+        elif plan is None and not (kind == "MISSION_CLEAR_ALL" and type_ == _ALL):
             if kind != "MISSION_ACK":
                 self._acknowledge(sender, items.UNSUPPORTED, type_)
         elif kind == "MISSION_COUNT":
-            self._begin(sender, message.count)
+            self._begin(sender, type_, message.count)
         elif kind in ("MISSION_ITEM_INT", "MISSION_ITEM"):
             self._item(sender, message)
-        elif kind == "MISSION_REQUEST_LIST":
-            self._vehicle.send("mission_count", *sender, len(self._mission.items), _MISSION)
-        elif kind in ("MISSION_REQUEST_INT", "MISSION_REQUEST"):
-            self._send_item(sender, message)
+        elif kind in ("MISSION_REQUEST_INT", "MISSION_REQUEST") and plan is not None:
+            self._send_item(sender, message, plan, type_)
         elif kind == "MISSION_CLEAR_ALL":
             self._upload = None
-            self._mission.replace([])
+            for one in self._plans.values() if plan is None else (plan,):
+                one.replace([])
             self._acknowledge(sender, items.ACCEPTED, type_)
             self._mission.tell()
         elif kind == "MISSION_ACK" and self._upload is not None and self._upload.sender == sender and message.type:
@@ -76,62 +83,61 @@ class Transfers:
             return
         if stamp < upload.heard or stamp - upload.heard > _GIVEN_UP:
             self._upload = None
-            self._acknowledge(upload.sender, items.CANCELLED)
+            self._acknowledge(upload.sender, items.CANCELLED, upload.type)
         elif stamp - upload.asked > _AGAIN:
             self._ask(upload)
 
-    def _acknowledge(self, sender: tuple[int, int], result: int, type_: int = _MISSION) -> None:
+    def _acknowledge(self, sender: tuple[int, int], result: int, type_: int) -> None:
         self._vehicle.send("mission_ack", *sender, result, type_)
 
-    def _begin(self, sender: tuple[int, int], count: int) -> None:
+    def _begin(self, sender: tuple[int, int], type_: int, count: int) -> None:
         if self._upload is not None and self._upload.sender != sender:
-            self._acknowledge(sender, items.DENIED)
+            self._acknowledge(sender, items.DENIED, type_)
         elif count > _MOST_ITEMS:
             self._upload = None
-            self._acknowledge(sender, items.NO_SPACE)
+            self._acknowledge(sender, items.NO_SPACE, type_)
         elif count == 0:
             self._upload = None
-            self._mission.replace([])
-            self._acknowledge(sender, items.ACCEPTED)
+            self._acknowledge(sender, self._plans[type_].replace([]), type_)
         else:
-            self._upload = _Upload(sender, count, self._stamp)
+            self._upload = _Upload(sender, type_, count, self._stamp)
             self._ask(self._upload)
 
     def _ask(self, upload: _Upload) -> None:
         upload.asked = self._stamp
-        self._vehicle.send("mission_request_int", *upload.sender, len(upload.items), _MISSION)
+        self._vehicle.send("mission_request_int", *upload.sender, len(upload.items), upload.type)
 
     def _item(self, sender: tuple[int, int], message: MavlinkMessage) -> None:
         upload = self._upload
         if upload is None:
             return  # the repetition of the last item, or what is late
-        if upload.sender != sender:
-            self._acknowledge(sender, items.DENIED)
+        if upload.sender != sender or upload.type != getattr(message, "mission_type", MISSION):
+            self._acknowledge(sender, items.DENIED, getattr(message, "mission_type", MISSION))
             return
         upload.heard = self._stamp
         if message.seq != len(upload.items):
             if message.seq > len(upload.items):
                 self._ask(upload)
             return
-        item = item_of(message)
+        plan = self._plans[upload.type]
+        item = plan.item_of(message)
         if not isinstance(item, Item):
             self._upload = None
-            self._acknowledge(sender, item)
+            self._acknowledge(sender, item, upload.type)
             return
         upload.items.append(item)
         if len(upload.items) < upload.count:
             self._ask(upload)
             return
         self._upload = None
-        self._mission.replace(upload.items)
-        self._acknowledge(sender, items.ACCEPTED)
+        self._acknowledge(sender, plan.replace(upload.items), upload.type)
         self._mission.tell()
 
-    def _send_item(self, sender: tuple[int, int], message: MavlinkMessage) -> None:
-        if not 0 <= message.seq < len(self._mission.items):
-            self._acknowledge(sender, items.INVALID_SEQUENCE)
+    def _send_item(self, sender: tuple[int, int], message: MavlinkMessage, plan: Mission | Fence, type_: int) -> None:
+        if not 0 <= message.seq < len(plan.items):
+            self._acknowledge(sender, items.INVALID_SEQUENCE, type_)
             return
-        item = self._mission.items[message.seq]
+        item = plan.items[message.seq]
         is_int = message.get_type() == "MISSION_REQUEST_INT"
         x: float = item.x
         y: float = item.y
@@ -140,5 +146,6 @@ class Transfers:
             x, y = x * scale, y * scale
         self._vehicle.send(
             "mission_item_int" if is_int else "mission_item", *sender, message.seq, item.frame, item.command,
-            int(message.seq == self._mission.current), item.autocontinue, *item.params, x, y, item.z, _MISSION,
+            int(plan is self._mission and message.seq == self._mission.current), item.autocontinue, *item.params, x, y,
+            item.z, type_,
         )  # fmt: skip
