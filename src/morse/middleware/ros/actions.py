@@ -16,9 +16,11 @@ from morse.rosmsgs.parts import time
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from types import ModuleType
 
     from morse.core.clock import Clock
     from morse.middleware.ros2.feedback import Feedback
+    from morse.rosmsgs.objects import RosClass, RosObject
 
 #: constants of actionlib_msgs/GoalStatus
 _ACTIVE, _PREEMPTED, _SUCCEEDED, _ABORTED, _RECALLED = 1, 2, 3, 4, 8
@@ -29,7 +31,7 @@ _WAITING, _MOST_ENDED = 64, 64
 
 
 class _Goal:
-    def __init__(self, goal_id: Any, begun: int) -> None:
+    def __init__(self, goal_id: RosObject, begun: int) -> None:
         self.id, self.status, self.text = goal_id, _ACTIVE, ""
         self.begun = begun
         self.call: Any = None
@@ -49,7 +51,13 @@ class ActionServer:
     """
 
     def __init__(
-        self, rospy: Any, path: str, kind: Any, begin: Callable[..., Any], manager: Any, feedback: Feedback
+        self,
+        rospy: ModuleType,
+        path: str,
+        kind: RosClass,
+        begin: Callable[..., Any],
+        manager: Any,
+        feedback: Feedback,
     ) -> None:
         self._begin, self._manager = begin, manager
         action = kind()
@@ -107,7 +115,7 @@ class ActionServer:
             except Exception as error:  # rospy checks the types of fields only when it sends a message
                 self._source.failed(error)
 
-    def _take(self, given: Any) -> None:
+    def _take(self, given: RosObject) -> None:
         known = next((goal for goal in self._goals if goal.id.id == given.goal_id.id), None)
         if known is not None:
             return  # a duplicate, or cancelled before it arrived
@@ -119,7 +127,7 @@ class ActionServer:
         self._tell()
         goal.call = self._begin([given.goal], lambda outcome: self._ended(goal, outcome))
 
-    def _cancel(self, given: Any) -> None:
+    def _cancel(self, given: RosObject) -> None:
         everything = not given.id and not given.stamp.to_sec()
         before = given.stamp.to_sec()
         for goal in list(self._goals):

@@ -16,13 +16,12 @@ from morse.rosmsgs.qos import Qos
 from morse.rosmsgs.topics.manager import TF, TopicManager
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from morse.core.context import Context
     from morse.core.datastream import AbstractDatastream
     from morse.core.object import Object
     from morse.core.values import Options, RosMessage
     from morse.middleware.ros.own_classes import ROSPublisher, ROSSubscriber
+    from morse.rosmsgs.objects import RosClass
     from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
     from morse.scene import StreamDeclaration
 
@@ -60,7 +59,7 @@ class ROSDatastreamManager(TopicManager):
 
     # -- streams with classes of their own ------------------------------------------------------
 
-    def publisher_of(self, stream: ROSPublisher, kind: Any) -> tuple[str, Publisher]:
+    def publisher_of(self, stream: ROSPublisher, kind: RosClass) -> tuple[str, Publisher]:
         """The topic of a stream that publishes messages of a class, and its publisher.
 
         Raises:
@@ -78,7 +77,7 @@ class ROSDatastreamManager(TopicManager):
             self._publishers[key] = self.backend.publisher_of(topic, kind, _OWN)
         return topic, self._publishers[key]
 
-    def subscription_of(self, stream: ROSSubscriber, kind: Any) -> tuple[str, Subscription]:
+    def subscription_of(self, stream: ROSSubscriber, kind: RosClass) -> tuple[str, Subscription]:
         """The topic of a stream that receives messages of a class, and its subscription.
 
         Raises:

@@ -6,7 +6,11 @@ import logging
 import os
 import threading
 import time
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
 
 logger = logging.getLogger(__name__)
 
@@ -21,7 +25,7 @@ class MasterWatch:
         rospy: the module, after the process has become a node.
     """
 
-    def __init__(self, rospy: Any) -> None:
+    def __init__(self, rospy: ModuleType) -> None:
         self._rospy = rospy
         self._is_there = True
 

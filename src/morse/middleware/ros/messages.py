@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from morse.core.values import RosMessage
+
 
 #: fields that were renamed in ROS 2, by package and message
 _RENAMED = {"sensor_msgs/CameraInfo": {"d": "D", "k": "K", "r": "R", "p": "P"}}
@@ -22,7 +26,7 @@ def message_class(type_name: str) -> Any:
         return None
 
 
-def message(type_name: str, fields: Any) -> Any:
+def message(type_name: str, fields: RosMessage) -> Any:
     """A message with some fields; fields that ROS 1 does not have are ignored.
 
     Raises:

@@ -20,9 +20,11 @@ from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import MutableMapping
+    from types import ModuleType
 
     from morse.core.clients.arrivals import Arrivals
     from morse.core.values import RosMessage
+    from morse.rosmsgs.objects import RosClass
     from morse.rosmsgs.qos import Qos
 
 logger = logging.getLogger(__name__)
@@ -110,7 +112,7 @@ class _Latched(_Publisher):
 
 
 class _Subscription(Subscription):
-    def __init__(self, rospy: Any, topic: str, kind: Any, arrivals: Arrivals) -> None:
+    def __init__(self, rospy: ModuleType, topic: str, kind: RosClass, arrivals: Arrivals) -> None:
         complaints = Complaints(logger)
         self._arrived: Waiting[object] = Waiting(_WAITING, complaints, f"ros: {topic}", "messages")
         self._arrivals = arrivals
@@ -168,7 +170,7 @@ class RospyBackend(Backend):
         kind = message_class(type_name)
         return None if kind is None else self.subscription_of(topic, kind)
 
-    def subscription_of(self, topic: str, kind: object) -> Subscription:
+    def subscription_of(self, topic: str, kind: RosClass) -> Subscription:
         """Receives messages of a class of rospy."""
         return _Subscription(self._rospy, topic, kind, self._arrivals)
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from morse.core.object import Object
     from morse.middleware.ros.datastream import ROSDatastreamManager
+    from morse.rosmsgs.objects import RosClass, RosObject
     from morse.rosmsgs.topics.backend import Publisher, Subscription
 
 _SECOND = 1e9
@@ -36,11 +37,11 @@ class _OwnClass(AbstractDatastream):
     """
 
     manager: ROSDatastreamManager
-    ros_class: ClassVar[object] = None
+    ros_class: ClassVar[RosClass | None] = None
     topic_name: str = ""
 
-    def _checked_class(self) -> object:
-        if getattr(self.ros_class, "_type", None) is None:
+    def _checked_class(self) -> RosClass:
+        if self.ros_class is None or getattr(self.ros_class, "_type", None) is None:
             raise MorseMiddlewareError(
                 f"{self.component_name}: {type(self).__name__}.ros_class is {self.ros_class!r}, expected a class of "
                 "messages: ros_class = std_msgs.msg.String"
@@ -88,13 +89,14 @@ class ROSPublisher(_OwnClass):
             self._publisher.publish(message)
         self.sequence += 1
 
-    def get_time(self) -> object:
+    def get_time(self) -> RosObject:
         """The simulated time of the data, as ``rospy.Time``."""
         from genpy import Time
 
         seconds = self.data.get("timestamp")
         stamp = self.manager.context.clock.stamp() if seconds is None else round(seconds * _SECOND)
-        return Time(*divmod(stamp, int(_SECOND)))
+        time: RosObject = Time(*divmod(stamp, int(_SECOND)))
+        return time
 
     def get_ros_header(self) -> object:
         """A ``std_msgs.msg.Header`` with the time of the data and the frame of the stream."""
@@ -110,7 +112,7 @@ class ROSPublisherTF(ROSPublisher):
     """
 
     def sendTransform(  # noqa: N802 (the name in 1.4)
-        self, translation: Sequence[float], rotation: Sequence[float], time_: Any, child: str, parent: str
+        self, translation: Sequence[float], rotation: Sequence[float], time_: RosObject, child: str, parent: str
     ) -> None:
         """Publish a transform.
 
@@ -135,13 +137,15 @@ class ROSPublisherTF(ROSPublisher):
         w, x, y, z = quaternion_of(pose)
         return [pose.x, pose.y, pose.z], [x, y, z, w]
 
-    def send_transform_robot(self, time: object = None, child: str | None = None, parent: str | None = None) -> None:
+    def send_transform_robot(
+        self, time: RosObject | None = None, child: str | None = None, parent: str | None = None
+    ) -> None:
         """Publish the transform from the robot, ``parent_frame_id`` or ``/base_link``, to the component."""
         translation, rotation = self.get_robot_transform()
         above = parent or str(self.kwargs.get("parent_frame_id") or _BASE)
         self.sendTransform(translation, rotation, time or self.get_time(), child or self.frame_id, above)
 
-    def publish_with_robot_transform(self, message: Any) -> None:
+    def publish_with_robot_transform(self, message: RosObject) -> None:
         """Publish a message, and the transform from the robot to the component with the same time."""
         self.send_transform_robot(message.header.stamp)
         self.publish(message)
@@ -160,7 +164,7 @@ class ROSSubscriber(_OwnClass):
         kind = self._checked_class()
         self.topic_name, self._subscription = self._opened(kind)
 
-    def _opened(self, kind: object) -> tuple[str, Subscription]:
+    def _opened(self, kind: RosClass) -> tuple[str, Subscription]:
         topic_and_subscription: tuple[str, Subscription] = self.manager.subscription_of(self, kind)
         return topic_and_subscription
 

@@ -19,9 +19,11 @@ from morse.rosmsgs.names import cleaned
 if TYPE_CHECKING:
     import uuid
     from collections.abc import Callable
+    from types import ModuleType
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
+    from morse.rosmsgs.objects import RosClass, RosObject
 
 #: maximum number of calls that are begun in one tick
 _EACH_TICK = 64
@@ -55,7 +57,7 @@ class RosRequestManager(AnsweredRequests):
     def __init__(self, context: Context) -> None:
         super().__init__(context)
         self._context = context
-        self._rospy: Any = None
+        self._rospy: ModuleType
         self._servers: dict[tuple[str, str], Any] = {}
         self._actions: dict[tuple[str, str], ActionServer] = {}
         self._queue: deque[_Waiting] = deque()
@@ -105,7 +107,7 @@ class RosRequestManager(AnsweredRequests):
             _fields if service_type is not None else lambda request: [request.data] if call.type == SET_BOOL else []
         )
 
-        def serve(request: object) -> Any:
+        def serve(request: RosObject) -> object:
             begin = self._begin(component, name)
             waiting = _Waiting(lambda ended: begin(arguments(request), ended))
             self._queue.append(waiting)
@@ -148,11 +150,11 @@ class RosRequestManager(AnsweredRequests):
         return begin
 
 
-def _fields(request: Any) -> list[Any]:
+def _fields(request: RosObject) -> list[Any]:
     return [getattr(request, name) for name in request.__slots__]
 
 
-def _declared(kind: Any) -> Callable[[str, object], object]:
+def _declared(kind: RosClass) -> Callable[[str, object], object]:
     """The response of a service with a declared type; an exception makes rospy report a failure to the caller."""
     response = kind._response_class
 
@@ -166,5 +168,5 @@ def _declared(kind: Any) -> Callable[[str, object], object]:
     return answer
 
 
-def _standard(kind: Any, call: Call) -> Callable[[str, Any], object]:
+def _standard(kind: RosClass, call: Call) -> Callable[[str, Any], object]:
     return lambda state, result: kind._response_class(**call.answer(state, result))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from morse.core.kinds import bind
+from morse.core.kinds import Message, bind
 from morse.middleware.ros.lisp import as_lisp
 from morse.middleware.ros.stream import RosStream
 from morse.rosmsgs.kinds.spatial import pose_message
@@ -106,7 +106,7 @@ class TwistPublisher(RosStream):
             return super().ports(bound)
         data = self.component_instance.local_data
 
-        def make(message: Any, frame: str) -> RosMessage:
+        def make(message: Message, frame: str) -> RosMessage:
             x, y, z = (float(speed) for speed in data["velocity"])
             return {"header": header(message, frame), "twist": {"linear": {"x": x, "y": y, "z": z}}}
 
@@ -133,7 +133,7 @@ class RangePublisher(RosStream):
             return super().ports(bound)
         scanner: Any = self.component_instance
 
-        def make(message: Any, frame: str) -> RosMessage:
+        def make(message: Message, frame: str) -> RosMessage:
             return {
                 "header": header(message, frame),
                 "radiation_type": _INFRARED,

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from morse.core.clock import Clock
     from morse.middleware.ros2.feedback import Feedback
+    from morse.rosmsgs.objects import RosClass, RosObject
     from morse.rosmsgs.topics.backend import Backend
 
 #: constants of action_msgs/GoalStatus
@@ -53,7 +54,7 @@ class ActionServer:
         self,
         backend: Backend,
         path: str,
-        kind: Any,
+        kind: RosClass,
         begin: Callable[..., Any],
         abort: Callable[[Any], object],
         feedback: Feedback,
@@ -73,15 +74,15 @@ class ActionServer:
         self._feedback = backend.typed_publisher(f"{path}/_action/feedback", impl.FeedbackMessage, Qos())
         self._status = backend.typed_publisher(f"{path}/_action/status", GoalStatusArray, Qos(1, latched=True))
 
-    def accepts(self, goal: Any) -> bool:
+    def accepts(self, goal: RosObject) -> bool:
         """Whether a goal may begin."""
         return True
 
-    def arguments(self, goal: Any) -> list[Any]:
+    def arguments(self, goal: RosObject) -> list[Any]:
         """The arguments of the service for a goal."""
         return [goal]
 
-    def result(self, outcome: tuple[str, Any], *, is_canceled: bool) -> Any:
+    def result(self, outcome: tuple[str, Any], *, is_canceled: bool) -> RosObject | None:
         """The result of a goal whose service has ended; None for an empty one.
 
         Args:
@@ -125,7 +126,7 @@ class ActionServer:
             message.feedback = feedback
             self._feedback.publish(message)
 
-    def _take(self, caller: Any, request: Any, stamp: int) -> None:
+    def _take(self, caller: Any, request: RosObject, stamp: int) -> None:
         answer = self.kind.Impl.SendGoalService.Response()
         number = bytes(request.goal_id.uuid)
         answer.accepted = number not in self._goals and self.accepts(request.goal)
@@ -140,7 +141,7 @@ class ActionServer:
             del self._goals[old.number]
         self._tell()
 
-    def _give_up(self, caller: Any, request: Any) -> None:
+    def _give_up(self, caller: Any, request: RosObject) -> None:
         number, stamp = bytes(request.goal_info.goal_id.uuid), request.goal_info.stamp
         before = stamp.sec * _SECOND + stamp.nanosec
         going = [goal for goal in self._goals.values() if goal.status == _EXECUTING and goal.call is not None]

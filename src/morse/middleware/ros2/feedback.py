@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from morse.core.values import RosMessage
+    from morse.rosmsgs.objects import RosObject
 
 logger = logging.getLogger(__name__)
 
@@ -63,7 +64,7 @@ class Feedback:
         self._told = stamp
         return True
 
-    def message(self, begun: int, stamp: int) -> Any:
+    def message(self, begun: int, stamp: int) -> RosObject | None:
         """The feedback message of a running goal; None if there is nothing to tell.
 
         Args:
@@ -86,7 +87,7 @@ class Feedback:
         name = f"the feedback of {self._owner.name()}"
         self._complaints.log(logging.ERROR, name, f"{name} failed: {type(error).__name__}: {error}")
 
-    def _checked(self, message: object) -> Any:
+    def _checked(self, message: RosObject | None) -> RosObject | None:
         if message is not None and not isinstance(message, self._kind):
             raise TypeError(f"{self._method} returned a {type(message).__name__}, expected a {self._kind.__name__}")
         return message

@@ -17,6 +17,7 @@ from morse.rosmsgs.trajectories import seconds, trajectory_of
 if TYPE_CHECKING:
     from morse.core.request_manager import Outcome
     from morse.core.values import RosMessage
+    from morse.rosmsgs.objects import RosClass, RosObject
 
 logger = logging.getLogger(__name__)
 
@@ -25,13 +26,14 @@ NAME, SERVICE = "follow_joint_trajectory", "trajectory"
 INSTALL = "sudo apt install ros-$ROS_DISTRO-control-msgs"
 
 
-def action_type() -> object:
+def action_type() -> RosClass | None:
     """The class of the action; None if its package is not installed."""
     try:
         from control_msgs.action import FollowJointTrajectory
     except ImportError:
         return None
-    return FollowJointTrajectory
+    action: RosClass = FollowJointTrajectory
+    return action
 
 
 class TrajectoryActionServer(ActionServer):
@@ -43,7 +45,7 @@ class TrajectoryActionServer(ActionServer):
 
     armature: Any
 
-    def arguments(self, goal: Any) -> list[Any]:
+    def arguments(self, goal: RosObject) -> list[Any]:
         """See `ActionServer.arguments`.
 
         Raises:
@@ -60,7 +62,7 @@ class TrajectoryActionServer(ActionServer):
             trajectory["goal_time_tolerance"] = late
         return [trajectory]
 
-    def accepts(self, goal: Any) -> bool:
+    def accepts(self, goal: RosObject) -> bool:
         """See `ActionServer.accepts`."""
         try:
             self.armature.plan(*self.arguments(goal))
@@ -69,10 +71,10 @@ class TrajectoryActionServer(ActionServer):
             return False
         return True
 
-    def result(self, outcome: Outcome, *, is_canceled: bool) -> Any:
+    def result(self, outcome: Outcome, *, is_canceled: bool) -> RosObject:
         """See `ActionServer.result`."""
         state, text = outcome
-        result = self.kind.Result()
+        result: RosObject = self.kind.Result()
         if state == SUCCESS or is_canceled:
             return result
         code, _, _ = str(text).partition(":")

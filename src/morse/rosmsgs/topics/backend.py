@@ -10,6 +10,7 @@ from morse.rosmsgs import cdr
 
 if TYPE_CHECKING:
     from morse.core.values import RosMessage
+    from morse.rosmsgs.objects import RosObject
     from morse.rosmsgs.qos import Qos
 
 logger = logging.getLogger(__name__)
@@ -150,7 +151,7 @@ class Backend(ABC):
         """Offer a topic with a ROS class, whose messages are objects; None if this backend has no services."""
         return None
 
-    def filled(self, message: object, fields: RosMessage) -> Any:
+    def filled(self, message: RosObject, fields: RosMessage) -> Any:
         """A message object of `typed_publisher` with some fields, for backends with services.
 
         Raises:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.overlay import MorseOverlay
 from morse.core.services import interruptible
@@ -11,6 +11,10 @@ from morse.middleware.ros.node import join
 from morse.middleware.ros.overlays import action_type
 from morse.middleware.ros.overlays.trajectories import in_order_of
 from morse.rosmsgs.names import cleaned
+
+if TYPE_CHECKING:
+    from morse.rosmsgs.objects import RosObject
+
 
 JointTrajectoryAction = action_type("JointTrajectoryAction", "control_msgs", "pr2_controllers_msgs")
 
@@ -38,7 +42,7 @@ class ArmatureController(MorseOverlay):
 
     @interruptible
     @ros_action(type=JointTrajectoryAction)  # type: ignore[untyped-decorator]
-    def joint_trajectory_action(self, goal: Any) -> None:
+    def joint_trajectory_action(self, goal: RosObject) -> None:
         """Move the joints along a trajectory; its joints may be in any order."""
         armature: Any = self.overlaid_object
         armature.trajectory(self.chain_callback(_without_result), in_order_of(self._joints(), goal.trajectory))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseRPCInvokationError
 
@@ -10,9 +10,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.values import RosMessage
+    from morse.rosmsgs.objects import RosObject
 
 
-def in_order_of(joints: Sequence[str], trajectory: Any) -> RosMessage:
+def in_order_of(joints: Sequence[str], trajectory: RosObject) -> RosMessage:
     """The argument of the service ``trajectory`` of an armature, from ``trajectory_msgs/JointTrajectory``.
 
     Args:

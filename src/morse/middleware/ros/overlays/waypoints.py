@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.overlay import MorseOverlay
 from morse.core.services import interruptible
 from morse.middleware.ros.decorators import ros_action
 from morse.middleware.ros.overlays import action_type
+
+if TYPE_CHECKING:
+    from morse.rosmsgs.objects import RosObject
+
 
 MoveBaseAction = action_type("MoveBaseAction", "move_base_msgs")
 
@@ -17,7 +21,7 @@ class WayPoint(MorseOverlay):
 
     @interruptible
     @ros_action(type=MoveBaseAction)  # type: ignore[untyped-decorator]
-    def move_base(self, goal: Any) -> None:
+    def move_base(self, goal: RosObject) -> None:
         """Drive to the position of a goal, m, world; its orientation has no effect."""
         position = goal.target_pose.pose.position
         target: Any = self.overlaid_object

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.core.values import Options, RosMessage
+    from morse.rosmsgs.objects import RosObject
     from morse.rosmsgs.qos import Qos
 
 _LOOPBACK = ("", "lo", "127.0.0.1", "localhost")
@@ -144,14 +145,15 @@ class _Service(ServiceServer):
     def answer(self, caller: object, response: RosMessage) -> None:
         self.answer_message(caller, fill(self.new_response(), response))
 
-    def answer_message(self, caller: Any, response: Any) -> None:
+    def answer_message(self, caller: Any, response: RosObject) -> None:
         """Like `answer`, with an object of rclpy."""
         with self._service.handle:
             self._service.handle.service_send_response(response, caller)
 
-    def new_response(self) -> Any:
+    def new_response(self) -> RosObject:
         """An empty response."""
-        return self._service.srv_type.Response()
+        response: RosObject = self._service.srv_type.Response()
+        return response
 
     def close(self) -> None:
         self._node.destroy_service(self._service)
@@ -164,7 +166,7 @@ def plain(message: object) -> Any:
     return [plain(item) for item in message] if isinstance(message, list) else message
 
 
-def fill(message: Any, fields: RosMessage) -> Any:
+def fill(message: RosObject, fields: RosMessage) -> RosObject:
     """A message with the fields of a dictionary.
 
     Raises:
@@ -264,11 +266,11 @@ class RclpyBackend(Backend):
         """See `Backend.typed_publisher`."""
         return _Publisher(self._node, self._node.create_publisher(kind, topic, _profile(qos)))
 
-    def filled(self, message: object, fields: RosMessage) -> Any:
+    def filled(self, message: RosObject, fields: RosMessage) -> RosObject:
         """See `Backend.filled`."""
         return fill(message, fields)
 
-    def plain(self, message: Any) -> Any:
+    def plain(self, message: RosObject) -> Any:
         """See `Backend.plain`."""
         return plain(message)
 
