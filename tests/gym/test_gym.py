@@ -384,3 +384,30 @@ def test_a_page_shows_a_single_environment():
     env.reset(seed=1)
     assert urllib.request.urlopen(env.unwrapped.show().url, timeout=60.0).status == 200
     env.close()
+
+
+SPAWNED = """
+import morse.gym.workers
+morse.gym.workers._kind_of_start = lambda: "spawn"  # as on systems that cannot copy processes
+from morse.gym.reach import Reach
+"""
+
+
+@pytest.mark.parametrize(
+    ("program", "message"),
+    [
+        ("env = morse.gym.vector(Reach, 2, workers=2)", "below `if __name__ == '__main__':`"),
+        (
+            "if __name__ == '__main__':\n    def local():\n        class Mine(Reach): pass\n        return Mine\n"
+            "    env = morse.gym.vector(local(), 2, workers=2)",
+            "a class at the top of a file",
+        ),
+        ("if __name__ == '__main__':\n    morse.gym.vector(Reach, 2, workers=1).close()", ""),
+    ],
+)
+def test_processes_that_are_not_copies(tmp_path, program, message):
+    script = tmp_path / "program.py"
+    script.write_text(f"{SPAWNED}{program}\n")
+    outcome = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
+    assert message in (outcome.stderr.splitlines() or [""])[-1]
+    assert bool(message) == bool(outcome.returncode)

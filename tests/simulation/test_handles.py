@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import gc
+import re
 import signal
 import threading
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -493,3 +495,33 @@ def test_durations_that_are_none(sim: Any, duration: float) -> None:
         sim.run(1.0, speed=0.0)
     sim.run(0.0)
     assert sim.ticks == 0
+
+
+def test_completion_offers_what_programs_call() -> None:
+    def scene() -> None:
+        from morse.builder import ATRV, Environment, MotionVW, Pose
+
+        robot = ATRV("robot")
+        robot.append(MotionVW("motion"))
+        robot.append(Pose("pose"))
+        Environment("empty")
+
+    page = (Path(__file__).parents[2] / "docs" / "simulation-object.md").read_text(encoding="utf-8")
+    with morse.load(scene) as sim:
+        names, described = dir(sim), set(re.findall(r"\bsim\.([a-z_]+)\(", page))
+        assert described - {"robot"} <= set(names)
+        for name in set(names) - {"robot"}:
+            assert hasattr(sim, name), name
+        for name, handle in (("robot", sim.robot), ("motion", sim.robot.motion), ("pose", sim.robot.pose)):
+            full = handle.fqn.replace(".", r"\.")
+            assert set(re.findall(rf"\bsim\.{full}\.([a-z_]+)\(", page)) <= set(dir(handle))
+            for one in dir(handle):
+                assert hasattr(handle, one), (name, one)
+        assert "publish" in dir(sim.robot.motion)
+        assert "get" not in dir(sim.robot.motion)
+        assert "get" in dir(sim.robot.pose)
+        assert "publish" not in dir(sim.robot.pose)
+        assert "data" not in dir(sim.robot)
+        assert {"place", "restart", "pose"} <= set(dir(sim.robot))
+    assert "step" in dir(sim)
+    assert "robot" not in dir(sim)

@@ -43,6 +43,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         signal.signal(number, end)
     network = Network()
     server = MultinodeServer(listener, network)
+    logger.info(
+        "poses are passed on as they come: nodes do not wait for each other, so that their times differ, and two runs "
+        "are not the same; for speed, use one process or batches (docs/multinode.md)"
+    )
     logger.info("nodes may connect to %s:%d; Ctrl+C ends the server", options.host, port_of(listener))
     stop.wait()
     server.close()

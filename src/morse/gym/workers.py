@@ -6,6 +6,7 @@ import contextlib
 import itertools
 import multiprocessing
 import os
+import pickle
 import signal
 import weakref
 from multiprocessing import resource_tracker
@@ -31,6 +32,10 @@ if TYPE_CHECKING:
 
     from morse.gym.task import Task
     from morse.viewer.notebook import Frame
+
+
+#: why a process may end at once, where processes cannot be copied
+_MAIN = "a program that starts processes does so below `if __name__ == '__main__':` (needed on Windows and macOS)"
 
 
 class _Shared:
@@ -189,7 +194,13 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
             ),
             daemon=True,
         )
-        process.start()
+        try:
+            process.start()
+        except (AttributeError, TypeError, pickle.PicklingError) as error:
+            raise TypeError(
+                f"the task cannot be sent to another process: {error}; on this system, a task for several processes is "
+                "a class at the top of a file"
+            ) from None
         theirs.close()
         self._processes[number : number + 1] = [process]
 
@@ -232,13 +243,10 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
             try:
                 good, answer = self._connections[number].recv()
             except (EOFError, ConnectionError):
-                good, answer = (
-                    False,
-                    (
-                        f"the process of the rows {place.start} to {place.stop - 1} has ended"
-                        f"{_cause(self._processes[number])}; reset() starts another one"
-                    ),
-                )
+                mend = _MAIN if order == "open" else "reset() starts another one"
+                cause = _cause(self._processes[number])
+                good = False
+                answer = f"the process of the rows {place.start} to {place.stop - 1} has ended{cause}; {mend}"
             (answers if good else problems).append(answer)
         if problems:
             raise RuntimeError("\n".join(problems))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from morse.core.actuator import Actuator
 from morse.core.realism import copied
@@ -85,6 +85,12 @@ class ComponentHandle:
         fqn: the full name in the simulation.
         parts: the components mounted on it.
     """
+
+    #: what a program of a user calls besides services, by the kind of the component
+    _own_names: ClassVar[dict[type, tuple[str, ...]]] = {
+        Sensor: ("data", "get", "last", "subscribe", "unsubscribe"),
+        Actuator: ("data", "publish"),
+    }
 
     def __init__(self, simulation: Handles, fqn: str, name: str) -> None:
         self._simulation = simulation
@@ -239,9 +245,11 @@ class ComponentHandle:
         return AttributeError(f"{self.fqn} has no '{name}'{nearest(name, [*self.parts, *self._services()])}")
 
     def __dir__(self) -> list[str]:
-        there = self._context.component(self.fqn) is not None and not self._simulation.finished
-        names = {name for name in super().__dir__() if not name.startswith("_")}
-        return sorted({*names, *self.parts, *(self._services() if there else ())})
+        component = None if self._simulation.finished else self._context.component(self.fqn)
+        own = next((names for kind, names in self._own_names.items() if isinstance(component, kind)), ())
+        return sorted(
+            {"component", "fqn", "name", "parts", *own, *self.parts, *(self._services() if component else ())}
+        )
 
     def _repr_png_(self) -> bytes | None:
         """Return the present image of a camera as a PNG file, which notebooks display; None for other components."""
@@ -263,6 +271,10 @@ class ComponentHandle:
 
 class RobotHandle(ComponentHandle):
     """A robot; its components are available as items and as attributes."""
+
+    _own_names: ClassVar[dict[type, tuple[str, ...]]] = {
+        object: ("contacts", "keys", "place", "restart", "set_color", "set_friction", "set_light", "set_mass")
+    }
 
     def __getitem__(self, name: str) -> ComponentHandle:
         """The component of that name.

@@ -24,6 +24,13 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
+#: what a program of a user calls, for the completion of names
+_PUBLIC = """
+activate before_physics call cancel clock close contacts context deactivate delete is_up measure observers pause paused
+picture place quit record record_inputs replay reset restart restart_robot restore resume robots rpc rpc_t run save scene
+seed set_color set_friction set_light set_mass show sleep spawn state_hash step stop streams ticks time view world
+"""
+
 
 class Handles(Arranging):
     """The part of `morse.simulation.simulation.Simulation` with the interface of `pymorse.Morse`."""
@@ -128,8 +135,8 @@ class Handles(Arranging):
         return handles[name]
 
     def __dir__(self) -> list[str]:
-        names = {name for name in super().__dir__() if not name.startswith("_")}
-        return sorted(names | set(() if self.finished else self._all_handles()))
+        """The names for programs of users, and the robots; other parts of MORSE use further names."""
+        return sorted({*_PUBLIC.split(), *(() if self.finished else self._all_handles())})
 
     # -- services --------------------------------------------------------------------------
 
