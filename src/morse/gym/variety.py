@@ -11,10 +11,11 @@ from morse.core.reports.hints import nearest
 
 if TYPE_CHECKING:
     from morse.gym.task import Task
+    from morse.many.parameters import Distribution
 
 AGENT = "{agent}"
 #: parameters that the batch varies, and those of a pose
-_VARIED, _POSE = ("mass", "friction", "light", "color"), ("x", "y", "z", "yaw")
+_VARIED, _POSE = ("mass", "friction", "light", "color", "texture"), ("x", "y", "z", "yaw")
 
 
 def arguments_of(task: Task, row: int) -> dict[str, Any]:
@@ -51,16 +52,19 @@ def draw(task: Task, row: int, rng: np.random.Generator) -> dict[str, object]:
             if what not in (*_VARIED, *_POSE):
                 known = ", ".join((*_VARIED, *_POSE))
                 raise KeyError(f"vary: '{name}' has '{what}'{nearest(what, [*_VARIED, *_POSE])}; expected {known}")
-        numbers: dict[str, Any] = {
-            what: [float(one.draw(rng)) for _ in range(3)] if what == "color" else float(one.draw(rng))
-            for what, one in parameters.items()
-        }
+        numbers: dict[str, Any] = {what: _drawn(what, one, rng) for what, one in parameters.items()}
         if varied := {what: number for what, number in numbers.items() if what in _VARIED}:
             task.many.vary(name, rows=[row], **varied)
         if pose := {what: number for what, number in numbers.items() if what in _POSE}:
             task.many.place([row], name, [_pose(task.many, row, name, pose)])
         values |= {f"{name}.{what}": number for what, number in numbers.items()}
     return values
+
+
+def _drawn(what: str, distribution: Distribution, rng: np.random.Generator) -> Any:
+    if what == "color":
+        return [float(distribution.draw(rng)) for _ in range(3)]
+    return str(distribution.draw(rng)) if what == "texture" else float(distribution.draw(rng))
 
 
 def _pose(many: Any, row: int, name: str, pose: dict[str, float]) -> list[float]:

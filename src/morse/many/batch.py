@@ -15,7 +15,7 @@ from morse.many.commands import CommandColumn
 from morse.many.convoy import Convoy
 from morse.many.layout import Layout
 from morse.many.readings import ContactColumn, DataColumn
-from morse.many.rows import only_row_of, rows_of, seeds_of, values_of, vectors_of
+from morse.many.rows import names_of, only_row_of, rows_of, seeds_of, values_of, vectors_of
 from morse.many.scenes import Scenes
 from morse.many.window import Window
 from morse.simulation.ownership import Ownership
@@ -326,6 +326,7 @@ class Batch:
         friction: object = None,
         light: object = None,
         color: object = None,
+        texture: object = None,
     ) -> None:
         """Change parameters of a robot or an object, one value for each row; `restart` restores those of the scene.
 
@@ -334,6 +335,7 @@ class Batch:
             mass: kg; the inertia changes in proportion.
             friction: coefficient of sliding friction of its shapes.
             light: energy of its lamps, relative to a normal lamp.
+            texture: paths of pictures; see `Simulation.set_texture`.
             color: (M, 3) red, green, blue of its surfaces, or of its light if it is a lamp; 0 to 1, linear.
 
         Raises:
@@ -341,15 +343,12 @@ class Batch:
             ValueError: a value is not valid, or there is another number of values than rows; nothing has changed then.
             TypeError: no parameter is given.
         """
-        given = {"mass": mass, "friction": friction, "light": light, "color": color}
+        given = {"mass": mass, "friction": friction, "light": light, "color": color, "texture": texture}
         given = {what: values for what, values in given.items() if values is not None}
         if not given:
-            raise TypeError(f"vary needs a parameter of '{name}': mass, friction, light or color")
+            raise TypeError(f"vary needs a parameter of '{name}': mass, friction, light, color or texture")
         chosen = self._rows(rows)
-        columns: dict[str, Any] = {
-            what: vectors_of(values, chosen, "colors").tolist() if what == "color" else values_of(values, chosen, what)
-            for what, values in given.items()
-        }
+        columns: dict[str, Any] = {what: _columns(what, values, chosen) for what, values in given.items()}
         changes = [
             (what, row, value) for what, each in columns.items() for row, value in zip(chosen, each, strict=True)
         ]
@@ -468,6 +467,13 @@ class Batch:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _columns(what: str, values: object, rows: Sequence[int]) -> list[Any]:
+    """Return the values of a parameter, one for each row."""
+    if what == "color":
+        return list(vectors_of(values, rows, "colors").tolist())
+    return names_of(values, rows) if what == "texture" else values_of(values, rows, what)
 
 
 def _nothing() -> None:

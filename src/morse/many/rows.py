@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numbers
+import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
 
@@ -96,6 +96,19 @@ def values_of(values: object, rows: Sequence[int], what: str) -> list[float]:
     if array.shape != (len(rows),):
         raise ValueError(f"{what} has the shape {array.shape}, expected one number or ({len(rows)},)")
     return [float(value) for value in array]
+
+
+def names_of(names: object, rows: Sequence[int]) -> list[str]:
+    """Return one path for each row; a single path stands for all rows.
+
+    Raises:
+        ValueError: there is another number of paths than rows.
+    """
+    if isinstance(names, (str, os.PathLike)):
+        return [os.fspath(names)] * len(rows)
+    if not isinstance(names, Sequence) or len(names) != len(rows):
+        raise ValueError(f"expected one path of a picture, or one for each of {len(rows)} rows, not {names!r:.100}")
+    return [os.fspath(name) for name in names]
 
 
 def vectors_of(values: object, rows: Sequence[int], what: str) -> NDArray[np.float64]:

@@ -24,7 +24,7 @@ from morse.kernel.drawing.arrays import (
 from morse.mathutils.portable import det, matmul
 from morse.rendering.meshes import clusters_of
 from morse.rendering.scenery import Frames, Scenery
-from morse.scene import is_shown, slot_materials
+from morse.scene import is_shown, shown_mesh, slot_materials
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -112,9 +112,9 @@ class Contents:
         textures.read_ahead(m.image for surfaces in surfaces_of for m in surfaces if m.image is not None)
         cuts = meshes.clusters(
             [
-                (node.mesh, len(surfaces), any(surface.image is not None for surface in surfaces))
+                (mesh, len(surfaces), any(surface.image is not None for surface in surfaces))
                 for node, surfaces in zip(self.nodes, surfaces_of, strict=True)
-                if node.mesh is not None
+                if (mesh := shown_mesh(node)) is not None
             ]
         )
         slots: list[int] = []

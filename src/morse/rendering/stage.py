@@ -36,21 +36,21 @@ class Stage:
         self._world = world
         self._arrangement, self._repaints = world.arrangement, world.repaints
         self.contents = Contents(world, meshes, textures)
-        self._colors = [node.color for node in self.contents.nodes]
+        self._looks = [(node.color, node.image) for node in self.contents.nodes]
         self._lit_world = LitWorld(world)
         self._water = water_level(world.scene)
         lamps, sky = self._lit_world.now()
         self.painter = Painter(self.contents.scenery, samples, lamps.lamps, sky)
 
     def is_current(self) -> bool:
-        """Whether no object was added or removed, and no colour has changed."""
+        """Whether no object was added or removed, and no colour or texture has changed."""
         world = self._world
         if self._arrangement != world.arrangement:
             return False
         if self._repaints != world.repaints:
             # changes of visibility are repaints as well
             self._repaints = world.repaints
-            return self._colors == [node.color for node in self.contents.nodes]
+            return self._looks == [(node.color, node.image) for node in self.contents.nodes]
         return True
 
     def note(self, orders: Sequence[Order]) -> Instant:

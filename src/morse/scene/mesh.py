@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from morse.scene.appearance import Material
 
 
-@dataclass(eq=False, slots=True)
+@dataclass(eq=False, slots=True, weakref_slot=True)
 class Mesh:
     """Triangles in the frame of the node that shows them, without the scale of the node.
 

@@ -13,7 +13,7 @@ from morse.scene.body import BodySettings
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.scene.appearance import Camera, Light, Material
+    from morse.scene.appearance import Camera, Image, Light, Material
     from morse.scene.armature import Bone
     from morse.scene.articulation import Articulation, Inertial
     from morse.scene.mesh import Mesh
@@ -51,6 +51,7 @@ class Node:
         shapes: collision shapes in the rigid frame of the node, or None until they are computed
             (`morse.assets.collision`).
         color: RGBA that replaces the colour of every material, or None.
+        image: texture that replaces those of all materials, or None.
         bones: bones of an armature, parents before their children.
         bone: name of the bone of the parent to which the node is attached; empty for the parent itself.
         inertial: mass of a link whose joint the physics moves, or None.
@@ -75,6 +76,7 @@ class Node:
     debug: tuple[str, ...] = ()
     visible: bool = True
     color: tuple[float, float, float, float] | None = None
+    image: Image | None = None
     source_name: str | None = None
     shapes: list[CollisionShape] | None = None
     bones: tuple[Bone, ...] = ()

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.world import Body
+    from morse.scene import Image
 
 #: largest energy of a lamp
 _BRIGHTEST = 1e6
@@ -32,6 +33,18 @@ def set_color(context: Context, obj: Body, color: Sequence[float]) -> None:
         context.world.appearance_changed(part)
 
 
+def set_texture(context: Context, obj: Body, image: Image) -> None:
+    """Set the texture of the surfaces of an object and its parts.
+
+    Raises:
+        ValueError: the object has no surface.
+    """
+    check(obj, "texture", image)
+    for part in _parts(obj, "texture"):
+        part.node.image = image
+        context.world.appearance_changed(part)
+
+
 def set_light(context: Context, obj: Body, energy: float) -> None:
     """Set the energy of the lamps of an object and its parts.
 
@@ -45,17 +58,17 @@ def set_light(context: Context, obj: Body, energy: float) -> None:
 
 
 def check(obj: Body, what: str, value: Any) -> None:
-    """Raise the ValueError of `set_color` or `set_light`; ``what`` is ``color`` or ``light``."""
+    """Raise the ValueError of `set_color` or `set_light`; ``what`` is ``color``, ``texture`` or ``light``."""
     if what == "color":
         if len(value) not in (3, 4) or not all(0.0 <= number <= 1.0 for number in value):
             raise ValueError(
                 f"the colour of '{obj.name}' is {list(value)!r:.100}, expected red, green, blue from 0 to 1, and "
                 "perhaps the opacity"
             )
-    elif not 0.0 <= value <= _BRIGHTEST or not math.isfinite(value):
+    elif what == "light" and (not 0.0 <= value <= _BRIGHTEST or not math.isfinite(value)):
         raise ValueError(f"the energy of the lamp '{obj.name}' is {value!r:.100}, expected 0 to {_BRIGHTEST:g}")
     if not _parts(obj, what):
-        expected = "neither a surface nor a lamp" if what == "color" else "no lamp"
+        expected = {"color": "neither a surface nor a lamp", "texture": "no surface"}.get(what, "no lamp")
         raise ValueError(f"'{obj.name}' has {expected}: it has no {what} to set")
 
 
@@ -63,4 +76,6 @@ def _parts(obj: Body, what: str) -> list[Any]:
     everything = [obj, *obj.childrenRecursive]
     lamps = [part for part in everything if part.node.light is not None]
     surfaces = [part for part in everything if part.node.mesh is not None]
+    if what == "texture":
+        return surfaces
     return (surfaces or lamps) if what == "color" else lamps

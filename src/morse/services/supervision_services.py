@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from morse.core.context import Context
+    from morse.scene import Image
 
 #: names that are listed in the error message about a wrong name
 _PARTS = ("core.", "middleware.", "simulation.", "physics.", "viewer")
@@ -31,13 +32,18 @@ class Supervision(AbstractObject):
     Args:
         stop: function that ends the simulation.
         measure: function that lets sensors measure, see `measure`.
+        picture: reads the picture of a texture.
     """
 
     def __init__(
-        self, context: Context, stop: Callable[[], None], measure: Callable[[list[str] | None, bool], None]
+        self,
+        context: Context,
+        stop: Callable[[], None],
+        measure: Callable[[list[str] | None, bool], None],
+        picture: Callable[[str], Image],
     ) -> None:
         super().__init__()
-        self.context = context
+        self.context, self._picture = context, picture
         self._stop, self._measure = stop, measure
 
     def name(self) -> str:
@@ -200,6 +206,16 @@ class Supervision(AbstractObject):
             color: red, green, blue, linear, 0 to 1; a fourth number is the opacity of a surface.
         """
         self._vary(partial(looks.set_color, self.context), object_name, color)
+
+    @service
+    def set_object_texture(self, object_name: str, picture: str) -> None:
+        """Set the texture of all surfaces of an object with its parts, until the next reset.
+
+        Args:
+            picture: path of a PNG or JPEG file in a folder of models or in the folder of the simulation. On a mesh
+                without texture coordinates it covers each side of the bounding box once.
+        """
+        self._vary(partial(looks.set_texture, self.context), object_name, self._picture(picture))
 
     @service
     def set_object_light(self, object_name: str, energy: float) -> None:

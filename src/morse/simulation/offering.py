@@ -16,6 +16,7 @@ from morse.services.recording_services import RecordingServices
 from morse.services.state_services import StateServices
 from morse.services.supervision_services import Supervision
 from morse.services.time_services import TimeServices
+from morse.simulation.handles.textures import NamedPictures
 from morse.simulation.loader import add_request_manager
 
 if TYPE_CHECKING:
@@ -36,10 +37,11 @@ def offer_services(simulation: Running) -> None:
     managers = list(dict.fromkeys([SOCKET_REQUESTS, *scene.simulation_managers])) if simulation.options.sockets else []
     for manager in managers:
         add_request_manager(context, manager)
+    simulation.pictures = NamedPictures(lambda: _folders_of_models(simulation))
     pull = PullServices(context)
     simulation.before_physics.append(pull.apply)
     objects: list[AbstractObject] = [
-        Supervision(context, simulation.stop, simulation.measure_by_service),
+        Supervision(context, simulation.stop, simulation.measure_by_service, simulation.pictures.image),
         LockstepServices(simulation),
         ExchangeServices(simulation, context),
         StateServices(simulation),

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from morse.recording.recorder import Recorder
     from morse.scene import Scene
     from morse.simulation.handles.futures import LocalFuture
+    from morse.simulation.handles.textures import NamedPictures
     from morse.simulation.loader import Loaded
     from morse.simulation.options import RunOptions
     from morse.simulation.states.state import State
@@ -70,6 +71,7 @@ class Running(Protocol):
     options: RunOptions
     pacer: Pacer
     loaded: Loaded
+    pictures: NamedPictures
     recorders: list[Recorder]
 
     @property

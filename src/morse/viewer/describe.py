@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.scene import is_shown, slot_materials
+from morse.scene import is_shown, shown_mesh, slot_materials
 from morse.scene.water import water_level
 from morse.viewer import description as d
 from morse.viewer.frames import rigid_frames
@@ -34,12 +34,14 @@ def describe(
     stretched = (frames.stretches != np.eye(3)).any(axis=(1, 2))
     kinds = {id(component.node): component.kind for component in scene.components}
     movers = {id(mover.node): mover.frame for mover in moving}
-    depot.add_meshes(node.mesh for node in nodes if node.mesh is not None)
+    shown = [shown_mesh(node) for node in nodes]
+    depot.add_meshes(mesh for mesh in shown if mesh is not None)
     meshes: dict[d.MeshDescription, int] = {}
     materials: dict[d.MaterialDescription, int] = {}
     described = []
     for i, node in enumerate(nodes):
-        slots = slot_materials(node, node.mesh) if node.mesh is not None else []
+        mesh = shown[i]
+        slots = [] if mesh is None else slot_materials(node, mesh)
         described.append(
             d.NodeDescription(
                 name=node.name,
@@ -48,7 +50,7 @@ def describe(
                 quaternion=tuple(frames.quaternions[i].tolist()),
                 frame=movers.get(id(node), ""),
                 stretch=tuple(frames.stretches[i].ravel().tolist()) if stretched[i] else None,
-                mesh=-1 if node.mesh is None else meshes.setdefault(depot.mesh(node.mesh), len(meshes)),
+                mesh=-1 if mesh is None else meshes.setdefault(depot.mesh(mesh), len(meshes)),
                 materials=tuple(materials.setdefault(_material(m, depot), len(materials)) for m in slots),
                 color=node.color,
                 visible=is_shown(node, node.visible),

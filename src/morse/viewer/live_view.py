@@ -29,7 +29,7 @@ from morse.viewer.inputs.commands import Commands
 from morse.viewer.inputs.history import Rewinder
 from morse.viewer.inputs.moving import Moving
 from morse.viewer.inputs.service_calls import ServiceCalls
-from morse.viewer.looks import appearances, moving_nodes
+from morse.viewer.looks import appearances, moving_nodes, pictured
 from morse.viewer.notebook import Frame, frame, proxy_token
 from morse.viewer.requests import PageLeft
 from morse.viewer.server import ViewServer
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from morse.scene import Image
     from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger("morse.viewer")
@@ -91,6 +92,7 @@ class View(Observer):
         self._shown = self._told = self._ticked = 0.0
         self._listening: str | None = None
         self._told_names: list[str] = []
+        self._images: dict[str, Image | None] = {}
         self._commands = Commands(context)
         self._services = ServiceCalls(context, server, self._commands)
         self._moving = Moving(server, self._services)
@@ -209,6 +211,8 @@ class View(Observer):
         if world.layout != self._layout:
             self._describe()
         if world.repainted:
+            if pictured(world, self._images):
+                self._describe()
             for look in appearances(world):
                 self._server.send(look)
         now = time.monotonic()

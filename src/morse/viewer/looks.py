@@ -12,11 +12,23 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.physics import World
+    from morse.scene import Image
 
 
 def moving_nodes(world: World) -> list[MovingNode]:
     """The nodes whose poses pages get."""
     return [MovingNode(node, cast('Literal["world", "parent"]', frame)) for node, frame in world.moving_nodes()]
+
+
+def pictured(world: World, images: dict[str, Image | None]) -> bool:
+    """Whether an object whose appearance has changed has another texture than before.
+
+    Args:
+        images: textures by name, which are updated.
+    """
+    changed = {obj.name: obj.node.image for obj in world.repainted if obj.node.image is not images.get(obj.name)}
+    images.update(changed)
+    return bool(changed)
 
 
 def appearances(world: World) -> Iterator[Appearance]:

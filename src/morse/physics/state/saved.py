@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 import numpy as np
@@ -129,12 +129,21 @@ class SavedLamp(_Part):
     spot_size: float
 
 
+class SavedTexture(_Part):
+    """A texture; see `morse.scene.appearance.Image`."""
+
+    name: str
+    mime: Literal["image/png", "image/jpeg"]
+    data: bytes
+
+
 class SavedObject(_Part, omit_defaults=True):
     """The differences of an object from the scene: properties, looks, pose relative to its parent."""
 
     properties: dict[str, Any] | None = None
     visible: bool | None = None
     color: tuple[float, float, float, float] | None = None
+    texture: SavedTexture | None = None
     lamp: SavedLamp | None = None
     position: Vector3 | None = None
     rotation: Rotation9 | None = None

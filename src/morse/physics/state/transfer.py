@@ -227,4 +227,6 @@ def _shapes(slot: Slot) -> list[tuple[object, int]]:
 
 def _as_far_as(entry: saved.SavedObject, stays: bool) -> saved.SavedObject:
     """Return the state of an object that is kept; an object whose node was replaced gets the pose of the new node."""
-    return entry if stays else saved.SavedObject(entry.properties, entry.visible, entry.color, entry.lamp)
+    return (
+        entry if stays else saved.SavedObject(entry.properties, entry.visible, entry.color, entry.texture, entry.lamp)
+    )

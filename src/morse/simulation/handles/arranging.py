@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
 from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
+from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.journal import SERVICE
 from morse.core.reports.hints import nearest
 from morse.mathutils import Euler
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.world import Body
+    from morse.simulation.handles.textures import NamedPictures
     from morse.simulation.ticks.ticking import Ticker
 
 
@@ -35,6 +38,7 @@ class Arranging:
     _check_open: Callable[[], None]
     _all_handles: Callable[[], dict[str, Any]]
     _ticker: Ticker
+    pictures: NamedPictures
 
     def __init__(self) -> None:
         self._contacts: dict[str, Contacts] = {}
@@ -129,6 +133,20 @@ class Arranging:
         looks.check(self._object(name), "color", numbers)
         self._vary("set_object_color", name, numbers)
 
+    def set_texture(self, name: str, picture: str | os.PathLike[str]) -> None:
+        """Set the texture of the surfaces of a robot or an object, until the next restart.
+
+        Args:
+            picture: path of a PNG or JPEG file in the folder ``data`` of the project, in that of the scene or the
+                program, in one of ``MORSE_RESOURCE_PATH`` or in the present folder. On a mesh without texture
+                coordinates it covers each side of the bounding box once.
+
+        Raises:
+            KeyError: there is no such object.
+            ValueError: the object has no surface, or the picture cannot be read.
+        """
+        self._vary("set_object_texture", name, os.fspath(picture))
+
     def restart_robot(self, name: str, seed: int | None = None) -> None:
         """Restart one robot as after the load: pose, parts, components and their random numbers.
 
@@ -150,7 +168,12 @@ class Arranging:
     def check_variation(self, name: str, what: str, value: Any) -> None:
         """Raise the error that `set_mass` would raise, or another method: ``what`` is the part after ``set_``."""
         obj = self._object(name)
-        if what in ("light", "color"):
+        if what == "texture":
+            try:
+                self.pictures.image(os.fspath(value))
+            except MorseRPCInvokationError as error:
+                raise ValueError(str(error)) from None
+        if what in ("light", "color", "texture"):
             looks.check(obj, what, value)
         else:
             self.context.world.check_variation(obj, what, value)
@@ -159,7 +182,8 @@ class Arranging:
         from pymorse.errors import MorseServiceFailed
 
         try:
-            self.rpc("simulation", service, self._object(name).name, value if isinstance(value, list) else float(value))
+            value = value if isinstance(value, (list, str)) else float(value)
+            self.rpc("simulation", service, self._object(name).name, value)
         except MorseServiceFailed as error:
             raise ValueError(str(error)) from None
 

@@ -273,7 +273,17 @@ class RobotHandle(ComponentHandle):
     """A robot; its components are available as items and as attributes."""
 
     _own_names: ClassVar[dict[type, tuple[str, ...]]] = {
-        object: ("contacts", "keys", "place", "restart", "set_color", "set_friction", "set_light", "set_mass")
+        object: (
+            "contacts",
+            "keys",
+            "place",
+            "restart",
+            "set_color",
+            "set_friction",
+            "set_light",
+            "set_mass",
+            "set_texture",
+        )
     }
 
     def __getitem__(self, name: str) -> ComponentHandle:
@@ -309,6 +319,10 @@ class RobotHandle(ComponentHandle):
     def set_light(self, energy: float) -> None:
         """Set the brightness of all lamps of the robot; see `Simulation.set_light`."""
         self._simulation.set_light(self.fqn, energy)
+
+    def set_texture(self, picture: str) -> None:
+        """Set the texture of all surfaces of the robot; see `Simulation.set_texture`."""
+        self._simulation.set_texture(self.fqn, picture)
 
     def contacts(self) -> Contacts:
         """Return what the robot touches from now on; see `Simulation.contacts`."""

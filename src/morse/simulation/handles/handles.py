@@ -27,8 +27,9 @@ logger = logging.getLogger(__name__)
 #: what a program of a user calls, for the completion of names
 _PUBLIC = """
 activate before_physics call cancel clock close contacts context deactivate delete is_up measure observers pause paused
-picture place quit record record_inputs replay reset restart restart_robot restore resume robots rpc rpc_t run save scene
-seed set_color set_friction set_light set_mass show sleep spawn state_hash step stop streams ticks time view world
+picture place quit record record_inputs replay reset restart restart_robot restore resume robots rpc rpc_t run save
+scene seed set_color set_friction set_light set_mass set_texture show sleep spawn state_hash step stop streams ticks
+time view world
 """
 
 

@@ -1,0 +1,62 @@
+"""Pictures that clients and programs name."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets.meshfiles.pictures import Pictures
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.reports.quoting import quoted
+from morse.scene import shared_image
+from morse.services.foreign_models import check_model
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Sequence
+
+    from morse.scene import Image
+
+#: size of a file, bytes
+_LARGEST = 1 << 26
+
+
+class NamedPictures:
+    """Pictures in the folders of models, and in the folder in which the simulation was started.
+
+    Args:
+        folders: returns the folders with models.
+    """
+
+    def __init__(self, folders: Callable[[], Sequence[str | os.PathLike[str]]]) -> None:
+        self._folders = folders
+
+    def image(self, name: str) -> Image:
+        """Read a PNG or JPEG file, given its path, or its path in one of the folders.
+
+        Raises:
+            MorseRPCInvokationError: it is not there, in another folder, or no picture.
+        """
+        from PIL import Image as Pillow
+
+        folders = [Path(folder) for folder in self._folders()]
+        check_model(name, folders)
+        with contextlib.suppress(OSError):  # the present folder was deleted
+            folders.append(Path.cwd())
+        path = next((folder / name for folder in folders if (folder / name).is_file()), None)
+        if path is None:
+            places = ", ".join(map(str, folders))
+            raise MorseRPCInvokationError(f"there is no picture {quoted(name)} in {places}")
+        reader = Pictures()
+        try:
+            if path.stat().st_size > _LARGEST:
+                raise OSError(f"it has more than {_LARGEST >> 20} MB")
+            with Pillow.open(io.BytesIO(path.read_bytes())) as picture:
+                image = reader.image(path.name, picture)
+        except OSError as error:
+            raise MorseRPCInvokationError(f"the picture {path} cannot be read: {error!s:.200}") from None
+        if reader.warnings:
+            raise MorseRPCInvokationError(f"the picture {path} cannot be used: {reader.warnings[0]}")
+        return shared_image(image.name, image.data, image.mime)
