@@ -73,13 +73,13 @@ def build_view(root: Path, app: Any) -> None:
     static = root / "src" / "morse" / "viewer" / "static"
     stamp = static / STAMP
     state = _state_of_sources(root)
-    if stamp.is_file() and stamp.read_text() == state:
+    if stamp.is_file() and stamp.read_text(encoding="utf-8") == state:
         return
     if os.environ.get(SKIP, "") not in ("", "0"):
         app.display_warning(f"{SKIP} is set: MORSE is built without its live view")
         return
     _build(root, static)
-    stamp.write_text(state)
+    stamp.write_text(state, encoding="utf-8")
 
 
 def _state_of_sources(root: Path) -> str:
@@ -136,7 +136,8 @@ def _npm(viewer: Path, environment: dict[str, str], *arguments: str, hint: bool 
         env=environment,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        text=True,
+        encoding="utf-8",
+        errors="replace",
     )
     if done.returncode == 0:
         return

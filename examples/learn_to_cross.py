@@ -125,7 +125,8 @@ def main(arguments=None):
     result = success(team)
     print(f"{result:.0%} reach the goal from new starts, after {curve[-1][1]:.0f} s of processor time")
     if options.picture:
-        options.picture.write_text(learn_to_drive.picture(curve, result).replace("new arenas", "new starts"))
+        picture = learn_to_drive.picture(curve, result).replace("new arenas", "new starts")
+        options.picture.write_text(picture, encoding="utf-8")
     return result
 
 

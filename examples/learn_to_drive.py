@@ -226,7 +226,7 @@ def main(arguments=None):
     result = success(driver, task=task)
     print(f"{result:.0%} reach the goal in new arenas, after {curve[-1][1]:.0f} s of processor time")
     if options.picture:
-        options.picture.write_text(picture(curve, result))
+        options.picture.write_text(picture(curve, result), encoding="utf-8")
     return result
 
 

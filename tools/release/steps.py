@@ -29,7 +29,7 @@ def run(title: str, command: Sequence[str], folder: Path, settings: Mapping[str,
     """
     start = time.monotonic()
     done = subprocess.run(
-        command, cwd=folder, env=settings, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, encoding="utf-8"
+        command, cwd=folder, env=settings, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
     )
     seconds = time.monotonic() - start
     print(f"{'ok    ' if done.returncode == 0 else 'FAILED'} {title:8} {seconds:6.1f} s", flush=True)

@@ -37,7 +37,7 @@ def build(folder: Path, platforms: list[str] | None = None, revision: str = "HEA
         archive = subprocess.run(["git", "archive", revision], cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout
         subprocess.run(["tar", "-x", "-C", str(tree)], input=archive, check=True)
         moment = subprocess.run(
-            ["git", "log", "-1", "--format=%ct", revision], cwd=ROOT, check=True, capture_output=True, text=True
+            ["git", "log", "-1", "--format=%ct", revision], cwd=ROOT, check=True, capture_output=True, encoding="utf-8"
         )
         python = _environment(Path(temporary) / "venv", tree)
         settings = {
@@ -69,7 +69,7 @@ def _hatchling(python: Path, tree: Path, folder: Path, kind: str, settings: dict
 
 def _run(command: list[str], folder: Path, settings: dict[str, str]) -> None:
     process = subprocess.run(
-        command, cwd=folder, env=settings, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        command, cwd=folder, env=settings, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
     )
     if process.returncode:
         print(process.stdout[-8000:], file=sys.stderr)

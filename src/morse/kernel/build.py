@@ -49,7 +49,7 @@ def build(target: targets.Target, folder: Path = targets.FOLDER) -> list[Path]:
     with ThreadPoolExecutor() as pool:
         for future in [pool.submit(_compile, target, level, folder) for level in target.levels]:
             future.result()
-    stamp(target, folder).write_text(state)
+    stamp(target, folder).write_text(state, encoding="utf-8")
     return libraries
 
 
@@ -62,7 +62,11 @@ def is_current(target: targets.Target, folder: Path = targets.FOLDER) -> bool:
     """Whether the libraries of a platform were compiled from the present sources."""
     file = stamp(target, folder)
     libraries = [folder / target.file_name(level) for level in target.levels]
-    return file.is_file() and file.read_text() == _state(target) and all(path.is_file() for path in libraries)
+    return (
+        file.is_file()
+        and file.read_text(encoding="utf-8") == _state(target)
+        and all(path.is_file() for path in libraries)
+    )
 
 
 def _state(target: targets.Target) -> str:
@@ -87,7 +91,9 @@ def _compile(target: targets.Target, level: int, folder: Path) -> None:
         command += ["-o", str(output), *map(str, sources())]
         # who compiles for many platforms may share the caches of the compiler
         caches = {name: os.environ.get(name, temporary) for name in ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR")}
-        process = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **caches})
+        process = subprocess.run(
+            command, capture_output=True, encoding="utf-8", errors="replace", env={**os.environ, **caches}
+        )
         if process.returncode:
             raise RuntimeError(f"The kernel could not be compiled for {target}:\n\n{process.stderr[-4000:]}")
         copy = folder / f".{library.name}.{os.getpid()}"

@@ -127,7 +127,7 @@ class Profile:
         # written to a temporary file and renamed, so that a full disk does not leave a partial file
         part = path.with_name(f".{path.name}.{os.getpid()}")
         try:
-            part.write_text(text)
+            part.write_text(text, encoding="utf-8")
             part.replace(path)
         finally:
             part.unlink(missing_ok=True)
