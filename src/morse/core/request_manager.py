@@ -27,7 +27,7 @@ from morse.core.streams.extent import TooLarge, check_result
 from morse.core.validation.arguments import Arguments
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable
+    from collections.abc import Callable, Collection, Iterable, Sized
 
     from morse.core.guard import Guard
     from morse.core.journal import Journal
@@ -92,9 +92,11 @@ class RequestManager(ABC):
 
     Attributes:
         classpath: the name under which summaries and clients know it.
+        waiting: a collection that is empty while `main` has nothing to do; by default it always may have.
     """
 
     classpath: str = ""
+    waiting: Sized = (True,)
 
     def __init__(self, context: Journaling | None = None) -> None:
         self.context = context
@@ -370,10 +372,15 @@ class MorseServices:
 
     def process(self) -> None:
         """One tick of every manager; one that fails is stopped."""
-        # iterates over a copy, because a service may add managers
         if self.guard is None:
             raise RuntimeError("the services do not belong to a simulation")
-        self.guard.each(self._everybody(), _update, self._stop)
+        if busy := self._busy(self._everybody()):
+            self.guard.each(busy, _update, self._stop)
+
+    @staticmethod
+    def _busy(managers: Iterable[RequestManager]) -> list[RequestManager]:
+        """Return the managers with requests or outcomes, in a list of their own: a service may add managers."""
+        return [manager for manager in managers if manager.waiting or manager._arrivals]
 
     def _stop(self, manager: RequestManager, error: BaseException) -> None:
         assert self.guard is not None
@@ -393,8 +400,8 @@ class MorseServices:
 
     def answer(self) -> None:
         """Send the outcomes of the calls that have ended in this tick."""
-        if self.guard is not None:
-            self.guard.each(list(self._managers.values()), _answer, self._stop)
+        if self.guard is not None and (busy := self._busy(self._managers.values())):
+            self.guard.each(busy, _answer, self._stop)
 
     def preempt(self, spared: Collection[AbstractObject]) -> None:
         """Interrupt every running asynchronous call except those of the ``spared`` objects."""

@@ -15,7 +15,7 @@ from morse.physics.model.layout import Motion
 from morse.physics.model.limits import FORCE
 from morse.physics.model.moved_shapes import MovedShapes
 from morse.physics.poses import rigid
-from morse.physics.poses.kinematics import note_contacts, settle_fixed
+from morse.physics.poses.kinematics import settle_fixed
 from morse.physics.sleep import wake
 from morse.physics.weightless import count_weightless
 from morse.scene import ShapeKind
@@ -364,4 +364,4 @@ class Bodies:
         model.body_gravcomp[body] = 1.0
         count_weightless(state)
         mujoco.mj_forward(model, data)
-        note_contacts(state)
+        state.known_contacts = None

@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 
 from morse.physics.gliding.passage import Passage
-from morse.physics.poses.kinematics import note_contacts, settle_fixed
+from morse.physics.poses.kinematics import settle_fixed
 from morse.physics.stability import UnstableError
 from morse.physics.state import engine_values
 
@@ -69,7 +69,7 @@ class Steps:
             state.known_contacts = _NO_CONTACTS
         elif not self._all_sleep():
             self._run_safely()
-            note_contacts(state)
+            state.known_contacts = None
             if state.has_forces:
                 state.data.xfrc_applied[:] = 0.0
                 state.has_forces = False

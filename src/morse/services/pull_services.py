@@ -16,6 +16,8 @@ from morse.core.services import service
 from morse.core.state import StateError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from morse.core.context import Context
 
 _Numbers = tuple[float, float, float]
@@ -27,21 +29,20 @@ _STRONGEST = 8.0 * 9.81
 
 
 class PullServices(AbstractObject):
-    """Pulls one body with a virtual spring, until `let_go` is called."""
+    """Pulls one body with a virtual spring, until `let_go` is called.
 
-    def __init__(self, context: Context) -> None:
+    Args:
+        pushes: functions that are called before the physics of each tick; `apply` is one of them while it pulls.
+    """
+
+    def __init__(self, context: Context, pushes: list[Callable[[], object]]) -> None:
         super().__init__()
-        self._context = context
+        self._context, self._pushes = context, pushes
         self._pulled: tuple[str, list[float], list[float]] | None = None
 
     def name(self) -> str:
         """``simulation``."""
         return "simulation"
-
-    @property
-    def waiting(self) -> tuple[Any, ...]:
-        """The body that is pulled; see `morse.core.rows.rows.waiting`."""
-        return self._pulled or ()
 
     @service
     def pull(self, object_name: str, anchor: Point, target: Point) -> None:
@@ -56,16 +57,24 @@ class PullServices(AbstractObject):
         objects = self._context.world.objects_by_name
         if object_name not in objects:
             raise MorseRPCInvokationError(f"Object {short(object_name)} unknown{nearest(object_name, list(objects))}")
-        self._pulled = (object_name, [float(x) for x in anchor], [float(x) for x in target])
+        self._grasp((object_name, [float(x) for x in anchor], [float(x) for x in target]))
 
     @service
     def let_go(self) -> None:
         """Stop pulling."""
-        self._pulled = None
+        self._grasp(None)
+
+    def _grasp(self, pulled: tuple[str, list[float], list[float]] | None) -> None:
+        self._pulled = pulled
+        is_called = self.apply in self._pushes
+        if pulled is not None and not is_called:
+            self._pushes.append(self.apply)
+        elif pulled is None and is_called:
+            self._pushes.remove(self.apply)
 
     def restart(self) -> None:
         """Stop pulling when the simulation restarts."""
-        self._pulled = None
+        self._grasp(None)
 
     def get_state(self) -> list[Any]:
         """Return the pulled object, the anchor and the target; empty if no object is pulled."""
@@ -82,9 +91,9 @@ class PullServices(AbstractObject):
                 name, *points = msgspec.convert(state, tuple[str, _Numbers, _Numbers])
                 if not all(math.isfinite(x) for point in points for x in point):
                     raise StateError("the saved state is damaged: a body is pulled to no point")
-                self._pulled = (name, list(points[0]), list(points[1]))
+                self._grasp((name, list(points[0]), list(points[1])))
             else:
-                self._pulled = None
+                self._grasp(None)
         except msgspec.ValidationError as error:
             raise StateError(f"the saved state is damaged: {error}") from None
 
@@ -95,6 +104,6 @@ class PullServices(AbstractObject):
         name, anchor, target = self._pulled
         obj = self._context.world.objects_by_name.get(name)
         if obj is None:
-            self._pulled = None
+            self._grasp(None)
         elif obj.is_dynamic:
             obj.pull(anchor, target, _STIFFNESS, _DAMPING, _STRONGEST)

@@ -35,6 +35,9 @@ class TimeServices(AbstractObject):
 
     Args:
         set_speed: function that sets the speed of the simulation.
+
+    Attributes:
+        waiting: the alarms, which an action may end; see `morse.core.rows.rows.waiting`.
     """
 
     def __init__(self, clock: Clock, set_speed: Callable[[float], None]) -> None:
@@ -42,7 +45,7 @@ class TimeServices(AbstractObject):
         self._clock = clock
         self._set_speed = set_speed
         #: heap of alarms by time and number; a cancelled alarm stays until its time, or until there are too many
-        self._order: list[tuple[float, int]] = []
+        self._order = self.waiting = list[tuple[float, int]]()
         self._alarms: dict[int, Callable[[Any], None]] = {}
         self._number = 0
 
@@ -91,7 +94,7 @@ class TimeServices(AbstractObject):
         if callback is None:
             return
         if len(self._order) > 2 * len(self._alarms) + _FEW:
-            self._order = [alarm for alarm in self._order if alarm[1] in self._alarms]
+            self._order[:] = [alarm for alarm in self._order if alarm[1] in self._alarms]
             heapq.heapify(self._order)
         callback((status.PREEMPTED, None))
 
@@ -102,15 +105,8 @@ class TimeServices(AbstractObject):
         for callback in alarms.values():
             callback((status.PREEMPTED, None))
 
-    @property
-    def waiting(self) -> list[tuple[float, int]]:
-        """The alarms, which an action may end; see `morse.core.rows.rows.waiting`."""
-        return self._order
-
     def action(self) -> None:
         """End the alarms that are due, the earliest first."""
-        if not self._order:
-            return
         # half a tick of tolerance: sums of periods are not exact
         now = self._clock.time + 0.5 * self._clock.period
         while self._order and self._order[0][0] <= now:

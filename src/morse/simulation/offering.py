@@ -38,8 +38,6 @@ def offer_services(simulation: Running) -> None:
     for manager in managers:
         add_request_manager(context, manager)
     simulation.pictures = NamedPictures(lambda: _folders_of_models(simulation))
-    pull = PullServices(context)
-    simulation.before_physics.append(pull.apply)
     objects: list[AbstractObject] = [
         Supervision(context, simulation.stop, simulation.measure_by_service, simulation.pictures.image),
         LockstepServices(simulation),
@@ -48,7 +46,7 @@ def offer_services(simulation: Running) -> None:
         RecordingServices(simulation),
         PopulationServices(simulation, lambda: _folders_of_models(simulation)),
         ViewpointServices(scene.settings.view, simulation.viewpoint_changed),
-        pull,
+        PullServices(context, simulation.before_physics),
         TimeServices(context.clock, simulation.pacer.set_speed),
         CommunicationServices(context),
     ]

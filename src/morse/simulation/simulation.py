@@ -190,7 +190,8 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
             RuntimeError: the simulation is closed, or a tick is already running.
             KeyboardInterrupt: Ctrl+C was pressed; the present tick was completed first.
         """
-        self._check_open()
+        if self.finished:
+            self._check_open()
         self.check_step(ticks, measure)
         for contacts in self._contacts.values():
             contacts.begin()
@@ -248,7 +249,8 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
 
     def tick(self) -> bool:
         """Run one tick; return False if the simulation is paused, or was paused by input of this tick."""
-        self._check_open()
+        if self.finished:
+            self._check_open()
         self._time.holds_back = False
         with self._time:
             has_passed = self._ticker.tick()

@@ -86,13 +86,14 @@ class Sender:
 
     Attributes:
         must_rest: whether the client has used its time.
+        until: wall-clock time until which it rests; None if it does not.
     """
 
     def __init__(self, arrivals: Arrivals) -> None:
         self._arrivals = arrivals
         self._debt = 0.0
         self._last = arrivals.wall()
-        self._until: float | None = None
+        self.until: float | None = None
         self.must_rest = False
 
     @contextmanager
@@ -144,14 +145,14 @@ class Sender:
     @property
     def remaining(self) -> float:
         """The rest that is left, s."""
-        if self._until is None:
+        if self.until is None:
             return 0.0
-        remaining = self._until - self._arrivals.wall()
+        remaining = self.until - self._arrivals.wall()
         if remaining <= 0.0:
-            self._until = None
+            self.until = None
         return max(0.0, remaining)
 
     def rest_if_due(self) -> None:
         """Begin a rest, which `rests` tells, if the client has used its time."""
         if self.must_rest:
-            self._until = self._arrivals.wall() + self.begin_rest()
+            self.until = self._arrivals.wall() + self.begin_rest()

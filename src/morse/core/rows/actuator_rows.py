@@ -114,6 +114,6 @@ class ActuatorRows(Rows["Actuator"]):
         for row in rows:
             member = self._rows[row]
             self._guard.run(member.default_action, partial(self._guard.deactivate, member))
-            if member.active and not self._fleet.adopt(row):
+            if member._active and not self._fleet.adopt(row):
                 self._others.add(id(member))
                 self.is_changed = True

@@ -41,7 +41,7 @@ class ClientCommands:
     @property
     def rest(self) -> bool:
         """Whether messages have to wait, because earlier ones took more than their share of the time."""
-        return self._sender.rests
+        return self._sender.until is not None and self._sender.rests
 
     def take(self, decode: Callable[[Any], object], message: object) -> bool:
         """Write the fields of a message into the data of the component; whether that was possible.

@@ -58,6 +58,7 @@ class SocketRequestManager(RequestManager):
 
     Attributes:
         port: the port on which it listens.
+        waiting: not empty if requests have arrived, or clients have left.
     """
 
     classpath = "morse.middleware.socket_request_manager.SocketRequestManager"
@@ -68,6 +69,7 @@ class SocketRequestManager(RequestManager):
         self._context = context
         self._inbox: Turns[ServiceClient, bytes] = Turns()
         self._arriving: list[tuple[ServiceClient, bytes]] = []
+        self.waiting = deque[bool](maxlen=1)
         self._left: deque[tuple[ServiceClient, bool]] = deque()
         self._outbox: list[tuple[ServiceClient, _Reply]] = []
         self._outbox_size = 0
@@ -136,10 +138,12 @@ class SocketRequestManager(RequestManager):
     def _all_arrived(self) -> None:
         self._inbox.extend(self._arriving)
         self._arriving.clear()
+        self.waiting.append(True)
         self._context.wake()
 
     def _has_left(self, client: ServiceClient, broken: bool) -> None:
         self._left.append((client, broken))
+        self.waiting.append(True)
         self._context.wake()
 
     def answer(self) -> None:
@@ -151,10 +155,13 @@ class SocketRequestManager(RequestManager):
 
     def main(self) -> None:
         """Process the received requests within the time share of a tick."""
+        self.waiting.clear()
         if self._inbox:
             self._serve()
         while self._left:
             self._forget(*self._left.popleft())
+        if self._inbox:
+            self.waiting.append(True)
 
     def _serve(self) -> None:
         share = self._share

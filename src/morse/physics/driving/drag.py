@@ -31,11 +31,16 @@ _REACH = 0.3
 
 
 class Drag:
-    """Slows down robots that are driven over the ground with friction."""
+    """Slows down robots that are driven over the ground with friction.
+
+    Attributes:
+        slots: the slots with friction while they are driven.
+    """
 
     def __init__(self, state: EngineState) -> None:
         self._state = state
         self._rough: dict[int, tuple[float, float, list[int]]] = {}
+        self.slots: Collection[int] = self._rough.keys()
         self._slowdowns: dict[int, Slowdown] = {}
         #: velocities at the end of the present tick, relative to the mean ones: linear and angular, by slot
         self.ends: dict[int, tuple[float, float]] = {}
@@ -58,11 +63,6 @@ class Drag:
             return _REACH
         places = self._state.model.geom_pos[slot.feet]
         return float(np.hypot(places[:, 0], places[:, 1]).mean())
-
-    @property
-    def slots(self) -> Collection[int]:
-        """The slots with friction while they are driven."""
-        return self._rough.keys()
 
     def slowed(self, index: int, command: Command, touches: bool) -> Command:
         """Return a command reduced by friction, and by damping if the scene has the physics of 1.4.

@@ -36,8 +36,3 @@ class Glide:
     speed: float
     since: int
     margin: float = 0.0
-
-    @property
-    def gap(self) -> float:
-        """Distance, m, at which the engine detects what is near: the robot moves less in that number of ticks."""
-        return 0.5 * FORESIGHT * self.margin

@@ -18,7 +18,7 @@ import numpy as np
 
 from morse.mathutils.portable import matmul
 from morse.physics.gliding.floors import Floor, find_floors
-from morse.physics.gliding.glide import Glide
+from morse.physics.gliding.glide import FORESIGHT, Glide
 from morse.physics.gliding.stances import Stances
 from morse.physics.model.collision_bits import ALL_BITS, OF_FILE
 from morse.physics.poses.kinematics import contact_pairs
@@ -330,18 +330,22 @@ class Gliding:
         """
         # a little more, so that a change of the command seldom changes the gap
         glide.margin = self.margins[index] = max(1.5 * travel, _LEAST)
-        self._set_gap(glide.slot, glide.gap)
+        self._set_gap(glide.slot, glide.margin)
         self.clear_until = 0
 
     def set_gaps(self, active: bool) -> None:
         """Set the gaps around all robots, or remove them for some steps."""
         for glide in self.glides.values():
-            self._set_gap(glide.slot, glide.gap if active else 0.0)
+            self._set_gap(glide.slot, glide.margin if active else 0.0)
 
-    def _set_gap(self, slot: Slot, gap: float) -> None:
-        """Set the distance at which the engine detects contacts without forces."""
+    def _set_gap(self, slot: Slot, margin: float) -> None:
+        """Let the engine detect contacts without forces, at a distance that the robot does not reach in some ticks.
+
+        Args:
+            margin: see `Glide`; 0 to end that.
+        """
         model = self._state.model
-        model.geom_gap[self._geoms(slot)] = model.body_margin[slot.body] = gap
+        model.geom_gap[self._geoms(slot)] = model.body_margin[slot.body] = 0.5 * FORESIGHT * margin
 
     def floor_changed(self, slot: int) -> None:
         """A static slot was moved, or its collisions were changed: robots on it end gliding, others may touch it."""
@@ -464,7 +468,7 @@ class Gliding:
                 slot, floors[entry.floor], entry.up, entry.look, entry.speed, entry.since, entry.margin
             )
             self.speeds[index], self.margins[index] = entry.speed, entry.margin
-            self._set_gap(slot, glide.gap)
+            self._set_gap(slot, glide.margin)
         self.stances.set_state(state.stands, slots_by_name)
         self.tick, self.next_look = state.tick, state.look
 

@@ -43,12 +43,8 @@ def sync(state: EngineState) -> None:
 
 def refresh(state: EngineState) -> None:
     """Copy the poses of the moving bodies from the engine."""
-    if state.engine_rows is None:
-        state.positions.take(state.engine_positions)
-        state.rotations.take(state.engine_rotations)
-    else:
-        state.positions.take(state.data.xpos[state.engine_rows])
-        state.rotations.take(state.data.xmat[state.engine_rows])
+    state.positions.take(state.engine_positions, state.engine_rows)
+    state.rotations.take(state.engine_rotations, state.engine_rows)
     state.touched.clear()
     state.stamp += 1
 
@@ -63,17 +59,12 @@ def settle_fixed(state: EngineState) -> None:
 
 
 def contact_pairs(state: EngineState) -> NDArray[np.int32]:
-    """Return (N, 2) pairs of geoms that were in contact at the last collision detection."""
+    """Return (N, 2) pairs of geoms that were in contact in the last step of the engine.
+
+    Without those within the gaps around gliding robots.
+    """
     if state.known_contacts is not None:
         return state.known_contacts
-    return np.asarray(state.data.contact.geom)
-
-
-def note_contacts(state: EngineState) -> None:
-    """Record the contacts of the last step of the engine, without those within the gaps around gliding robots."""
-    state.known_contacts = None
-    if state.data.ncon:
-        contact = state.data.contact
-        near = np.asarray(contact.exclude) == IN_GAP
-        if near.any():
-            state.known_contacts = np.asarray(contact.geom)[~near]
+    contact = state.data.contact
+    state.known_contacts = np.asarray(contact.geom)[np.asarray(contact.exclude) != IN_GAP]
+    return state.known_contacts

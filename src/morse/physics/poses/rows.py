@@ -48,8 +48,13 @@ class Rows:
         self._made: list[tuple[NDArray[np.float64], NDArray[np.float64], int]] = []
         self.place = 0
 
-    def take(self, values: NDArray[np.float64]) -> None:
-        """Set new values for the first rows."""
+    def take(self, values: NDArray[np.float64], rows: NDArray[np.intp] | None = None) -> None:
+        """Set new values for the first rows.
+
+        Args:
+            values: (M, D).
+            rows: the rows of ``values`` to take; None for all.
+        """
         if self._is_shared:
             self._is_shared = False
             view = self._made
@@ -57,14 +62,14 @@ class Rows:
                 view += self._copies()
             if view:
                 self.array, self._first, self.place = view.pop()
-                self._first[...] = values
             else:
                 self.place = 0
-                count = len(self._none)
-                self.array = np.concatenate((values, self.array[count:]))
-                self._first = self.array[:count]
-        else:
+                self.array = self.array.copy()
+                self._first = self.array[: len(self._none)]
+        if rows is None:
             self._first[...] = values
+        else:
+            values.take(rows, 0, self._first, "clip")
         self._rows[: len(self._none)] = self._none
 
     def _copies(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64], int]]:

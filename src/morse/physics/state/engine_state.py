@@ -55,7 +55,8 @@ class EngineState:
         steps: physics steps per tick.
         period: seconds per tick.
         moving: number of slots that the engine moves.
-        engine_positions, engine_rotations: present poses of these slots in the engine, if they are its first bodies.
+        engine_positions, engine_rotations: present poses of these slots in the engine; of all bodies, if they are not
+            its first ones.
         engine_rows: bodies of these slots, or None if they are the first bodies.
         compiled_poses: positions, rotations and quaternions of all slots in the scene, once they are needed.
         by_hand: slots that are only moved by explicit calls, because they have neither joints nor shapes.
@@ -73,7 +74,7 @@ class EngineState:
         kinematic: linear and angular velocity, world axes, of slots that move kinematically in this tick.
         has_forces: whether forces or torques are set for the next tick.
         is_stirred: whether a body that does not glide was changed by an explicit call since the last tick.
-        known_contacts: (N, 2) geoms in contact at the end of a tick in another engine instance, or None.
+        known_contacts: (N, 2) geoms in contact at the end of a tick; None until somebody asks for those of the engine.
         names: name of the first node of each slot; ``named`` maps it to the slot.
         watch: runs the steps and observes them; None if nobody does.
     """
@@ -102,10 +103,14 @@ class EngineState:
         self.steps = compiled.steps
         self.period = period
         self.moving = sum(1 for slot in self.slots if slot.body > 0 and slot.frame.motion is not Motion.FIXED)
-        self.engine_positions = self.data.xpos[1 : self.moving + 1]
-        self.engine_rotations = self.data.xmat[1 : self.moving + 1]
-        bodies = np.array([slot.body for slot in self.slots[: self.moving]], dtype=np.intp)
-        self.engine_rows = None if np.array_equal(bodies, np.arange(1, self.moving + 1)) else bodies
+        self.engine_positions, self.engine_rotations = self.data.xpos, self.data.xmat
+        self.engine_rows: NDArray[np.intp] | None = np.array(
+            [slot.body for slot in self.slots[: self.moving]], dtype=np.intp
+        )
+        if np.array_equal(self.engine_rows, np.arange(1, self.moving + 1)):
+            self.engine_positions = self.engine_positions[1 : self.moving + 1]
+            self.engine_rotations = self.engine_rotations[1 : self.moving + 1]
+            self.engine_rows = None
         self.slot_of: dict[Node, int] = {
             node: index for index, slot in enumerate(self.slots) for node in slot.frame.members
         }

@@ -27,6 +27,7 @@ class LocalRequests(RequestManager):
     """
 
     title = "this simulation"
+    waiting = ()
 
     def __init__(self, context: Context, tick: Callable[[], object]) -> None:
         super().__init__(context)

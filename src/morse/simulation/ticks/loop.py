@@ -28,6 +28,10 @@ _SETTLING = 30
 _STILL = 0.01
 
 
+def _unpaced() -> bool:
+    return False
+
+
 class Loop:
     """Runs a simulation.
 
@@ -43,11 +47,10 @@ class Loop:
         self.pacer.while_waiting = self._look_around
         self.stopping = False
         self._diagnosis: Diagnosis | None = None
-        self._slow = self._running = False
-        context.paced = self._is_paced
+        self._slow = False
 
     def _is_paced(self) -> bool:
-        return self._running and not self._stepping.paused and not math.isinf(self.pacer.speed)
+        return not self._stepping.paused and not math.isinf(self.pacer.speed)
 
     def stop(self) -> None:
         """End the run after this tick; may be called from signal handlers."""
@@ -63,7 +66,7 @@ class Loop:
         """Run until `stop` is called, or until tick ``last``."""
         self.pacer.restart()
         clock, pacer, network, stepping = self._context.clock, self.pacer, self._context.network, self._stepping
-        self._running = True
+        self._context.paced = self._is_paced
         self._context.settling = clock.tick == 0 and not stepping.paused and last > _SETTLING
         try:
             while not self.stopping:
@@ -93,7 +96,8 @@ class Loop:
             stepping.end(status.FAILED, str(error))
             raise
         finally:
-            self._running = self._context.settling = False
+            self._context.paced = _unpaced
+            self._context.settling = False
             self.go_on()
             if network is not None:
                 network.give_back()

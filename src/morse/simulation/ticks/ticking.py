@@ -19,7 +19,7 @@ from morse.simulation.ticks.leaping import Leaping
 from morse.simulation.ticks.schedule import Schedule
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Callable, Collection, Sequence, Sized
 
     from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
@@ -56,7 +56,8 @@ class Ticker:
         self.reviews: list[Callable[[int, bool], int]] = []
         self._acting = acting(context)
         self._rows: list[Rows[Any]] = []
-        self._served: list[AbstractObject] = []
+        #: objects that offer services and act, and what they wait for
+        self._served: list[tuple[AbstractObject, Sized | None]] = []
         self._offered = 0
 
     def schedule(self, loaded: Loaded) -> None:
@@ -106,7 +107,7 @@ class Ticker:
             self._take_input()
             self._serve()
             # the simulation is paused, or was restarted while paused: the state must not change until the next request
-            if self._stepping.halted:
+            if self._stepping.paused and self._stepping.halted:
                 return False
             self._actuate()
             self._move()
@@ -131,7 +132,7 @@ class Ticker:
             self._actuate()
             count = 1
             skips: list[tuple[SensorRows, int]] = []
-            if not (self._busy or any(_has_work(one.action) for one in self._served)) and self._leaping.look():
+            if not (self._busy or self._alarmed()) and self._leaping.look():
                 if self._review_at > self._due:
                     most, measured = min((most, measured), (self._review_at - self._due, False))
                 count, skips = self._leaping.ticks(self._due, most, measured)
@@ -153,7 +154,7 @@ class Ticker:
         return (
             self._may_leap()
             and not self._busy_robots()
-            and not any(_has_work(one.action) for one in self._served)
+            and not self._alarmed()
             and self._leaping.coasts
             and all(observer.waits for observer in self.observers)
         )
@@ -183,8 +184,7 @@ class Ticker:
         """Whether nothing but a component can have work in a tick."""
         return (
             self._leaping.is_possible
-            and not (self.profiles or self.component_profiles or self._delayed)
-            and not any(map(_has_work, self.before_physics))
+            and not (self.profiles or self.component_profiles or self._delayed or self.before_physics)
             and self._context.network is None
             and self._context.services.is_quiet
             and self._stepping.is_idle
@@ -269,20 +269,26 @@ class Ticker:
         self._guard.dismiss(self.observers, observer, error)
 
     def _take_input(self) -> None:
-        self._guard.each(self.observers, before_tick, self._dismiss)
+        if self.observers:
+            self._guard.each(self.observers, before_tick, self._dismiss)
         self._clock.observe()
 
     def _serve(self) -> None:
         objects = self._context.service_objects
         if len(objects) != self._offered:
             self._offered = len(objects)
-            self._served = self._guard.those(objects, _is_busy, self._stop_serving)
+            active = self._guard.those(objects, _is_busy, self._stop_serving)
+            self._served = [(one, waiting(one.action)) for one in active]
         self._context.services.process()
 
     def _stop_serving(self, part: AbstractObject, error: BaseException) -> None:
         who = f"{type(part).__name__} of the services of '{name_of(part)}'"
         self._guard.failed(part, who, "does not act any more", error)
-        self._served = [one for one in self._served if one is not part]
+        self._served = [(one, sign) for one, sign in self._served if one is not part]
+
+    def _alarmed(self) -> list[AbstractObject]:
+        """Return the objects that offer services and have work in this tick."""
+        return [one for one, sign in self._served if sign is None or sign]
 
     def _actuate(self) -> None:
         self._due = self._clock.tick
@@ -294,14 +300,14 @@ class Ticker:
 
     def _move(self) -> None:
         if self.before_physics:
-            self._guard.each(self.before_physics, call, self._remove_push)
+            self._guard.each(list(self.before_physics), call, self._remove_push)
         self._context.world.step()
         self._clock.advance()
         if self._busy:
             self._guard.each(self._busy, _update_pose, self._guard.deactivate)
         # before the sensors: who has slept until this time is awake when its messages arrive
-        if self._served:
-            self._guard.each(list(self._served), _act, self._stop_serving)
+        if alarmed := self._alarmed():
+            self._guard.each(alarmed, _act, self._stop_serving)
         self._context.services.answer()
 
     def _remove_push(self, push: Callable[[], object], error: BaseException) -> None:
@@ -322,7 +328,8 @@ class Ticker:
         self._delayed = [one for one in self._delayed if one is not realism]
 
     def _show(self) -> None:
-        self._guard.each(self.observers, after_tick, self._dismiss)
+        if self.observers:
+            self._guard.each(self.observers, after_tick, self._dismiss)
         if self._clock.tick >= self._review_at:
             self._review(self._clock.tick)
 
@@ -367,11 +374,6 @@ def _look_again(sensor: Sensor) -> None:
 
 def _members(units: Sequence[object]) -> list[Any]:
     return [one for unit in units for one in (unit.members if isinstance(unit, Rows) else (unit,))]
-
-
-def _has_work(function: object) -> bool:
-    waits_for = waiting(function)
-    return waits_for is None or bool(waits_for)
 
 
 def _act(part: Any) -> None:
