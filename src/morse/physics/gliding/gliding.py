@@ -345,6 +345,7 @@ class Gliding:
             margin: see `Glide`; 0 to end that.
         """
         model = self._state.model
+        self._state.has_gaps |= margin > 0.0
         model.geom_gap[self._geoms(slot)] = model.body_margin[slot.body] = 0.5 * FORESIGHT * margin
 
     def floor_changed(self, slot: int) -> None:

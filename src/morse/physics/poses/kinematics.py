@@ -66,5 +66,7 @@ def contact_pairs(state: EngineState) -> NDArray[np.int32]:
     if state.known_contacts is not None:
         return state.known_contacts
     contact = state.data.contact
+    if not state.has_gaps:
+        return np.asarray(contact.geom)
     state.known_contacts = np.asarray(contact.geom)[np.asarray(contact.exclude) != IN_GAP]
     return state.known_contacts

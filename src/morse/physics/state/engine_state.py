@@ -74,6 +74,7 @@ class EngineState:
         kinematic: linear and angular velocity, world axes, of slots that move kinematically in this tick.
         has_forces: whether forces or torques are set for the next tick.
         is_stirred: whether a body that does not glide was changed by an explicit call since the last tick.
+        has_gaps: whether the engine may report contacts within a gap around a shape.
         known_contacts: (N, 2) geoms in contact at the end of a tick; None until somebody asks for those of the engine.
         names: name of the first node of each slot; ``named`` maps it to the slot.
         watch: runs the steps and observes them; None if nobody does.
@@ -130,6 +131,7 @@ class EngineState:
         self.attached = {
             index: (*self.wheels.get(index, ()), *self.links.get(index, ())) for index in {*self.wheels, *self.links}
         }
+        self.has_gaps = bool(self.model.geom_gap.any())
         self.by_hand = tuple(
             index for index in range(self.moving, len(self.slots)) if self.slots[index].frame.motion is not Motion.FIXED
         )

@@ -78,8 +78,10 @@ class Ticker:
             entry for entries in (self._actuators, self._sensors) for entry in entries if isinstance(entry, Rows)
         ]
         sensors = [sensor for sensor in loaded.sensors if isinstance(sensor, Sensor)]
-        self._asking_actuators = Schedule([a for a in loaded.actuators if a.requests], frequency)
-        self._asking_sensors = Schedule([s for s in loaded.sensors if s.requests], frequency, _phase)
+        asking = [a for a in loaded.actuators if a.requests]
+        self._asking_actuators = Schedule(asking, frequency) if asking else None
+        asking_sensors = [s for s in loaded.sensors if s.requests]
+        self._asking_sensors = Schedule(asking_sensors, frequency, _phase) if asking_sensors else None
         #: by the place in the schedule: sensors that are not due in a tick, and those of them with requests
         self._others: dict[int, tuple[list[Any], list[Any]]] = {}
         self._leaping = Leaping(self._context, self._actuators, self._sensors)
@@ -294,7 +296,7 @@ class Ticker:
         self._due = self._clock.tick
         if robots := self._busy_robots():
             self._act(robots)
-        if asking := self._asking_actuators.due(self._due):
+        if self._asking_actuators is not None and (asking := self._asking_actuators.due(self._due)):
             serve(asking, self._guard)
         self._act(self._actuators.due(self._due))
 
@@ -315,7 +317,7 @@ class Ticker:
 
     def _answer_sensors(self) -> None:
         """Answer the requests of all due sensors in one call, which costs little more than a call for one sensor."""
-        if asking := self._asking_sensors.due(self._due):
+        if self._asking_sensors is not None and (asking := self._asking_sensors.due(self._due)):
             serve(asking, self._guard)
 
     def _sense(self) -> None:
