@@ -69,7 +69,7 @@ class SocketRequestManager(RequestManager):
         self._context = context
         self._inbox: Turns[ServiceClient, bytes] = Turns()
         self._arriving: list[tuple[ServiceClient, bytes]] = []
-        self.waiting = deque[bool](maxlen=1)
+        self.waiting: deque[bool] = deque(maxlen=1)
         self._left: deque[tuple[ServiceClient, bool]] = deque()
         self._outbox: list[tuple[ServiceClient, _Reply]] = []
         self._outbox_size = 0
