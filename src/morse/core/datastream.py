@@ -121,6 +121,19 @@ class DatastreamManager(Observer):
             values = checked_options(owner, self.manager_options, options)
             self.options = with_defaults(self.manager_options, values)
 
+    # -- saved states ------------------------------------------------------------------------
+
+    def get_state(self) -> object:
+        """What the middleware itself does in the next ticks depends on, as plain data; None if on nothing."""
+        return None
+
+    def set_state(self, state: object) -> None:
+        """Restore what `get_state` has returned, possibly from a file.
+
+        Raises:
+            StateError: it is damaged; nothing has changed.
+        """
+
     # -- streams -----------------------------------------------------------------------------
 
     def connect(self, component: Object, declaration: StreamDeclaration) -> None:

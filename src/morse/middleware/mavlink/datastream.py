@@ -8,13 +8,17 @@ import time
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.time_share import TimeShare
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
+from morse.core.state import StateError
 from morse.helpers.geodesy import angle_against_north
 from morse.middleware.mavlink.autopilot.pilot import MESSAGES, Autopilot
 from morse.middleware.mavlink.autopilot.place import Place
+from morse.middleware.mavlink.autopilot.saved import checked
 from morse.middleware.mavlink.autopilot.steering import type_of
 from morse.middleware.mavlink.axes import Axes
 from morse.middleware.mavlink.commands import COMMANDS, CommandKinds
@@ -235,6 +239,27 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
                 for stream in vehicle.streams if message.get_type() in COMMANDS else ():
                     stream.receive(message)
         return True
+
+    def get_state(self) -> object:
+        """See `DatastreamManager.get_state`: the autopilots by robot and device."""
+        pilots = {key: vehicle.pilot for key, vehicle in self._vehicles.items() if vehicle.pilot is not None}
+        return [[*key, pilot.get_state()] for key, pilot in pilots.items()] or None
+
+    def set_state(self, state: object) -> None:
+        """See `DatastreamManager.set_state`."""
+        try:
+            entries = msgspec.convert(state, list[tuple[str, str, object]])
+        except msgspec.ValidationError as error:
+            raise StateError(f"mavlink: the saved state of the autopilots is damaged: {error}") from None
+        for *_, data in entries:
+            checked(data)
+        states = {(robot, device): data for robot, device, data in entries}
+        if self._is_changed:
+            self._is_changed = False
+            self._look_at_robots()
+        for key, vehicle in self._vehicles.items():
+            if vehicle.pilot is not None and key in states:
+                vehicle.pilot.set_state(states[key])
 
     def flush(self) -> None:
         """The end of a tick: send the messages of each robot."""

@@ -58,6 +58,12 @@ class Pilot(Protocol):
     def take(self, message: MavlinkMessage) -> bool:
         """Answer a message; False if it is for the streams of the actuators."""
 
+    def get_state(self) -> object:
+        """What a saved state contains, as plain data."""
+
+    def set_state(self, state: object) -> None:
+        """Restore what `get_state` has returned."""
+
     def look_at(self, components: Iterable[Object]) -> None:
         """Find out which components of the robot the vehicle has."""
 

@@ -197,7 +197,7 @@ class RecordedTimeline:
 
     def _arrange(self, state: State, index: int) -> None:
         """Restore who is there and where; the components do not act, so that their states are not needed."""
-        completed = State(state.parts, state.unsaved, self.made.known(index))
+        completed = State(state.parts, state.unsaved, self.made.known(index), state.middlewares)
         self._simulation.arrange(completed, described=self._described)
 
     def _is_lost(self, entry: Entry, index: int) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from morse.core.context import acting
+from morse.core.datastream import DatastreamManager
 from morse.core.modifier import AbstractModifier
 from morse.core.object import Object
 from morse.core.overlay import MorseOverlay
@@ -59,7 +60,9 @@ class Saving:
             if tell and unsaved not in self._said:
                 self._said.add(unsaved)
                 logger.warning("%s cannot be saved: it does not change when a state is restored", unsaved)
-        state = State(parts, tuple(writer.unsaved), self._simulation.population.makers())
+        states = {name: one.get_state() for name, one in self._managers()}
+        middlewares = {name: state for name, state in states.items() if state is not None}
+        state = State(parts, tuple(writer.unsaved), self._simulation.population.makers(), middlewares)
         self._valid[state] = self._simulation.world.arrangement
         return state
 
@@ -160,7 +163,17 @@ class Saving:
             )
             raise StateError(f"the state belongs to another scene{text}")
 
+    def _managers(self) -> Iterator[tuple[str, DatastreamManager]]:
+        """Iterate over the stream managers that may have a state, by name."""
+        for name, manager in self._simulation.context.stream_managers.items():
+            if isinstance(manager, DatastreamManager):
+                yield name, manager
+
     def _apply(self, state: State, *, trusted: bool = False, valid: bool = False) -> None:
+        # a state of a run without the middleware leaves it as it is
+        for name, manager in self._managers():
+            if name in state.middlewares:
+                manager.set_state(state.middlewares[name])
         holders = dict(self._holders())
         self._parts.look_up()
         reader = Reader(self._parts, trusted=trusted)

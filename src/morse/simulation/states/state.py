@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 _HEAD = b"MORSE state 1\n"
 #: maximum size of a file, bytes; the state of hundreds of robots with scanners is much smaller
 _LARGEST = 1 << 30
+#: begins the names of the states of middlewares in files
+_MIDDLEWARE = "middleware "
 _encoder = msgspec.msgpack.Encoder()
 
 
@@ -34,6 +36,8 @@ class State:
             component.
         unsaved: values that could not be saved, such as threads and open files of components of the user.
         makers: the functions that created spawned robots and objects; they are not written to files.
+        middlewares: what middlewares do by themselves, such as the autopilots of MAVLink, by name. It is not part of
+            the hash, because a run that is repeated from its inputs has no middlewares: their commands are inputs.
     """
 
     def __init__(
@@ -41,10 +45,12 @@ class State:
         parts: StateData,
         unsaved: tuple[str, ...] = (),
         makers: Mapping[str, Callable[[], Any]] = MappingProxyType({}),
+        middlewares: Mapping[str, object] = MappingProxyType({}),
     ) -> None:
         self.parts = parts
         self.unsaved = unsaved
         self.makers = makers
+        self.middlewares = middlewares
 
     @property
     def tick(self) -> int:
@@ -71,7 +77,8 @@ class State:
 
     def to_bytes(self) -> bytes:
         """Return the content of a file with this state."""
-        return _HEAD + _encoder.encode(self.parts)
+        others = {f"{_MIDDLEWARE}{name}": state for name, state in self.middlewares.items()}
+        return _HEAD + _encoder.encode({**self.parts, **others})
 
     @classmethod
     def from_bytes(cls, content: bytes) -> State:
@@ -85,7 +92,9 @@ class State:
         try:
             check_keys(content, len(_HEAD))
             parts = msgspec.msgpack.decode(content[len(_HEAD) :], type=dict[str, Any])
-            state = cls(parts)
+            names = [name for name in parts if name.startswith(_MIDDLEWARE)]
+            middlewares = {name.removeprefix(_MIDDLEWARE): parts.pop(name) for name in names}
+            state = cls(parts, middlewares=middlewares)
             _ = state.tick
         except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError) as error:
             raise StateError(f"the saved state is damaged: {error}") from None

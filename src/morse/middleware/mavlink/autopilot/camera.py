@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from morse.core.object import Object
     from morse.mathutils.rotations import Rotation9
-    from morse.middleware.mavlink.autopilot.flight import Flight
+    from morse.middleware.mavlink.autopilot.craft import Craft
     from morse.middleware.mavlink.autopilot.photos import Photo, Photos
 
 #: MAV_RESULT
@@ -46,7 +46,7 @@ class Camera:
         photos: where the photos of all cameras of the vehicle are kept.
     """
 
-    def __init__(self, component: int, sensor: Object, flight: Flight, photos: Photos) -> None:
+    def __init__(self, component: int, sensor: Object, flight: Craft, photos: Photos) -> None:
         self.component, self._sensor, self._flight, self._photos = component, sensor, flight, photos
         self._next_heartbeat = 0
         self._stamp = 0

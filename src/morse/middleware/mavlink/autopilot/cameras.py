@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.core.object import Object
-    from morse.middleware.mavlink.autopilot.flight import Flight
+    from morse.middleware.mavlink.autopilot.craft import Craft
 
 #: MAV_COMP_ID_CAMERA and the five that follow
 _FIRST, _MOST = 100, 6
@@ -23,7 +23,7 @@ _FORWARDED = (203, 206, 521, 522, 525, 526, 527, 530, 2000, 2001)
 class Cameras:
     """The cameras, and their photos."""
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: Craft) -> None:
         self._flight = flight
         self.photos = Photos()
         self._cameras: dict[int, Camera] = {}

@@ -10,7 +10,7 @@ from morse.middleware.mavlink.autopilot.modes import Mode
 
 if TYPE_CHECKING:
     from morse.mathutils.rotations import Triple
-    from morse.middleware.mavlink.autopilot.flight import Flight
+    from morse.middleware.mavlink.autopilot.craft import Craft
 
 _Action = Mode | Literal["off"]
 #: by NAV_DLL_ACT, and by COM_OBL_RC_ACT and GF_ACTION; "off" stops the motors
@@ -33,7 +33,7 @@ class Failsafe:
         breach_time: simulated time of the last time, ns.
     """
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: Craft) -> None:
         self._flight = flight
         self.reset()
 

@@ -62,6 +62,7 @@ class Flight:
         self._context = context
         self.helms: Sequence[Helm] = ()
         self.mode = Mode.HOLD
+        self.now = self._motion(0.0)
         self.mission, self.fence, self.cameras = Mission(self), Fence(place), Cameras(self)
         self.failsafe, self.follow = Failsafe(self), Follow(self)
         self._last: int | None = None

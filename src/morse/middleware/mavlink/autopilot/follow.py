@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from morse.mathutils.rotations import Triple
-    from morse.middleware.mavlink.autopilot.flight import Flight
+    from morse.middleware.mavlink.autopilot.craft import Craft
     from morse.middleware.mavlink.messages import MavlinkMessage
 
 #: s after which a target no longer counts; m/s below which it has no direction; MAV_FOLLOW: bit of its velocity
@@ -17,7 +17,7 @@ _SILENT, _SLOW, _HAS_VELOCITY = 3.0, 0.5, 1 << 1
 class Follow:
     """Where to go: at a distance from the target, an angle from its course and a height above home, as with PX4."""
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: Craft) -> None:
         self._flight = flight
         self.reset()
 

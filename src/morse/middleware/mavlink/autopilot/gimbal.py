@@ -11,7 +11,7 @@ from morse.middleware.mavlink.telemetry import PAN_TILT, boot_ms
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
     from morse.mathutils.rotations import Triple
-    from morse.middleware.mavlink.autopilot.flight import Flight
+    from morse.middleware.mavlink.autopilot.craft import Craft
     from morse.middleware.mavlink.stream import MavlinkStream
     from morse.middleware.mavlink.vehicle import Vehicle
 
@@ -30,7 +30,7 @@ _FASTEST = 100.0
 class Gimbal:
     """Answers as a gimbal manager."""
 
-    def __init__(self, vehicle: Vehicle, flight: Flight) -> None:
+    def __init__(self, vehicle: Vehicle, flight: Craft) -> None:
         self._vehicle, self._flight = vehicle, flight
         self._stamp = 0
         #: rad/s upward and to the right; a place to look at, m in the world; who controls it: system and component

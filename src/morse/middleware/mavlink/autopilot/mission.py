@@ -112,6 +112,7 @@ class Mission:
         self._climb: float | None = None
         self._jump: int | None = None
         self._yaw: float | None = None
+        self._goal = self._from = self._flight.now.position
 
     def tick(self) -> None:
         """Execute the present item, or several without a destination."""

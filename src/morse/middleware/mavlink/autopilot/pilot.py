@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import msgspec
+
+from morse.middleware.mavlink.autopilot import saved
 from morse.middleware.mavlink.autopilot.absent import Absent
 from morse.middleware.mavlink.autopilot.files import Files
 from morse.middleware.mavlink.autopilot.flight import Flight
@@ -93,6 +96,14 @@ class Autopilot:
         """Determine what can steer the vehicle, and the cameras among the components of the robot."""
         self.flight.helms = helms_of(self._vehicle, self.place)
         self.flight.cameras.look_at(components)
+
+    def get_state(self) -> object:
+        """What a saved state contains, as plain data."""
+        return msgspec.to_builtins(saved.save(self.flight, self._parameters, self._gimbal))
+
+    def set_state(self, state: object) -> None:
+        """Restore what `get_state` has returned, and `morse.middleware.mavlink.autopilot.saved.checked` accepts."""
+        saved.restore(saved.checked(state), self.flight, self._parameters, self._gimbal)
 
     def greet(self) -> None:
         """Send a heartbeat."""

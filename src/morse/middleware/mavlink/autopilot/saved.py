@@ -1,0 +1,190 @@
+"""The part of an autopilot that saved states contain: a restored flight goes on with the same bits.
+
+Photos, rates of messages and uploads that have not ended are not saved.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from morse.core.state import StateError
+from morse.middleware.mavlink.autopilot.items import Item  # noqa: TC001  msgspec reads it
+from morse.middleware.mavlink.autopilot.modes import mode_of_custom
+from morse.middleware.mavlink.autopilot.setpoints import Setpoint  # noqa: TC001  msgspec reads it
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.middleware.mavlink.autopilot.flight import Flight
+    from morse.middleware.mavlink.autopilot.gimbal import Gimbal
+    from morse.middleware.mavlink.autopilot.parameters import Parameters
+
+_Point = tuple[float, float, float]
+#: commands of a helm: numbers and vectors
+_Slots = dict[str, float | tuple[float, ...]]
+
+
+class SavedFlight(msgspec.Struct, forbid_unknown_fields=True):
+    """Attributes of `Flight`; the mode as ``custom_mode``."""
+
+    mode: int
+    is_armed: bool
+    is_commanded: bool
+    landed: int
+    home: _Point
+    _ground: float
+    _goal: _Point
+    _yaw: float
+    _still: float
+    _lowest: float
+    speed: float | None
+    setpoint: Setpoint | None
+    _sticks: tuple[float, float, float, float]
+    _sticks_age: float
+    is_released: bool
+    _last: int | None
+
+
+class SavedMission(msgspec.Struct, forbid_unknown_fields=True):
+    """Attributes of `Mission`; the jumps as pairs."""
+
+    items: list[Item]
+    current: int
+    is_started: bool
+    is_complete: bool
+    _jumps: list[tuple[int, int]]
+    _there: float
+    _is_there: bool
+    _climb: float | None
+    _jump: int | None
+    _yaw: float | None
+    _goal: _Point
+    _from: _Point
+
+
+class SavedFailsafe(msgspec.Struct, forbid_unknown_fields=True):
+    """Attributes of `Failsafe`; the mode as ``custom_mode``."""
+
+    _silence: float
+    _is_lost: bool
+    _age: float
+    _is_stream: bool
+    _instead: int | None
+    breach: int
+    breaches: int
+    breach_time: int
+
+
+class SavedFollow(msgspec.Struct, forbid_unknown_fields=True):
+    """Attributes of `Follow`."""
+
+    _target: _Point | None
+    _course: float | None
+    _age: float
+
+
+class SavedGimbal(msgspec.Struct, forbid_unknown_fields=True):
+    """Attributes of `Gimbal`."""
+
+    _stamp: int
+    _rates: tuple[float, float]
+    _place: _Point | None
+    _control: tuple[int, int]
+
+
+class SavedHelm(msgspec.Struct, forbid_unknown_fields=True):
+    """Attributes of a helm; those that it does not have are nothing."""
+
+    _last: _Slots
+    _goal: _Point | None = None
+    _yaw: float | None = None
+    _backs: bool = False
+
+
+class SavedAutopilot(msgspec.Struct, forbid_unknown_fields=True):
+    """One vehicle."""
+
+    flight: SavedFlight
+    mission: SavedMission
+    fence: list[Item]
+    parameters: dict[str, float]
+    failsafe: SavedFailsafe
+    follow: SavedFollow
+    gimbal: SavedGimbal
+    helms: list[SavedHelm]
+
+
+def save(flight: Flight, parameters: Parameters, gimbal: Gimbal) -> SavedAutopilot:
+    """The present state."""
+    instead, jumps = flight.failsafe._instead, list(flight.mission._jumps.items())
+    return SavedAutopilot(
+        _read(SavedFlight, flight, mode=flight.mode.custom),
+        _read(SavedMission, flight.mission, items=list(flight.mission.items), _jumps=jumps),
+        list(flight.fence.items),
+        dict(parameters._values),
+        _read(SavedFailsafe, flight.failsafe, _instead=None if instead is None else instead.custom),
+        _read(SavedFollow, flight.follow),
+        _read(SavedGimbal, gimbal),
+        [_read(SavedHelm, helm, _last=_plain(helm._last)) for helm in flight.helms],
+    )
+
+
+def checked(state: object) -> SavedAutopilot:
+    """A state as it is in files.
+
+    Raises:
+        StateError: it is damaged.
+    """
+    try:
+        saved = msgspec.convert(state, SavedAutopilot)
+    except msgspec.ValidationError as error:
+        raise StateError(f"mavlink: the saved state of an autopilot is damaged: {error}") from None
+    modes = [saved.flight.mode, *([] if saved.failsafe._instead is None else [saved.failsafe._instead])]
+    items, index = saved.mission.items, saved.mission.current
+    if not (all(map(mode_of_custom, modes)) and 0 <= index < max(1, len(items)) and _is_finite(saved)):
+        raise StateError("mavlink: the saved state of an autopilot is damaged: it has no such mode, item or number")
+    return saved
+
+
+def restore(saved: SavedAutopilot, flight: Flight, parameters: Parameters, gimbal: Gimbal) -> None:
+    """Restore a state; the fence first, because nothing else depends on what it refuses."""
+    flight.fence.replace(saved.fence)
+    for name, value in saved.parameters.items():
+        if name in parameters._values:
+            parameters.set(name, value)
+    _write(saved.flight, flight, mode=mode_of_custom(saved.flight.mode))
+    _write(saved.mission, flight.mission, _jumps=dict(saved.mission._jumps))
+    instead = saved.failsafe._instead
+    _write(saved.failsafe, flight.failsafe, _instead=None if instead is None else mode_of_custom(instead))
+    _write(saved.follow, flight.follow)
+    _write(saved.gimbal, gimbal)
+    for one, helm in zip(saved.helms, flight.helms, strict=False):
+        _write(one, helm)
+
+
+def _read(cls: type[Any], owner: object, **others: object) -> Any:
+    names = [name for name in cls.__struct_fields__ if name not in others and hasattr(owner, name)]
+    return cls(**{name: getattr(owner, name) for name in names}, **others)
+
+
+def _write(saved: msgspec.Struct, owner: object, **others: object) -> None:
+    for name in saved.__struct_fields__:
+        if hasattr(owner, name):
+            setattr(owner, name, others.get(name, getattr(saved, name)))
+
+
+def _plain(slots: dict[str, Any]) -> _Slots:
+    """Vectors and numbers of any kind as those of Python."""
+    return {
+        name: tuple(map(float, value)) if hasattr(value, "__len__") else float(value) for name, value in slots.items()
+    }
+
+
+def _is_finite(saved: SavedAutopilot) -> bool:
+    """Whether what the autopilot steers by is finite."""
+    flight = saved.flight
+    numbers: Sequence[float] = (*flight.home, *flight._goal, flight._yaw, *flight._sticks, flight._lowest)
+    return all(map(math.isfinite, numbers))
