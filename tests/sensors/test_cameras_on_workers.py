@@ -1,6 +1,7 @@
 """Images that other processes render: the same bits, also when these processes die; none outlives its parent."""
 
 import hashlib
+import importlib.util
 import os
 import signal
 import subprocess
@@ -210,3 +211,43 @@ def test_a_place_that_does_not_exist_is_refused(load, place):
         load(cameras_on=place)
     with pytest.raises(ScriptError, match="cameras_on is"):
         load(more=f"env.cameras_on({place!r})")
+
+
+@pytest.fixture
+def cluster():
+    """A cluster of Ray of two processors; None without Ray, of 260 MB, which MORSE does not install."""
+    if importlib.util.find_spec("ray") is None:
+        yield None
+        return
+    import ray
+
+    ray.init(address="local", num_cpus=2, include_dashboard=False, log_to_driver=False, logging_level="ERROR")
+    yield ray
+    ray.shutdown()
+
+
+@pytest.mark.slow
+@pytest.mark.peer("ray", does="its processes render the images of cameras")
+def test_a_cluster_renders_the_same_images_also_when_its_processes_die(cluster, load):
+    if cluster is None:
+        return
+    here, there = load(0.1), load(0.1, cameras_on="ray://auto")
+    expected, images = listen(here), listen(there)
+    change(here)
+    there.step(12)
+    workers = set(crew(there).workers)
+    for worker in workers:
+        cluster.kill(worker._easel)
+    there.robot.set_color((0.9, 0.1, 0.1))
+    there.step(6)
+    there.rpc("simulation", "set_object_visibility", "Box", False, True)
+    there.step(6)
+    assert images == expected
+    assert crew(there).workers.isdisjoint(workers)
+    assert len(crew(there).workers) <= 2
+
+
+def test_without_ray_the_error_names_the_extra(load, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    with pytest.raises(Exception, match=r"pip install 'morse-simulator\[ray\]'"):
+        load(cameras_on="ray://auto")

@@ -128,7 +128,7 @@ def command(
         typer.Option(
             "--cameras-on",
             metavar="N",
-            help="Render camera images in N other processes; 'processes' for one on each processor.",
+            help="Render camera images in N other processes; 'processes' for one on each processor; or 'ray://auto'.",
         ),
     ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the live view in a browser.")] = True,
@@ -177,7 +177,7 @@ def command(
     return _simulate(options)
 
 
-def _workers(place: str | None) -> int | None:
+def _workers(place: str | None) -> int | str | None:
     try:
         return None if place is None else image_workers(place)
     except ValueError as error:

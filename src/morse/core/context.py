@@ -76,7 +76,8 @@ class Context:
         controls: input at the live view; it changes between ticks only.
         journal: record of all input from outside the simulation.
         guard: calls the code of users, and switches off the part that raises.
-        image_workers: number of processes that render the images of cameras; 0 if this process does.
+        image_workers: number of processes that render the images of cameras, 0 if this process does; or the address of
+            a cluster.
         strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
         stopping: whether the simulation was asked to end; code that waits within a tick has to check it.
         settling: whether robots still fall to the floor after the start of a run, so that clients get no messages yet.
@@ -98,7 +99,7 @@ class Context:
     robot_seeds: dict[str, int] = field(default_factory=dict)
     host: str = "127.0.0.1"
     strict: bool = False
-    image_workers: int = 0
+    image_workers: int | str = 0
     robots: dict[str, Carrier] = field(default_factory=dict)
     external_robots: dict[str, Object] = field(default_factory=dict)
     components: dict[str, Object] = field(default_factory=dict)

@@ -77,8 +77,9 @@ def load(
         record: path of a recording of the run; see `Simulation.record`.
         keep_last: simulated seconds before a failure that are kept and written when it happens, as with
             ``morse run --keep-last``.
-        cameras_on: number of processes that render the images of cameras, or ``processes`` for one on each processor;
-            None for the value of the scene, which is 0 by default. The images are the same.
+        cameras_on: number of processes that render the images of cameras, ``processes`` for one on each processor, or
+            ``ray://auto`` for the cluster of Ray of this machine; None for the value of the scene, which is 0 by
+            default. The images are the same.
 
     Raises:
         FileNotFoundError: the file does not exist.

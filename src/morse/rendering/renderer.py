@@ -43,14 +43,14 @@ class Renderer:
         self._stage: Stage | None = None
         self._simplified = False
         self._beside = Beside()
-        self._workers = 0
+        self._workers: int | str = 0
         self._crew: Crew | None = None
         self._end_workers: Callable[[], object] = _nothing
         # within a tick, there may be no file descriptor left for imports
         Pillow.preinit()
 
-    def employ(self, workers: int) -> None:
-        """Let that many other processes draw the images, from now on; 0 for none."""
+    def employ(self, workers: int | str) -> None:
+        """Let that many other processes draw the images, from now on, 0 for none; or those of a cluster."""
         if workers == self._workers:
             return
         self.close()

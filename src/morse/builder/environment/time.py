@@ -139,6 +139,8 @@ class TimeMethods(EnvironmentDescription):
     def cameras_on(self, place: int | str = "processes") -> None:
         """Render camera images in a number of other processes, ``"processes"`` for one on each processor.
 
+        ``"ray://auto"`` stands for those of the cluster of Ray of this machine.
+
         ``morse.load(cameras_on=…)`` and ``morse run --cameras-on`` override it.
         """
         image_workers(place)  # checks it

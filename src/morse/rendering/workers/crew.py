@@ -11,6 +11,7 @@ import threading
 import weakref
 from collections import deque
 from concurrent.futures import Future, wait
+from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
@@ -198,26 +199,60 @@ class Crews:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._crews: dict[tuple[int, int], tuple[Crew, int]] = {}
+        self._crews: dict[tuple[int, int | str], _Lent] = {}
 
-    def borrow(self, count: int) -> tuple[Crew, Callable[[], None]]:
-        """Return a crew, which is started if nobody uses it yet, and the function that gives it back."""
+    def borrow(self, place: int | str) -> tuple[Crew, Callable[[], None]]:
+        """Return a crew, which is started if nobody uses it yet, and the function that gives it back.
+
+        Args:
+            place: number of workers, or the address of a cluster.
+
+        Raises:
+            ImportError, ConnectionError: see `morse.system.ray_cluster.RayCluster`.
+        """
         # a process that was copied from this one has none of its threads
-        key = os.getpid(), count
+        key = os.getpid(), place
         with self._lock:
-            crew, users = self._crews.get(key) or (Crew(count, WorkerProcess), 0)
-            self._crews[key] = crew, users + 1
-        return crew, lambda: self._give_back(key)
+            if key not in self._crews:
+                self._crews[key] = _start(place)
+            lent = self._crews[key]
+            lent.users += 1
+        return lent.crew, lambda: self._give_back(key)
 
-    def _give_back(self, key: tuple[int, int]) -> None:
+    def _give_back(self, key: tuple[int, int | str]) -> None:
         if key[0] != os.getpid():
             return
         with self._lock:
-            crew, users = self._crews.pop(key)
-            if users > 1:
-                self._crews[key] = crew, users - 1
+            lent = self._crews[key]
+            lent.users -= 1
+            if lent.users:
                 return
-        crew.close()
+            del self._crews[key]
+        lent.crew.close()
+        lent.end()
+
+
+@dataclass
+class _Lent:
+    """A crew, the end of its connection, and the number of its users."""
+
+    crew: Crew
+    end: Callable[[], None]
+    users: int = 0
+
+
+def _start(place: int | str) -> _Lent:
+    if isinstance(place, int):
+        return _Lent(Crew(place, WorkerProcess), _nothing)
+    # imported on demand, because few simulations need it
+    from morse.rendering.workers.ray_worker import RayCrew
+
+    cluster = RayCrew(place)
+    return _Lent(Crew(cluster.count, cluster.hire), cluster.close)
+
+
+def _nothing() -> None:
+    """Processes of this machine need no connection."""
 
 
 crews = Crews()

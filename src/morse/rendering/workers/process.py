@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from typing import IO
 
 #: wall-clock time after which a worker that does not end is killed, and one that does not answer, s
-_GRACE, _PATIENCE = 5.0, 60.0
+_GRACE, PATIENCE = 5.0, 60.0
 
 
 class WorkerProcess:
@@ -51,7 +51,7 @@ class WorkerProcess:
             EOFError, OSError: the process has ended, or was killed because it did not answer.
         """
         # a process may be stopped, and then neither reads nor writes
-        overdue = threading.Timer(_PATIENCE, self._process.kill)
+        overdue = threading.Timer(PATIENCE, self._process.kill)
         overdue.daemon = True
         overdue.start()
         try:
