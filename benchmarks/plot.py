@@ -39,7 +39,11 @@ def speed_lines(results: Iterable[Result], benchmarks: Sequence[str] = ("growth"
     return {name: sorted(values.items()) for name, values in points.items()}
 
 
-def draw(lines: Lines) -> str:
+def draw(
+    lines: Lines,
+    title: str = "Real-time factor by number of robots (pose 60 Hz, 181 rays 10 Hz)",
+    across_label: str = "robots",
+) -> str:
     """The plot: both axes are logarithmic.
 
     Raises:
@@ -54,7 +58,7 @@ def draw(lines: Lines) -> str:
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="sans-serif" '
         f'font-size="12"><rect width="{_WIDTH}" height="{_HEIGHT}" fill="white"/>',
-        _text(_WIDTH / 2 - 40, 22, "Real-time factor by number of robots (pose 60 Hz, 181 rays 10 Hz)", "middle", 14),
+        _text(_WIDTH / 2 - 40, 22, title, "middle", 14),
     ]
     for power in across.powers():
         x = across(power)
@@ -64,7 +68,7 @@ def draw(lines: Lines) -> str:
         y = up(power)
         parts.append(f'<line x1="{_LEFT}" x2="{_WIDTH - _RIGHT}" y1="{y:.1f}" y2="{y:.1f}" stroke="#ddd"/>')
         parts.append(_text(_LEFT - 8, y + 4, f"{power:g}", "end"))
-    parts.append(_text((_LEFT + _WIDTH - _RIGHT) / 2, _HEIGHT - 12, "robots", "middle"))
+    parts.append(_text((_LEFT + _WIDTH - _RIGHT) / 2, _HEIGHT - 12, across_label, "middle"))
     for number, (name, line) in enumerate(lines.items()):
         color = _COLORS[number % len(_COLORS)]
         places = [(across(x), up(y)) for x, y in line]
