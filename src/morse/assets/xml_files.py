@@ -20,6 +20,18 @@ _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 _TAG, _TOUCHING = re.compile(rb"<[^<>]*>"), re.compile(rb"""(=\s*(?:"[^"]*"|'[^']*'))(?=[A-Za-z_])""")
 
 
+class LocatedElement(ElementTree.Element):
+    """An element that knows the line of the file in which it begins."""
+
+    __slots__ = ("line",)
+
+
+def line_of(element: ElementTree.Element | None) -> str:
+    """Return " (line 12)" for the end of a message; nothing if the line is not known, as in expanded macros."""
+    line = getattr(element, "line", 0)
+    return f" (line {line})" if line else ""
+
+
 def read_xml(path: Path) -> ElementTree.Element:
     """Return the root element of a file.
 
@@ -67,17 +79,17 @@ def _mended(data: bytes) -> bytes:
 
 
 def _parsed(data: bytes, path: Path) -> ElementTree.Element:
-    tree = _without_namespaces(data, path)
+    """Return the root element; a prefix without a namespace is a part of the name."""
+    tree = _tree(data, path, None)
     try:
-        return ElementTree.fromstring(data)
-    except ElementTree.ParseError:
+        return _tree(data, path, "}") if b"xmlns" in data else tree
+    except expat.ExpatError:
         return tree
 
 
-def _without_namespaces(data: bytes, path: Path) -> ElementTree.Element:
-    """Check a file, and return its root element."""
-    builder = ElementTree.TreeBuilder()
-    parser = expat.ParserCreate()
+def _tree(data: bytes, path: Path, separator: str | None) -> ElementTree.Element:
+    builder = ElementTree.TreeBuilder(element_factory=LocatedElement)
+    parser = expat.ParserCreate(namespace_separator=separator)
     depth = 0
 
     def entity(name: str, *_: object) -> None:
@@ -88,12 +100,13 @@ def _without_namespaces(data: bytes, path: Path) -> ElementTree.Element:
         depth += 1
         if depth > _DEEPEST:
             raise AssetError(path, f"its elements are nested more than {_DEEPEST} deep")
-        builder.start(tag, attributes)
+        names = {_qualified(name): value for name, value in attributes.items()}
+        builder.start(_qualified(tag), names).line = parser.CurrentLineNumber  # type: ignore[attr-defined]
 
     def end(tag: str) -> None:
         nonlocal depth
         depth -= 1
-        builder.end(tag)
+        builder.end(_qualified(tag))
 
     parser.buffer_text = True
     parser.EntityDeclHandler = entity
@@ -101,3 +114,7 @@ def _without_namespaces(data: bytes, path: Path) -> ElementTree.Element:
     parser.CharacterDataHandler = builder.data
     parser.Parse(data, True)
     return builder.close()
+
+
+def _qualified(name: str) -> str:
+    return f"{{{name}" if "}" in name else name

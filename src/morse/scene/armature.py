@@ -54,6 +54,7 @@ class Bone:
         high: largest value.
         value: initial value.
         leader: index of the bone whose joint this one follows, as ``factor * value + offset``; -1 for none.
+        starts_apart: whether a joint that follows another starts at its own value, and is then drawn to the other one.
         dynamics: friction, limits and motor of the joint if the physics moves it; None for the defaults.
     """
 
@@ -72,3 +73,4 @@ class Bone:
     factor: float = 1.0
     offset: float = 0.0
     dynamics: JointDynamics | None = None
+    starts_apart: bool = False

@@ -20,9 +20,9 @@ _IDENTITY: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def start_value(bones: Sequence[Bone], index: int) -> float:
-    """Return the initial value of a joint, rad or m; for a joint that follows another, it is computed."""
+    """Return the initial value of a joint, rad or m; for a joint that follows another, it is usually computed."""
     bone = bones[index]
-    return bone.value if bone.leader < 0 else bone.factor * bones[bone.leader].value + bone.offset
+    return bone.value if bone.leader < 0 or bone.starts_apart else bone.factor * bones[bone.leader].value + bone.offset
 
 
 def start_frames(bones: Sequence[Bone], scale: float = 1.0) -> list[BonePose]:

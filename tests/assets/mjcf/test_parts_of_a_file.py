@@ -56,6 +56,10 @@ MODELS = {
         </body></worldbody></mujoco>""",
     "a wheel has an infinite range": """<mujoco><worldbody><body name="w" pos="0 0 1"><joint name="j" axis="0 1 0"
         range="-inf inf"/><geom size="0.1" pos="0.1 0 0"/></body></worldbody></mujoco>""",
+    "a joint starts apart from the one that it follows": """<mujoco><worldbody><body name="a" pos="0 0 1">
+        <joint name="j" axis="0 1 0" damping="1"/><geom size="0.1" pos="0.1 0 0"/></body><body name="b" pos="1 0 1">
+        <joint name="k" axis="0 1 0" damping="1"/><geom size="0.1" pos="0.1 0 0"/></body></worldbody>
+        <equality><joint joint1="k" joint2="j" polycoef="0.5 -1 0 0 0"/></equality></mujoco>""",
     "attributes touch each other": """<mujoco><worldbody><body name="w"pos="0 0 1"><joint name='j'axis='0 1 0'/>
         <geom size="0.1" pos="0.1 0 0"/></body></worldbody></mujoco>""",
 }

@@ -403,12 +403,12 @@ def test_what_is_left_out_is_one_line_for_each_kind(tmp_path) -> None:
             """<wind/><state world_name="w"/><plugin name="gz::sim::systems::Physics" filename="p"/>
       <plugin name="Weather" filename="libweather.so"/><model name="m"><link name="a"><projector name="p"/>
       <projector name="q"/></link><link name="b"/><joint name="j" type="fixed"><parent>a</parent><child>b</child>
-      <sensor name="ft" type="force_torque"/></joint></model>""",
+      <sensor name="radio" type="wireless_receiver"/></joint></model>""",
         )
     )
     assert library.warnings == [
         "elements of world.sdf that MORSE does not have are left out: 2 <projector>, 1 <state>, 1 <wind>",
-        "sensors that MORSE does not have are left out: 'ft' (force_torque)",
+        "sensors that MORSE does not have are left out: 'radio' (wireless_receiver)",
         "plugins of the world are left out: Weather",
     ]
 

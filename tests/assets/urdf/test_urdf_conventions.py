@@ -127,3 +127,30 @@ def test_a_world_that_is_not_declared_fixes_the_robot(package: Path) -> None:
     file.write_text("""<robot name="arm"><link name="base"><inertial><mass value="2"/></inertial></link>
       <joint name="weld" type="fixed"><parent link="world"/><child link="base"/></joint></robot>""")
     assert load(file).roots[0].body.type is PhysicsType.STATIC
+
+
+CHAIN = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+  <joint name="first" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="second" type="Revolute"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/><origin xyz="1 0 0" rpy=""/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="first" multiplier="2" offset="0.5"/></joint>
+  <joint name="third" type="revolute"><parent link="c"/><child link="d"/><axis xyz="0 0 1"/>
+    <mimic joint="{leader}" multiplier="-3" offset="0.25"/></joint></robot>"""
+
+
+def test_a_chain_of_joints_that_follow_each_other(tmp_path) -> None:
+    (tmp_path / "r.urdf").write_text(CHAIN.format(leader="second"))
+    library = load(tmp_path / "r.urdf")
+    bones = [bone for node in library.nodes() for bone in node.bones]
+    third = next(bone for bone in bones if bone.name == "third")
+    # -3 (2 first + 0.5) + 0.25
+    assert (bones[third.leader].name, third.factor, third.offset) == ("first", -6.0, -1.25)
+    assert not library.warnings
+
+
+def test_a_joint_that_follows_itself_moves_by_itself_and_has_no_limits(tmp_path) -> None:
+    (tmp_path / "r.urdf").write_text(CHAIN.format(leader="third"))
+    library = load(tmp_path / "r.urdf")
+    third = next(bone for node in library.nodes() for bone in node.bones if bone.name == "third")
+    assert (third.leader, third.low < -1e3, third.high > 1e3, third.dynamics.limited) == (-1, True, True, False)
+    assert library.warnings == ["the joint 'third' cannot follow 'third'; it moves by itself"]

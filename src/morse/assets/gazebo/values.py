@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from morse.assets.xml_files import line_of
 from morse.mathutils import Euler, Matrix, Quaternion
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def unlimited(element: Element | None, path: str, default: float) -> float:
     text = text_of(element, path)
     if not text:
         return default
-    (value,) = _floats(text.split()[:1], path)
+    (value,) = _floats(text.split()[:1], path, None if element is None else element.find(path))
     return value
 
 
@@ -65,9 +66,10 @@ def vector(element: Element | None, path: str, default: Sequence[float]) -> tupl
     if not text:
         return tuple(default)
     words = text.replace(",", " ").split()
-    values = _floats(words, path)
+    place = None if element is None else element.find(path)
+    values = _floats(words, path, place)
     if len(values) < len(default) or not all(abs(value) <= FARTHEST for value in values):
-        raise ValueMistakeError(f"<{path}> is {text[:60]!r}, expected {len(default)} numbers")
+        raise ValueMistakeError(f"<{path}> is {text[:60]!r}, expected {len(default)} numbers{line_of(place)}")
     return tuple(values[: len(default)])
 
 
@@ -80,28 +82,28 @@ def pose_of(element: Element | None) -> Matrix:
     text = "" if element is None else (element.text or "").strip()
     if element is None or not text:
         return Matrix.Identity(4)
-    values = _floats(text.replace(",", " ").split(), "pose")
+    values = _floats(text.replace(",", " ").split(), "pose", element)
     if element.get("rotation_format") == "quat_xyzw":
         if len(values) != 7 or not any(values[3:]):
-            raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected 3 numbers and a quaternion")
+            raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected 3 numbers and a quaternion{line_of(element)}")
         x, y, z, w = values[3:]
         pose: Matrix = Quaternion((w, x, y, z)).normalized().to_matrix().to_4x4()
     else:
         if len(values) != 6:
-            raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected 6 numbers")
+            raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected 6 numbers{line_of(element)}")
         factor = math.pi / 180.0 if (element.get("degrees") or "").lower() in _TRUE else 1.0
         pose = Euler([factor * angle for angle in values[3:]]).to_matrix().to_4x4()
     if not all(abs(value) <= FARTHEST for value in values):
-        raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected numbers up to {FARTHEST:g}")
+        raise ValueMistakeError(f"<pose> is {text[:60]!r}, expected numbers up to {FARTHEST:g}{line_of(element)}")
     pose.translation = values[:3]
     return pose
 
 
-def _floats(words: Sequence[str], what: str) -> list[float]:
+def _floats(words: Sequence[str], what: str, element: Element | None) -> list[float]:
     try:
         values = [float(word) for word in words]
     except ValueError:
         values = [math.nan]
     if any(math.isnan(value) for value in values):
-        raise ValueMistakeError(f"<{what}> is {' '.join(words)[:60]!r}, expected numbers")
+        raise ValueMistakeError(f"<{what}> is {' '.join(words)[:60]!r}, expected numbers{line_of(element)}")
     return values

@@ -138,7 +138,9 @@ class Bones:
                 )
                 continue
             leaders.add(leader)
-            self.bones[follower] = replace(self.bones[follower], leader=leader, factor=factor, offset=offset)
+            self.bones[follower] = replace(
+                self.bones[follower], leader=leader, factor=factor, offset=offset, starts_apart=True
+            )
 
 
 def _drive(motor: MotorData | None) -> tuple[Control, float | None, float | None, float]:

@@ -6,6 +6,7 @@ sizes.
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -210,7 +211,10 @@ def compiled(source: Source) -> ModelData:
             warnings.simplefilter("ignore")
             model = file.spec().compile()
     except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
-        reason = ", ".join(str(error).split("\n"))
+        reason = ", ".join(line for line in str(error).split("\n") if line)
+        reason = re.sub(
+            r",? line (\d+)", lambda line: (place := source.place_of(int(line[1]))) and f", {place}", reason
+        )
         raise AssetError(source.path, f"the engine refuses it: {reason:.300}") from None
     return _Reading(model, file).data()
 

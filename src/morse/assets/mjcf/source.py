@@ -19,7 +19,7 @@ from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, 
 from morse.assets.mjcf.textures import take_textures
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.triangle_limit import check_parts
-from morse.assets.xml_files import read_xml
+from morse.assets.xml_files import line_of, read_xml
 from morse.scene.mjcf import MARKER, AttachedModel, MjcfFile
 from morse.system.regular_files import read_regular
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _MOST_ELEMENTS, _MOST_FILES = 100_000, 200
 _MOST_MESH_BYTES = 512 << 20
 _LARGEST = 1e15
-#: attribute of the assets of included files: that file
+#: attribute of the elements of included files: that file
 _ORIGIN = "included-from"
 #: top-level elements that do not describe the robot
 _LEFT_OUT = ("visual", "statistic", "custom", "size")
@@ -82,8 +82,7 @@ class Source:
         self._take_meshes(root)
         self._take_heights(root)
         self._attached[number] = tuple(self._take_models(root, number))
-        for element in root.iter():
-            element.attrib.pop(_ORIGIN, None)
+        self._places = _lines_of(root)
         self._texts[number] = ElementTree.tostring(root, encoding="unicode")
 
     def file(self) -> MjcfFile:
@@ -91,8 +90,16 @@ class Source:
         attached = tuple(self._attached[number] for number in range(len(self._texts)))
         return MjcfFile(tuple(self._texts), self.meshes, attached)
 
-    def _fail(self, message: str) -> AssetError:
-        return AssetError(self.path, message)
+    def place_of(self, line: int) -> str:
+        """Return where the file has what is in a line of the text for the engine, or nothing if that is not known."""
+        if len(self._texts) > 1 or not 0 < line <= len(self._places):
+            return ""
+        file, number = self._places[line - 1]
+        return f"line {number}{f' of {Path(file).name}' if file else ''}" if number else ""
+
+    def _fail(self, message: str, element: ElementTree.Element | None = None) -> AssetError:
+        origin = None if element is None else element.get(_ORIGIN)
+        return AssetError(origin or self.path, f"{message}{line_of(element)}")
 
     # -- files -----------------------------------------------------------------------------
 
@@ -121,9 +128,8 @@ class Source:
                 raise self._fail(f"{circle}: files include each other")
             content = self._read(included, ("mujocoinclude", "mujoco"))
             self._include(content, included, [*above, included])
-            for asset in content.iter():
-                if asset.tag in ("mesh", "hfield", "texture"):
-                    asset.attrib.setdefault(_ORIGIN, str(included))
+            for element in content.iter():
+                element.attrib.setdefault(_ORIGIN, str(included))
             index = list(parent).index(child)
             parent.remove(child)
             for number, element in enumerate(content):
@@ -180,14 +186,15 @@ class Source:
         """Refuse invalid or extremely large numbers, and a too large number of copies."""
         for element in root.iter():
             for name, value in element.attrib.items():
-                if name in _WORDS:
+                if name in _WORDS or name == _ORIGIN:
                     continue
                 if "range" in name:
                     value = _INFINITE.sub("0", value)
                 for number in _numbers(value):
                     if not abs(number) <= _LARGEST:
                         raise self._fail(
-                            f"<{element.tag} {name}={value[:60]!r}>: expected numbers that are realistic for a robot"
+                            f"<{element.tag} {name}={value[:60]!r}>: expected numbers that are realistic for a robot",
+                            element,
                         )
         counts: Counter[str] = Counter()
         _count(root, 1, counts)
@@ -313,6 +320,23 @@ class Source:
         return key
 
 
+def _lines_of(root: ElementTree.Element) -> list[tuple[str, int]]:
+    """Lay out a model with one element in a line, and return the included file and the line of each."""
+    places: list[tuple[str, int]] = []
+
+    def lay_out(element: ElementTree.Element) -> None:
+        place = element.attrib.pop(_ORIGIN, ""), getattr(element, "line", 0)
+        places.append(place)
+        element.text, element.tail = "\n" if len(element) else None, "\n"
+        for child in element:
+            lay_out(child)
+        if len(element):
+            places.append(place)
+
+    lay_out(root)
+    return places
+
+
 def _is_left_out(child: ElementTree.Element) -> bool:
     """Whether an element is ignored, because it is not supported."""
     if child.tag == "geom":
@@ -353,8 +377,23 @@ def _rename(root: ElementTree.Element, attribute: str, name: str, other: str) ->
 
 
 def _remove_shapes(root: ElementTree.Element, attribute: str, names: set[str]) -> None:
-    """Remove the shapes whose asset is left out."""
+    """Remove the shapes whose asset is left out, and what names these shapes: pairs, sensors, tendons."""
+    if not names:
+        return
+    shapes = set()
     for parent in list(root.iter()):
         for child in list(parent):
-            if child.tag == "geom" and child.get(attribute) in names:
+            if child.get(attribute) not in names:
+                continue
+            if child.tag == "site":
+                del child.attrib[attribute]
+                child.attrib.pop("type", None)
+            else:
+                parent.remove(child)
+                shapes.add(child.get("name") if child.tag == "geom" else None)
+    shapes.discard(None)
+    for parent in list(root.iter()):
+        for child in list(parent):
+            objects = {child.get(f"{word}name") for word in ("obj", "ref") if child.get(f"{word}type") == "geom"}
+            if shapes & {child.get("geom"), child.get("geom1"), child.get("geom2"), *objects}:
                 parent.remove(child)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from morse.assets.gazebo.values import FARTHEST, ValueMistakeError, number, unlimited
 from morse.assets.sdf.scope import SEPARATOR
 from morse.assets.urdf.document import check_depth
-from morse.assets.urdf.structure import Joint, Link
+from morse.assets.urdf.structure import Joint, Link, settle_mimics
 from morse.mathutils import Matrix, Vector
 from morse.scene import JointDynamics
 from morse.scene.couplings import Constraint, ConstraintKind
@@ -207,13 +207,8 @@ class JointTree:
         self.constraints.append(Constraint(ConstraintKind.JOINT, other.name, one.name, data, _SOLVER))
 
     def settle_mimics(self) -> None:
-        """Give up joints that follow joints that do not exist, or follow others themselves."""
-        by_name = {joint.name: joint for joint in self.joints}
-        for joint in self.joints:
-            leader = by_name.get(joint.mimic[0]) if joint.mimic else None
-            if joint.mimic and (leader is None or leader.mimic or not leader.has_value or not joint.has_value):
-                self._warn(f"the joint '{joint.name:.80}' cannot follow '{joint.mimic[0]:.80}'; it moves by itself")
-                joint.mimic = None
+        """See `morse.assets.urdf.structure.settle_mimics`."""
+        settle_mimics(self.joints, self._warn)
 
     def _unique(self, name: str) -> str:
         unique = free_name(name, self._names.__contains__)
@@ -248,6 +243,7 @@ def _mimic(axis: Element | None, prefix: str) -> tuple[str, float, float] | None
         return None
     try:
         factor, reference = number(mimic, "multiplier", 1.0), number(mimic, "reference", 0.0)
-        return f"{prefix}{mimic.get('joint')}", factor, number(mimic, "offset", 0.0) - factor * reference
+        suffix = "_axis2" if mimic.get("axis") == "axis2" else ""
+        return f"{prefix}{mimic.get('joint')}{suffix}", factor, number(mimic, "offset", 0.0) - factor * reference
     except ValueMistakeError:
         return None

@@ -11,7 +11,8 @@ from morse.assets.triangle_limit import check_parts
 from morse.assets.urdf.drives import add_plugins
 from morse.assets.urdf.expansion import read_expanded, text_with_urls
 from morse.assets.urdf.sensors import sensors_of
-from morse.assets.urdf.structure import LOOSE, Document, Joint, Link, Shape
+from morse.assets.urdf.structure import LOOSE, Document, Joint, Link, Shape, settle_mimics
+from morse.assets.xml_files import line_of
 from morse.mathutils import Euler, Matrix
 from morse.mathutils.light import linear_color
 from morse.scene import JointDynamics
@@ -43,12 +44,12 @@ class _Parser:
         self.warnings: list[str] = []
         self.colors: dict[str, tuple[float, float, float, float]] = {}
 
-    def fail(self, message: str) -> AssetError:
-        return AssetError(self.path, message)
+    def fail(self, message: str, element: ElementTree.Element | None = None) -> AssetError:
+        return AssetError(self.path, f"{message}{line_of(element)}")
 
     def numbers(self, element: ElementTree.Element | None, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
         text = None if element is None else element.get(name)
-        if text is None or element is None:
+        if text is None or element is None or not text.strip():
             return default
         try:
             numbers = tuple(float(word) for word in text.replace(",", " ").split())
@@ -59,13 +60,15 @@ class _Parser:
             numbers = numbers[: len(default)]
         if len(numbers) != len(default) or not all(abs(value) <= _FARTHEST for value in numbers):
             count = "a number" if len(default) == 1 else f"{len(default)} numbers"
-            raise self.fail(f"<{element.tag} {name}={text[:60]!r}>: expected {count}")
+            raise self.fail(f"<{element.tag} {name}={text[:60]!r}>: expected {count}", element)
         return numbers
 
-    def name(self, element: ElementTree.Element | None, what: str, attribute: str = "name") -> str:
-        name = None if element is None else element.get(attribute)
+    def name(self, element: ElementTree.Element, path: str = "", attribute: str = "name") -> str:
+        """An attribute of an element, or of one below it."""
+        place = element.find(path) if path else element
+        name = None if place is None else place.get(attribute)
         if not name:
-            raise self.fail(f"a <{what}> has no '{attribute}'")
+            raise self.fail(f"a <{path or element.tag}> has no '{attribute}'", element if place is None else place)
         return name
 
     def origin(self, element: ElementTree.Element) -> Matrix:
@@ -86,8 +89,11 @@ class _Parser:
                 continue
             origin, color = self.origin(element), self.color(element)
             if shape.tag == "mesh":
-                scale = self.numbers(shape, "scale", (1.0, 1.0, 1.0))
-                shapes.append(Shape("mesh", scale, self.name(shape, "mesh", "filename"), origin, color))
+                scale, file = self.numbers(shape, "scale", (1.0, 1.0, 1.0)), shape.get("filename")
+                if file:
+                    shapes.append(Shape("mesh", scale, file, origin, color))
+                else:
+                    self.warnings.append(f"a <mesh> of the link '{link.get('name')}' has no 'filename'; it is left out")
                 continue
             size = self.size(shape)
             if min(size) <= 0.0:
@@ -120,7 +126,7 @@ class _Parser:
         return rgba
 
     def link(self, element: ElementTree.Element) -> Link:
-        name = self.name(element, "link")
+        name = self.name(element)
         return Link(
             name, self.inertial(name, element), self.shapes(element, "visual"), self.shapes(element, "collision")
         )
@@ -132,7 +138,7 @@ class _Parser:
             return None
         mass = self.numbers(mass_element, "value", (0.0,))[0]
         if mass < 0.0:
-            raise self.fail(f"the link '{link}' has the mass {mass:g} kg")
+            raise self.fail(f"the link '{link}' has the mass {mass:g} kg", mass_element)
         origin, tensor = self.origin(inertial), inertial.find("inertia")
         moments = None
         if tensor is not None:
@@ -145,25 +151,26 @@ class _Parser:
         return inertia
 
     def joint(self, element: ElementTree.Element) -> Joint:
-        name, kind = self.name(element, "joint"), element.get("type") or ""
+        name, kind = self.name(element), (element.get("type") or "").strip().lower()
+        kind = "spherical" if kind == "ball" else kind
         if kind not in _KINDS:
-            raise self.fail(f"the joint '{name}' is of the type {kind!r}, expected one of {', '.join(_KINDS)}")
+            raise self.fail(f"the joint '{name}' is of the type {kind!r}, expected one of {', '.join(_KINDS)}", element)
         x, y, z = self.numbers(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
         length = math.sqrt(x * x + y * y + z * z)
         if length < 1e-9 and kind not in ("fixed", "floating", "spherical"):
-            raise self.fail(f"the joint '{name}' has an axis of length 0")
+            raise self.fail(f"the joint '{name}' has an axis of length 0", element)
         limit, dynamics = element.find("limit"), element.find("dynamics")
         (low,), (high,) = (self.limit(limit, name) for name in ("lower", "upper"))
         if kind in LOOSE:
             low = high = 0.0
-        elif kind == "continuous":
+        elif kind == "continuous" or (limit is None and kind != "fixed"):
             low, high = -_ENDLESS, _ENDLESS
         if low > high:
             self.warnings.append(f"the joint '{name}' goes from {low:g} to {high:g}; it has no limits here")
             low, high = -_ENDLESS, _ENDLESS
         axis = (x / length, y / length, z / length) if length >= 1e-9 else (1.0, 0.0, 0.0)
-        parent = self.name(element.find("parent"), "parent", "link")
-        child = self.name(element.find("child"), "child", "link")
+        parent = self.name(element, "parent", "link")
+        child = self.name(element, "child", "link")
         effort, speed = self.most(limit, "effort"), self.most(limit, "velocity")
         (damping,), (friction,) = self.numbers(dynamics, "damping", (0.0,)), self.numbers(dynamics, "friction", (0.0,))
         moves = JointDynamics(
@@ -198,7 +205,7 @@ class _Parser:
         if mimic is None:
             return None
         (factor,), (offset,) = self.numbers(mimic, "multiplier", (1.0,)), self.numbers(mimic, "offset", (0.0,))
-        return self.name(mimic, "mimic", "joint"), factor, offset
+        return self.name(element, "mimic", "joint"), factor, offset
 
 
 def parse(path: Path) -> Document:
@@ -221,7 +228,7 @@ def parse(path: Path) -> Document:
     if any(joint.parent == WORLD for joint in joints):
         # joints fix robots to the world also in files that do not declare it
         links.setdefault(WORLD, Link(WORLD))
-    root, ordered = _tree(parser, links, joints)
+    root, ordered = _tree(parser, links, joints, robot.findall("joint"))
     root, ordered = _let_float(parser, links, root, ordered)
     sensors, remarks = sensors_of(robot, links)
     document = Document(robot.get("name") or path.stem, links, ordered, root, [*parser.warnings, *remarks], sensors)
@@ -269,29 +276,39 @@ def check_depth(path: Path, depth: int, link: str) -> None:
         raise AssetError(path, f"there are more than {_DEEPEST} joints in a chain, up to the link '{link:.60}'")
 
 
-def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple[str, list[Joint]]:
-    """The root, and the joints in an order in which the parent of each is known."""
+def _tree(
+    parser: _Parser, links: dict[str, Link], joints: list[Joint], places: list[ElementTree.Element]
+) -> tuple[str, list[Joint]]:
+    """The root, and the joints in an order in which the parent of each is known.
+
+    Args:
+        places: the elements of the joints.
+    """
     if not links:
         raise parser.fail("it has no links")
     check_counts(parser.path, len(links), sum(joint.kind != "fixed" for joint in joints))
     names: set[str] = set()
     above: dict[str, Joint] = {}
     below: dict[str, list[Joint]] = {}
-    for joint in joints:
+    for joint, place in zip(joints, places, strict=True):
         for link in (joint.parent, joint.child):
             if link not in links:
-                raise parser.fail(f"the joint '{joint.name}' refers to the link '{link}', which does not exist")
+                raise parser.fail(f"the joint '{joint.name}' refers to the link '{link}', which does not exist", place)
         if joint.name in names:
-            raise parser.fail(f"two joints have the name '{joint.name}'")
+            raise parser.fail(f"two joints have the name '{joint.name}'", place)
         if joint.child in above:
-            raise parser.fail(f"the link '{joint.child}' is the child of two joints")
+            raise parser.fail(f"the link '{joint.child}' is the child of two joints", place)
         names.add(joint.name)
         above[joint.child] = joint
         below.setdefault(joint.parent, []).append(joint)
     roots = [name for name in links if name not in above]
     if len(roots) != 1:
-        what = f"{len(roots)} links without a parent: {', '.join(roots[:4])}" if roots else "the joints form a cycle"
-        raise parser.fail(f"it has {what}")
+        what = (
+            f"it has {len(roots)} links without a parent: {', '.join(roots[:4])}"
+            if roots
+            else "its joints form a cycle"
+        )
+        raise parser.fail(what)
     ordered, queue, depth = [], [roots[0]], {roots[0]: 0}
     while queue:
         link = queue.pop(0)
@@ -302,10 +319,5 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
             depth[joint.child] = depth[link] + 1
     if len(ordered) != len(joints):
         raise parser.fail("its joints form a cycle")
-    by_name = {joint.name: joint for joint in ordered}
-    for joint in ordered:
-        leader = by_name.get(joint.mimic[0]) if joint.mimic else None
-        if joint.mimic and (leader is None or leader.mimic or not leader.has_value or not joint.has_value):
-            parser.warnings.append(f"the joint '{joint.name}' cannot follow '{joint.mimic[0]}'; it moves by itself")
-            joint.mimic = None
+    settle_mimics(ordered, parser.warnings.append)
     return roots[0], ordered

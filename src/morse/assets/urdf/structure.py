@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from morse.mathutils import Matrix
     from morse.scene import Inertial, JointDynamics, Node
     from morse.scene.couplings import Constraint
@@ -113,3 +115,29 @@ class Document:
     actuators: list[DeclaredSensor] = field(default_factory=list)
     text: str = ""
     files: dict[str, str] = field(default_factory=dict)
+
+
+def settle_mimics(joints: Sequence[Joint], warn: Callable[[str], None]) -> None:
+    """Let each joint that follows another one follow the first of the chain.
+
+    Joints that follow joints that do not exist, or each other, move by themselves.
+
+    Args:
+        warn: receives what is left out.
+    """
+    by_name = {joint.name: joint for joint in joints}
+    followed = {joint.name: joint.mimic for joint in joints}
+    for joint in joints:
+        if joint.mimic is None:
+            continue
+        name, factor, offset = joint.mimic
+        names = {joint.name}
+        while name not in names and (further := followed.get(name)) is not None:
+            names.add(name)
+            name, offset, factor = further[0], factor * further[2] + offset, factor * further[1]
+        leader = by_name.get(name)
+        if leader is None or name in names or not leader.has_value or not joint.has_value:
+            warn(f"the joint '{joint.name:.80}' cannot follow '{joint.mimic[0]:.80}'; it moves by itself")
+            joint.mimic = None
+        else:
+            joint.mimic = name, factor, offset
