@@ -17,8 +17,7 @@ from morse.assets.mjcf import read_mjcf
 
 OTHERS = os.environ.get("MORSE_ROBOT_FILES", "")
 DEFAULTS = '<option timestep="0.002"/><default><geom solref="0.015 1"/></default>'
-LEG = """<body name="leg{n}" pos="{x} {y} 0">
-  <joint name="hip{n}" axis="0 1 0" damping="1" range="-1 1" limited="true"/>
+LEG = """<body name="leg{n}" pos="{x} {y} 0"><joint name="hip{n}" axis="0 1 0" damping="1" range="-1 1" limited="true"/>
   <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.02" mass="0.3"/>
   <geom name="foot{n}" size="0.03" pos="0 0 -0.2" mass="0.05" priority="1" condim="6" solimp="0.015 1 0.03"
     friction="0.8 0.02 0.01"/></body>"""
@@ -27,8 +26,7 @@ LEGS = "".join(
 )
 MOTORS = "".join(f'<position joint="hip{n}" kp="40" kv="2"/>' for n in range(4))
 DOG = f"""<mujoco model="dog">{DEFAULTS}<worldbody><body name="trunk" pos="0 0 0.4"><freejoint/>
-  <geom type="box" size="0.25 0.1 0.04" mass="5"/>{LEGS}</body>%s</worldbody>
-    <actuator>{MOTORS}</actuator>%s</mujoco>"""
+  <geom type="box" size="0.25 0.1 0.04" mass="5"/>{LEGS}</body>%s</worldbody><actuator>{MOTORS}</actuator>%s</mujoco>"""
 KEYS = '<keyframe><key name="home" qpos="0 0 0.3 1 0 0 0 0.4 0.4 -0.4 -0.4" ctrl="0.4 0.4 -0.4 -0.4"/></keyframe>'
 ARM = """<mujoco model="arm"><option timestep="0.002" integrator="implicitfast" cone="elliptic" impratio="5"/>
 <worldbody>
@@ -36,8 +34,7 @@ ARM = """<mujoco model="arm"><option timestep="0.002" integrator="implicitfast" 
     <body name="upper" pos="0 0 0.25"><joint name="lift" axis="0 1 0" frictionloss="0.1" range="-2 2" limited="true"/>
       <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02"/><site name="a" pos="0.15 0 0.05"/>
       <body name="lower" pos="0.3 0 0"><joint name="bend" axis="0 1 0" damping="0.05" stiffness="1"/>
-        <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02"/><site name="b" pos="0.15 0 0.05"/></body></body>
-          </body>
+        <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02"/><site name="b" pos="0.15 0 0.05"/></body></body></body>
 </worldbody>
 <tendon><spatial name="cord" range="0 0.4" limited="true"><site site="a"/><site site="b"/></spatial></tendon>
 <actuator><position joint="lift" kp="60" dampratio="1"/><muscle name="biceps" tendon="cord" ctrllimited="true"
@@ -48,17 +45,17 @@ SLED = """<mujoco model="sled"><option gravity="2 0 -9.81"/><worldbody><body nam
   <joint axis="0 0 1"/><geom type="box" size="0.1 0.2 0.1" pos="0 0.1 0" friction="0.05 0.2 0.002" condim="4"
   solimp="0.3 0.9 0.02" solmix="3"/></body></body></worldbody></mujoco>"""
 PINCER = """<mujoco model="pincer"><worldbody><body name="palm"><geom type="box" size="0.1 0.1 0.1" pos="0 0 0.1"/>
-<body name="left" pos="0.05 0 0.25"><joint name="left" axis="0 1 0" armature="0.05"/><geom size="0.04" mass="0.1"/>
-  </body>
-<body name="right" pos="-0.05 0 0.25"><joint name="right" axis="0 1 0" armature="0.05"/><geom size="0.04" mass="0.1"/>
+<body name="left" pos="0.05 0 0.25"><joint name="left" axis="0 1 0" armature="0.05"/>
+<geom size="0.04" mass="0.1"/></body>
+<body name="right" pos="-0.05 0 0.25"><joint name="right" axis="0 1 0" armature="0.05"/>
+<geom size="0.04" mass="0.1"/>
 </body></body></worldbody><equality><joint joint1="left" joint2="right" polycoef="0.1 -2"/></equality>
 <actuator><position name="grip" joint="left" kp="20" kv="1"/></actuator></mujoco>"""
 MODELS = {
     "dog": DOG % ("", ""),
     "dog beside furniture": DOG % (
         '<body name="dummy" pos="0 0 20"><geom size="0.1"/></body>'
-        '<body name="door" pos="3 0 1"><joint name="hinge" axis="0 0 1"/><geom type="box" size="0.4 0.02 0.9"/>
-          </body>'
+        '<body name="door" pos="3 0 1"><joint name="hinge" axis="0 0 1"/><geom type="box" size="0.4 0.02 0.9"/></body>'
         '<body name="ball" pos="2 0 0.3"><freejoint/><geom size="0.1"/></body>', "",
     ),
     "arm": ARM,
@@ -66,8 +63,7 @@ MODELS = {
     "sled on a base that decides": SLED.format(base='priority="1"'),
     "motor on the joint that an equality lets follow": PINCER,
     "ball in a tilted tray": '<mujoco><worldbody><body name="ball" pos="0 0 0.5" euler="0 10 0"><freejoint/><geom '
-    'size="0.05" mass="4" solref="0.05 1" solimp="0.1 0.9 0.02" condim="6" friction="1 0.01 0.02"/></body>
-      </worldbody>'
+    'size="0.05" mass="4" solref="0.05 1" solimp="0.1 0.9 0.02" condim="6" friction="1 0.01 0.02"/></body></worldbody>'
     "</mujoco>",
 }  # fmt: skip
 
@@ -122,8 +118,7 @@ def test_a_model_attaches_others(tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
     path.write_text(
         '<mujoco><asset><model name="leg" file="leg.xml"/></asset><worldbody><body name="trunk"><freejoint/>'
-        '<geom size="0.2"/><replicate count="3" offset="0.3 0 0"><frame pos="0 0 -0.2">
-          <attach model="leg" body="leg" '
+        '<geom size="0.2"/><replicate count="3" offset="0.3 0 0"><frame pos="0 0 -0.2"><attach model="leg" body="leg" '
         'prefix="my_"/></frame></replicate></body></worldbody></mujoco>'
     )
     plain = mujoco.MjModel.from_xml_path(str(path))
