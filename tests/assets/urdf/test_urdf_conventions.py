@@ -133,7 +133,8 @@ CHAIN = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/><link
   <joint name="first" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
     <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
   <joint name="second" type="Revolute"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/>
-    <origin xyz="1 0 0" rpy=""/>    <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="first" multiplier="2" offset="0.5"/></joint>
+    <origin xyz="1 0 0" rpy=""/><limit lower="-1" upper="1" effort="1" velocity="1"/>
+    <mimic joint="first" multiplier="2" offset="0.5"/></joint>
   <joint name="third" type="revolute"><parent link="c"/><child link="d"/><axis xyz="0 0 1"/>
     <mimic joint="{leader}" multiplier="-3" offset="0.25"/></joint></robot>"""
 
