@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+import typer
 
+from morse.cli.app import app
 from morse.middleware.socket.frames import VERSION as FRAMES
 from morse.physics.state.saved import VERSION as STATES
 from morse.recording.recorder import PRESENT as RECORDINGS
@@ -60,6 +63,31 @@ def test_the_policy_names_the_present_formats():
     }
 
 
-def test_the_citation_has_the_version():
-    (version,) = re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
-    assert __version__.startswith(version)
+def test_the_citation_has_the_version_and_the_date_of_the_changelog():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    facts = dict(re.findall(r"^(version|date-released): (.+)$", citation, re.MULTILINE))
+    assert __version__.startswith(facts["version"])
+    top = re.search(r"^## (\S+) \((.+)\)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert top is not None
+    if __version__ == top[1]:
+        assert facts == {"version": top[1], "date-released": top[2]}
+    else:
+        assert (__version__, top[2]) == (f"{top[1]}.dev0", "not released")
+
+
+def test_the_changelog_begins_with_what_users_have_to_do():
+    section = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ")[1]
+    short, separator, _ = section.partition("\n### All changes\n")
+    assert separator
+    assert short.count("\n") <= 60
+    assert re.findall(r"^> \*\*(\w+)\*\*", short, re.MULTILINE) == ["Breaking", "Migration"]
+
+
+def test_the_container_runs_with_options_that_exist():
+    text = (ROOT / "Containerfile").read_text(encoding="utf-8")
+    command = json.loads(text.partition("\nCMD ")[2])
+    run = typer.main.get_command(app).commands[command[0]]  # type: ignore[attr-defined]
+    names = {name for parameter in run.params for name in (*parameter.opts, *parameter.secondary_opts)}
+    assert {word for word in command if word.startswith("--")} <= names
+    assert command[command.index("--view-port") + 1] in text.partition("\nEXPOSE ")[2].split()
+    assert text.index("\nUSER morse") < text.index("\nENTRYPOINT")
