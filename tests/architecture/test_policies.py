@@ -86,7 +86,7 @@ def test_the_changelog_begins_with_what_users_have_to_do():
 def test_the_container_runs_with_options_that_exist():
     text = (ROOT / "Containerfile").read_text(encoding="utf-8")
     command = json.loads(text.partition("\nCMD ")[2])
-    run = typer.main.get_command(app).commands[command[0]]  # type: ignore[attr-defined]
+    run = typer.main.get_command(app).get_command(None, command[0])  # type: ignore[attr-defined]
     names = {name for parameter in run.params for name in (*parameter.opts, *parameter.secondary_opts)}
     assert {word for word in command if word.startswith("--")} <= names
     assert command[command.index("--view-port") + 1] in text.partition("\nEXPOSE ")[2].split()
