@@ -44,7 +44,7 @@ pytestmark = [
 ]
 
 
-@pytest.mark.peer("mavsdk", does="calls of 21 plugins work or are refused by their codes; takes and downloads photos")
+@pytest.mark.peer("mavsdk", does="calls of 20 plugins work or are refused by their codes; takes and downloads photos")
 def test_each_plugin_has_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     (port,) = free_ports(1)

@@ -85,16 +85,20 @@ class Client:
     def send(self, **operation: Any) -> None:
         self.socket.send(json.dumps(operation))
 
+    def receive(self) -> str | bytes | None:
+        """The next message; None if there is none."""
+        try:
+            return self.socket.recv(timeout=0.002)
+        except TimeoutError:
+            return None
+
     def until(self, **wanted: Any) -> dict[str, Any]:
         """Step until a message has these fields."""
         end = time.monotonic() + LIMIT
         while time.monotonic() < end:
             self.sim.step()
-            while True:
-                try:
-                    message = json.loads(self.socket.recv(timeout=0.002))
-                except TimeoutError:
-                    break
+            while (frame := self.receive()) is not None:
+                message = json.loads(frame)
                 if wanted.items() <= message.items():
                     return dict(message)
         raise AssertionError(f"no message with {wanted}")

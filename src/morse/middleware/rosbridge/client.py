@@ -12,8 +12,9 @@ from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short
 from morse.core.status import PREEMPTED
 from morse.middleware.rosbridge import rosapi
+from morse.middleware.rosbridge.forms import COMPRESSIONS
+from morse.middleware.rosbridge.fragments import Puzzle, in_parts
 from morse.middleware.rosbridge.operations import Operation, parse
-from morse.middleware.rosbridge.png import as_png
 from morse.middleware.web.hub import HubClient
 
 if TYPE_CHECKING:
@@ -26,7 +27,6 @@ _LEVELS = ("none", "error", "warning", "info")
 #: maximum number of subscriptions to one topic, which are compared with each other
 _MOST_OF_TOPIC = 1024
 _LONGEST_NAME = 256
-_COMPRESSIONS = ("none", "png")
 #: constants of action_msgs/GoalStatus
 _SUCCEEDED, _CANCELED, _ABORTED = 4, 5, 6
 
@@ -37,12 +37,14 @@ class _Wish(NamedTuple):
     Attributes:
         interval: minimum wall-clock time between two messages, s.
         depth: maximum number of queued messages; 0 for the queue depth of the topic.
-        is_png: whether messages are compressed.
+        compression: one of `COMPRESSIONS`.
+        part: maximum number of characters in a message; infinite for any. Those that are longer come in parts.
     """
 
     interval: float
     depth: int
-    is_png: bool
+    compression: str
+    part: float
 
 
 class _Goal(NamedTuple):
@@ -58,6 +60,7 @@ class RosbridgeClient(HubClient):
     def __init__(self, hub: Hub, connection: ServerConnection) -> None:
         super().__init__(hub, connection)
         self._level = 1
+        self._puzzle = Puzzle()
         #: subscriptions of each topic, by id
         self._wishes: dict[str, dict[object, _Wish]] = {}
         self._last: dict[str, float] = {}
@@ -72,7 +75,9 @@ class RosbridgeClient(HubClient):
             if now - self._last.get(topic.topic, -math.inf) < wish.interval:
                 return
             self._last[topic.topic] = now
-        is_queued = self.offer(topic.topic, as_png(frame) if wish.is_png else frame, wish.depth or topic.qos.depth)
+        data = frame.frame(wish.compression)
+        parts = in_parts(data, wish.part) if isinstance(data, str) and math.isfinite(wish.part) else [data]
+        is_queued = self.offer(topic.topic, parts[0] if len(parts) == 1 else parts, wish.depth or topic.qos.depth)
         if not is_queued and topic.qos.reliable:
             self.hub.server.complain(self, f"slow {self.peer}", f"reads {topic.topic} too slowly, it misses messages")
 
@@ -88,7 +93,8 @@ class RosbridgeClient(HubClient):
             min(wish.interval for wish in wishes),
             max(wish.depth for wish in wishes),
             # as rosbridge_suite: one subscription with compression compresses for all of them
-            any(wish.is_png for wish in wishes),
+            max((wish.compression for wish in wishes), key=COMPRESSIONS.index),
+            min(wish.part for wish in wishes),
         )
         if is_new:
             for stamp, data in tuple(topic.kept):
@@ -101,11 +107,10 @@ class RosbridgeClient(HubClient):
             raise ValueError(f"the topic {short(name)} has the type {topic.type}, not {short(operation.type)}")
         rate, depth = operation.throttle_rate, operation.queue_length
         compression = operation.compression or "none"
-        if compression not in _COMPRESSIONS:
-            raise ValueError(
-                f"the compression {short(compression)} is none of {', '.join(_COMPRESSIONS)}; messages are sent without"
-            )
-        wish = _Wish(max(0.0, rate) / 1000.0, int(min(max(0.0, depth), 1000.0)), compression == "png")
+        if compression not in COMPRESSIONS:
+            raise ValueError(f"the compression {short(compression)} is none of {', '.join(COMPRESSIONS)}")
+        part = operation.fragment_size or math.inf
+        wish = _Wish(max(0.0, rate) / 1000.0, int(min(max(0.0, depth), 1000.0)), compression, part)
         wishes = self._wishes.get(name, {})
         if operation.id not in wishes:
             if len(wishes) >= _MOST_OF_TOPIC:
@@ -235,6 +240,14 @@ class RosbridgeClient(HubClient):
             raise ValueError(f"'level' is one of {', '.join(_LEVELS)}")
         self._level = _LEVELS.index(operation.level)
 
+    def _fragment(self, operation: Operation) -> None:
+        frame = self._puzzle.add(operation)
+        if frame is not None:
+            inner = parse(frame)
+            if inner.op == "fragment":
+                raise ValueError("a message in fragments contains a fragment")
+            self._execute(inner)
+
     def _nothing(self, operation: Operation) -> None:
         """All connected clients have all permissions."""
 
@@ -249,6 +262,7 @@ class RosbridgeClient(HubClient):
         "cancel_action_goal": _cancel_goal,
         "set_level": _set_level,
         "auth": _nothing,
+        "fragment": _fragment,
     }
 
     def received(self, frame: str | bytes) -> None:
@@ -257,15 +271,18 @@ class RosbridgeClient(HubClient):
         try:
             operation = parse(frame)
             number = operation.id
-            method = self._operations.get(operation.op)
-            if method is None:
-                raise ValueError(
-                    f"the operation {short(operation.op)} is not supported{nearest(operation.op, self._operations)}"
-                )
-            method(self, operation)
+            self._execute(operation)
         except ValueError as error:
             self.hub.server.complain(self, "refused", str(error))
             self._status("error", str(error), number)
+
+    def _execute(self, operation: Operation) -> None:
+        method = self._operations.get(operation.op)
+        if method is None:
+            raise ValueError(
+                f"the operation {short(operation.op)} is not supported{nearest(operation.op, self._operations)}"
+            )
+        method(self, operation)
 
     def _status(self, level: str, text: str, number: Any) -> None:
         if _LEVELS.index(level) <= self._level:

@@ -16,11 +16,7 @@ if TYPE_CHECKING:
 
 
 class RosbridgeTopics(WebTopics):
-    """Topics with messages in JSON."""
-
-    def encode(self, type_name: str, message: RosMessage) -> bytes:
-        """See `morse.rosmsgs.topics.backend.Backend.encode`."""
-        return json_form.encode(type_name, message)
+    """Topics with messages in CDR, and commands in JSON."""
 
     def decode(self, type_name: str, data: bytes) -> RosMessage:
         """See `morse.rosmsgs.topics.backend.Backend.decode`."""

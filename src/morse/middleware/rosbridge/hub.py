@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import msgspec
-
 from morse.middleware.rosbridge.client import RosbridgeClient
+from morse.middleware.rosbridge.forms import Forms
 from morse.middleware.rosbridge.mapping import MANAGER_OPTIONS
 from morse.middleware.web.hub import Hub
 
@@ -22,7 +21,6 @@ class RosbridgeHub(Hub):
     options = MANAGER_OPTIONS
     client = RosbridgeClient
 
-    def frame(self, topic: WebTopic, stamp: int, data: bytes) -> str:
+    def frame(self, topic: WebTopic, stamp: int, data: bytes) -> Forms:
         """The operation ``publish``."""
-        name = msgspec.json.encode(topic.topic).decode()
-        return f'{{"op":"publish","topic":{name},"msg":{data.decode()}}}'
+        return Forms(topic, stamp, data)

@@ -27,6 +27,10 @@ class Operation(msgspec.Struct):
     level: str | None = None
     compression: str | None = None
     action: str | None = None
+    fragment_size: float | None = None
+    data: str = ""
+    num: int = 0
+    total: int = 0
 
 
 def parse(frame: str | bytes) -> Operation:

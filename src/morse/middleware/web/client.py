@@ -15,6 +15,13 @@ if TYPE_CHECKING:
 
     from morse.core.clients.arrivals import Sender
 
+#: a message, or the messages that are its parts
+Frame = str | bytes | list[str]
+
+
+def _size(frame: Frame) -> int:
+    return (sum(map(len, frame)) if isinstance(frame, list) else len(frame)) + ENTRY
+
 
 class WebClient:
     """A connection; all functions run in the network thread.
@@ -32,7 +39,7 @@ class WebClient:
         self.connection = connection
         address = connection.remote_address
         self.peer = f"{address[0]}:{address[1]}" if address else "?"
-        self._waiting: dict[int, tuple[object, str | bytes]] = {}
+        self._waiting: dict[int, tuple[object, Frame]] = {}
         self._of_key: dict[object, deque[int]] = {}
         self.memory = Budget()
         self._serial = 0
@@ -81,7 +88,7 @@ class WebClient:
         """Release what `keep` has reserved."""
         self.memory.give(count + ENTRY)
 
-    def offer(self, key: object, frame: str | bytes, depth: int) -> bool:
+    def offer(self, key: object, frame: Frame, depth: int) -> bool:
         """Queue data if the client is fast enough.
 
         Args:
@@ -107,14 +114,14 @@ class WebClient:
             is_small = False
         return is_small
 
-    def _add(self, key: object, frame: str | bytes) -> None:
+    def _add(self, key: object, frame: Frame) -> None:
         self._serial += 1
         self._waiting[self._serial] = (key, frame)
-        self.memory.force(len(frame) + ENTRY)
+        self.memory.force(_size(frame))
         self._wake.set()
 
     def _drop(self, number: int) -> None:
-        self.memory.give(len(self._waiting.pop(number)[1]) + ENTRY)
+        self.memory.give(_size(self._waiting.pop(number)[1]))
 
     def _drop_oldest(self) -> bool:
         oldest = next((number for number, (key, _) in self._waiting.items() if key is not None), None)
@@ -133,10 +140,11 @@ class WebClient:
                 while self._waiting:
                     number = next(iter(self._waiting))
                     key, frame = self._waiting.pop(number)
-                    self.memory.give(len(frame) + ENTRY)
+                    self.memory.give(_size(frame))
                     if key is not None:
                         self._of_key[key].popleft()
-                    await self.connection.send(frame)
+                    for part in frame if isinstance(frame, list) else (frame,):
+                        await self.connection.send(part)
         except ConnectionClosed:
             pass  # the receiving task handles the end
 
