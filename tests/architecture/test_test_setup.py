@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,12 @@ def test_the_table_is_there():
 def test_texts(text):
     assert isinstance(text, str)
 """
+
+
+def test_files_of_tests_have_names_of_their_own() -> None:
+    """pytest imports them by their names: a second one stops the collection."""
+    places = Counter(path.name for path in TESTS.rglob("*.py") if path.name not in ("conftest.py", "__init__.py"))
+    assert [name for name, count in places.items() if count > 1] == []
 
 
 def run_pytest(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
