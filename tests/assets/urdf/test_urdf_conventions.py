@@ -155,3 +155,17 @@ def test_a_joint_that_follows_itself_moves_by_itself_and_has_no_limits(tmp_path)
     third = next(bone for node in library.nodes() for bone in node.bones if bone.name == "third")
     assert (third.leader, third.low < -1e3, third.high > 1e3, third.dynamics.limited) == (-1, True, True, False)
     assert library.warnings == ["the joint 'third' cannot follow 'third'; it moves by itself"]
+
+
+ENDLESS = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="${%s}"/></robot>'
+
+
+@pytest.mark.parametrize(
+    ("expression", "words"), [("9**9**9**9", "needs more than 3 s"), ("len('a'*10**11)", "xacro cannot expand it")]
+)
+def test_expressions_of_a_file_cannot_take_all_time_or_memory(tmp_path, monkeypatch, expression, words) -> None:
+    pytest.importorskip("xacro")
+    monkeypatch.setattr("morse.assets.urdf.expansion.TIME_LIMIT", 3.0)
+    (tmp_path / "r.urdf.xacro").write_text(ENDLESS % expression)
+    with pytest.raises(AssetError, match=words):
+        load(tmp_path / "r.urdf.xacro")

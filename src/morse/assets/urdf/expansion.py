@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import importlib.util
+import json
 import os
 import re
+import subprocess
+import sys
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
@@ -16,6 +20,8 @@ from morse.assets.xml_files import parse_xml, read_xml
 if TYPE_CHECKING:
     from pathlib import Path
 
+#: of the expansion of a file of xacro, s
+TIME_LIMIT = 30.0
 #: package://, file://
 _URL = re.compile(r"[a-z][a-z0-9+.-]*://")
 _SUBSTITUTION = re.compile(r"\$\((optenv|env|find|dirname)\s*([^)]*)\)")
@@ -80,31 +86,23 @@ def _package(name: str, path: Path) -> str:
 
 
 def _expanded(path: Path) -> bytes:
+    if importlib.util.find_spec("xacro") is None:
+        raise AssetError(path, "files of xacro need: pip install 'morse-simulator[xacro]'")
+    command = [sys.executable, "-P", "-m", "morse.assets.urdf.xacro_program"]
     try:
-        import xacro
-        from xacro import substitution_args
-    except ImportError:
-        raise AssetError(path, "files of xacro need: pip install 'morse-simulator[xacro]'") from None
-    refused: list[AssetError] = []
-
-    def package(name: str) -> str:
-        try:
-            return _package(name, path)
-        except AssetError as error:
-            # xacro raises errors of its own instead
-            refused.append(error)
-            raise
-
-    # without ROS, xacro cannot find packages
-    substitution_args._eval_find = package
-    try:
-        document = xacro.process_file(str(path), mappings=dict(ARGUMENTS.get({})))
-    except Exception as error:  # the expressions of the file raise anything
-        if refused:
-            raise refused[0] from None
-        reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise AssetError(path, f"xacro cannot expand it: {reason:.300}") from None
-    if not document.getElementsByTagName("link"):
-        raise AssetError(path, "it defines macros or properties, and no links: load the file that includes it")
-    expanded: bytes = document.toxml(encoding="utf-8")
-    return expanded
+        result = subprocess.run(
+            [*command, str(path.absolute()), json.dumps(ARGUMENTS.get({}))],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=TIME_LIMIT,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            check=False,
+        )
+        answer = json.loads(result.stdout)
+    except subprocess.TimeoutExpired:
+        raise AssetError(path, f"xacro needs more than {TIME_LIMIT:g} s to expand it") from None
+    except (OSError, ValueError):
+        raise AssetError(path, "xacro cannot expand it: its process ended, perhaps without memory") from None
+    if "error" in answer:
+        raise AssetError(path, answer["error"])
+    return str(answer["text"]).encode()

@@ -1,0 +1,63 @@
+"""The program that expands a file of xacro: ``python -m morse.assets.urdf.xacro_program FILE ARGUMENTS``.
+
+The expressions in such a file are Python, and may need any amount of time and memory: the process that reads models sets
+a limit to both. The result is a line of JSON, an object with ``text`` or ``error``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import sys
+from pathlib import Path
+
+from morse.assets.nearby_files import FileRefusedError, find_package
+
+#: bytes
+MOST_MEMORY = 2 << 30
+
+
+def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
+    """Return the text of a file without macros, or the reason why there is none."""
+    import xacro
+    from xacro import substitution_args
+
+    refused: list[str] = []
+
+    def package(name: str) -> str:
+        try:
+            return str(find_package(name, path))
+        except FileRefusedError as error:
+            # xacro raises errors of its own instead
+            refused.append(f"$(find {name[:60]}): {error}")
+            raise
+
+    # without ROS, xacro cannot find packages
+    substitution_args._eval_find = package
+    try:
+        document = xacro.process_file(str(path), mappings=arguments)
+    except Exception as error:  # the expressions of the file raise anything
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        return {"error": refused[0] if refused else f"xacro cannot expand it: {reason:.300}"}
+    if not document.getElementsByTagName("link"):
+        return {"error": "it defines macros or properties, and no links: load the file that includes it"}
+    return {"text": document.toxml()}
+
+
+def limit_memory() -> None:
+    """Set a limit where the system has one."""
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+
+
+def main() -> None:
+    """Expand the file that the command line names."""
+    limit_memory()
+    output, sys.stdout = sys.stdout, sys.stderr
+    output.write(json.dumps(expand(Path(sys.argv[1]), json.loads(sys.argv[2]))))
+
+
+if __name__ == "__main__":
+    main()
