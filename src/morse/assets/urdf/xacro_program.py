@@ -1,7 +1,7 @@
 """The program that expands a file of xacro: ``python -m morse.assets.urdf.xacro_program FILE ARGUMENTS``.
 
-The expressions in such a file are Python, and may need any amount of time and memory: the process that reads models sets
-a limit to both. The result is a line of JSON, an object with ``text`` or ``error``.
+The expressions in such a file are Python, and may need any amount of time and memory, which are limited here. The
+result is a line of JSON, an object with ``text`` or ``error``.
 """
 
 from __future__ import annotations
