@@ -41,6 +41,8 @@ def failure(load: Load, text: str, **options: object) -> ScriptError:
 # error, line, words of the report
 # fmt: off
 MISTAKES = [
+    ("rover = FakeRobot()\nrover.translate(1e300)\n" + END, 2, ["'rover' is 1e+300 m away", "at most 1e+09 m"]),
+    ("rover = FakeRobot()\nrover.append(Pose)\n" + END, 3, ["FakeRobot.append takes a component", "write Pose()"]),
     ("rover = FakeRobot(\n" + END, 2, ["SyntaxError", "'(' was never closed"]),
     ("  rover = FakeRobot()\n" + END, 2, ["IndentationError", "unexpected indent"]),
     ("rover = FakeRobott()\n" + END, 2, ["'FakeRobott' is not defined", "Did you mean 'FakeRobot'?"]),

@@ -164,7 +164,8 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             MorseBuilderError: there is no such child, or the component would be its own ancestor.
         """
         if not isinstance(obj, AbstractComponent):
-            raise TypeError(f"{type(self).__name__}.append takes a component such as Pose(), got {checks.shown(obj)}")
+            given = f"the class: write {obj.__name__}()" if isinstance(obj, type) else checks.shown(obj)
+            raise TypeError(f"{type(self).__name__}.append takes a component such as Pose(), got {given}")
         mount = self._bpy_object if child is None else self._named_child(child)
         frame = frames.frame_above(level)
         if frame is not None:

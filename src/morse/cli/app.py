@@ -47,11 +47,27 @@ class GlobalOptions:
     reverse_color: bool = False
 
 
+def _plain_switches(options: list[Any]) -> list[Any]:
+    """Options whose help names no type where they take no value."""
+    for option in options:
+        if getattr(option, "is_flag", False):
+            option.metavar = ""
+    return options
+
+
+class _Command(typer.core.TyperCommand):
+    def get_params(self, ctx: Any) -> list[Any]:
+        return _plain_switches(super().get_params(ctx))
+
+
 class _Commands(typer.core.TyperGroup):
     """Imports the module of a subcommand only when it is needed, so that ``morse -v`` responds at once.
 
     (The type of a parser's context is private to Typer, hence ``Any``.)
     """
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        return _plain_switches(super().get_params(ctx))
 
     def list_commands(self, ctx: object) -> list[str]:
         return list(_MODULES)
@@ -61,7 +77,12 @@ class _Commands(typer.core.TyperGroup):
             return None
         module = importlib.import_module(_MODULES[cmd_name])
         application = typer.Typer(add_completion=False, rich_markup_mode=_MARKUP)
-        application.command(cmd_name, context_settings=getattr(module, "CONTEXT_SETTINGS", None))(module.command)
+        application.command(
+            cmd_name,
+            cls=_Command,
+            help=_without_line_breaks(module.command.__doc__ or ""),
+            context_settings=getattr(module, "CONTEXT_SETTINGS", None),
+        )(module.command)
         return typer.main.get_command(application)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
@@ -71,6 +92,11 @@ class _Commands(typer.core.TyperGroup):
                 f"There is no command '{args[0]}'.{nearest(args[0], _MODULES)} The commands are: {names}.", status=2
             )
         return super().resolve_command(ctx, args)
+
+
+def _without_line_breaks(text: str) -> str:
+    """Paragraphs as one line each, which the help wraps at the width of the terminal."""
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
 
 
 app = typer.Typer(

@@ -27,7 +27,7 @@ def command(
     what: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[SCENE | MODEL | component FILE_OR_NAME...]",
+            metavar="SCENE | MODEL | component FILE_OR_NAME",
             help="A scene script or environment: list what needs a change, and whether it runs. A model file: what is "
             "read, what is left out, and a picture. Or components: classes of scene scripts, or files with classes of "
             "your own.",

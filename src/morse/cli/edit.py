@@ -26,7 +26,7 @@ def command(
     scene: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[ENVIRONMENT [FILE] | PATH] [ARGUMENTS]",
+            metavar="SCENE [ARGUMENTS]",
             help="As for `morse run`.",
             show_default=False,
         ),

@@ -43,7 +43,7 @@ def command(
     scene: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[ENVIRONMENT [FILE] | PATH] [ARGUMENTS]",
+            metavar="SCENE [ARGUMENTS]",
             help="A registered environment, and optionally a file in it (default: default.py); or the path of a scene "
             "script. All further arguments are given to the script.",
             show_default=False,

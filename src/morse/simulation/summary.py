@@ -15,6 +15,8 @@ def summary(context: Context, modifiers: list[str], datastreams: list[str], *, v
     lines = [_RULE, "-        SIMULATION SUMMARY        -", _RULE, "Robots in the simulation:"]
     for name in context.robots:
         lines += _robot(context, name)
+    if not context.robots:
+        lines.append("\tNone: in a scene script, robot = Morsy() before the environment adds one")
     if context.external_robots:
         lines.append("External robots (from other simulation nodes):")
         lines += [f"\tROBOT: '{name}'" for name in context.external_robots]

@@ -26,6 +26,8 @@ logger = logging.getLogger(__name__)
 
 #: properties of the world that place its origin on the Earth
 _ORIGIN = ("longitude", "latitude", "altitude")
+#: m; numbers of 64 bits are a micrometre apart there
+_FARTHEST = 1e9
 
 
 def build_scene(workspace: Workspace) -> Scene:
@@ -132,7 +134,13 @@ def declare(component: AbstractComponent) -> ComponentDeclaration:
 
 
 def _check_poses(workspace: Workspace) -> None:
+    by_node = {part.scene_node: part for part in workspace.components if isinstance(part, AbstractComponent)}
     for node in workspace.nodes():
+        far = max(map(abs, node.location), default=0.0)
+        if _FARTHEST < far < math.inf:
+            message = f"'{node.name}' is {far:g} m away from the origin: a scene is at most {_FARTHEST:g} m large"
+            part = by_node.get(node)
+            raise ScriptError(message) if part is None else _error(part, message, "Give its translation in metres.")
         if not all(math.isfinite(x) for x in (*node.location, *node.rotation_euler, *node.scale)):
             raise ScriptError(f"the pose of '{node.name}' is not finite: {node.location}, {node.rotation_euler}")
 

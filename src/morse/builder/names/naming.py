@@ -10,6 +10,7 @@ Names have several sources; a stronger source replaces a weaker one:
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 from morse.builder import workspace
@@ -20,6 +21,8 @@ from morse.system.free_names import free_name
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from types import FrameType
+
+logger = logging.getLogger(__name__)
 
 
 def check_given_name(name: object) -> str:
@@ -102,7 +105,10 @@ def _rename_tree(component: Part, prefix: tuple[str, ...], used_names: set[str],
     if not on_robot and component.name_strength < Strength.VARIABLE:
         name = component.name
     else:
-        name = free_name(".".join(path), used_names.__contains__, first=1, digits=3)
+        wanted = ".".join(path)
+        name = free_name(wanted, used_names.__contains__, first=1, digits=3)
+        if name != wanted and component.name_strength is Strength.GIVEN:
+            logger.warning("two components have the name '%s': the later one is called '%s'", wanted, name)
         workspace.current().claim(component.scene_node, name)
         path = (*prefix, name.rpartition(".")[2])
     used_names.add(name)
