@@ -14,7 +14,10 @@ from morse.builder import workspace
 from morse.builder.assembly.spawning import component_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
 from morse.builder.editing.writing import changed_script, variable_name
+from morse.builder.own_classes import own_classes
 from morse.builder.script import load_scene
+from morse.core.classes.project_imports import ProjectImports
+from morse.core.exceptions import MorseError
 from morse.mathutils import Euler
 from morse.simulation.options import RunOptions
 
@@ -121,6 +124,34 @@ def test_sensors_are_appended_to_their_robots() -> None:
         "from morse.builder import *\n\ncar = ATRV('tom')\n\ncamera = VideoCamera()\ncamera.translate(0.2, 0.0, 1.0)\n"
         "car.append(camera)\n\nenv = Environment('empty')\n"
     )
+
+
+def test_classes_of_a_project_are_imported_from_it() -> None:
+    text = "from morse.builder import *\nenv = Environment('empty')\n"
+    changes = Changes(
+        [Addition("ranger", "my_sim.builder.robots:Ranger", (1, 0, 0)), Addition("atrv", "ATRV", (0, 0, 0))]
+    )
+    changed = changed_script(text, changes)
+    assert "from my_sim.builder.robots import Ranger\n" in changed
+    assert "ranger = Ranger()\nranger.translate(x=1.0)\n" in changed
+    assert changed_script(changed, Changes([changes.additions[0]])).count("import Ranger") == 1
+
+
+@pytest.mark.parametrize("kind", ["os.builder.robots:system", "my_sim.robots:Ranger", "my_sim.builder.robots:os"])
+def test_only_classes_of_the_project_come_by_name(kind: str, tmp_path: Path) -> None:
+    package = tmp_path / "src" / "my_sim"
+    for folder in (package, package / "builder", package / "builder" / "robots"):
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "__init__.py").touch()
+    robots = package / "builder" / "robots" / "__init__.py"
+    robots.write_text("import os\nfrom morse.builder import FakeRobot\n\n\nclass Ranger(FakeRobot):\n    pass\n")
+    with ProjectImports([str(tmp_path / "src")]), workspace.described():
+        assert own_classes([str(tmp_path / "src")]) == [("my_sim.builder.robots:Ranger", "Ranger")]
+        assert type(component_of("my_sim.builder.robots:Ranger")).__name__ == "Ranger"
+        with pytest.raises((MorseError, FileNotFoundError)):
+            component_of(kind)
+    with pytest.raises((MorseError, FileNotFoundError)), workspace.described():
+        component_of("my_sim.builder.robots:Ranger")
 
 
 def test_objects_of_the_world_are_placed_and_deleted_after_it_is_loaded() -> None:

@@ -126,6 +126,38 @@ def test_changes_after_a_save_are_saved_again_but_not_over_the_work_of_others(de
     assert script.read_text() == SCENE + "# mine\n"
 
 
+LOOP = """from morse.builder import *
+
+for number in range(3):
+    robot = ATRV()
+    robot.translate(0, 3 * number)
+    pose = Pose()
+    robot.append(pose)
+    box = PassiveObject("props/crates", object_name="small_crate")
+    box.translate(5, 3 * number)
+    box.name = f"box{number}"
+
+env = Environment("empty")
+"""
+
+
+def test_what_a_loop_creates_is_deleted_by_its_name(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(LOOP)
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.do("delete_object", node="box1")
+        desk.do("delete_object", node="robot_001")
+        desk.do("save_scene", write=True)
+    assert 'bpymorse.delete("robot_001")\n' in script.read_text()
+    with morse.load(script) as again:
+        roots = {root.name for root in again.scene.roots}
+        assert {*again.context.components} == {"robot.pose", "robot_002.pose"}
+    assert {"box0", "box2", "robot", "robot_002"} <= roots
+    assert not {"box1", "robot_001"} & roots
+
+
 def test_every_change_is_undone(desk: Desk) -> None:
     before = desk.names()
     place = [*desk.simulation.scene.find("robot").location]

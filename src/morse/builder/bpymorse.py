@@ -106,19 +106,34 @@ def get_context_object() -> SceneObject | None:
 def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
     """Remove objects, given as objects or by name, from the scene; their children are kept.
 
+    A robot or an object of the script goes with everything on it.
+
     Raises:
         MorseBuilderNoComponentError: there is no object of such a name.
-        MorseBuilderError: it is the body of a component.
+        MorseBuilderError: it is the body of a component on a robot.
     """
+    scene = workspace.current()
     items = [objects] if isinstance(objects, (SceneObject, str)) else list(objects)
-    bodies = {c.scene_node: c for c in workspace.current().components}
-    for item in items:
-        node = (get_object(item) if isinstance(item, str) else _object(item, "bpymorse.delete(objects)")).node
-        if node in bodies:
-            raise MorseBuilderError(
-                f"'{node.name}' is the body of a {type(bodies[node]).__name__}: it cannot be deleted"
-            )
-        workspace.current().delete(node)
+    bodies = {c.scene_node: c for c in scene.components}
+    nodes = [
+        (get_object(item) if isinstance(item, str) else _object(item, "bpymorse.delete(objects)")).node
+        for item in items
+    ]
+    for node in nodes:
+        part = bodies.get(node)
+        if part is not None and node.parent is not None and not any(above in nodes for above in node.ancestors()):
+            raise MorseBuilderError(f"'{node.name}' is the body of a {type(part).__name__}: it cannot be deleted")
+    for node in nodes:
+        if scene.find(node.name) is not node:
+            continue  # gone with a robot
+        part = bodies.get(node)
+        if part is None:
+            scene.delete(node)
+            continue
+        below = list(node.walk())
+        scene.components[:] = [one for one in scene.components if one.scene_node not in below]
+        for one in reversed(below):
+            scene.delete(one)
 
 
 def set_speed(fps: int = 0, logic_step_max: int = 0, physics_step_max: int = 0) -> None:

@@ -1,4 +1,6 @@
-"""The models that can be added to a scene, with pictures: ``python -m morse.launch.model_pictures [FOLDER ...]``.
+"""The models that can be added to a scene, with pictures: ``python -m morse.launch.model_pictures FOLDERS SOURCES``.
+
+The arguments are the folders of models and of packages of the project, each a list in JSON.
 
 A process of its own draws them, so that a running simulation does not wait. Each line that it prints is a JSON object:
 the first one lists all models, each other one has the picture of one model. Pictures are kept in the cache of the user.
@@ -18,11 +20,13 @@ import numpy as np
 
 from morse.assets import find, load, search
 from morse.assets.cache import Cache
+from morse.builder.own_classes import own_classes
+from morse.core.classes.project_imports import ProjectImports
 from morse.scene.extent import visible_extent
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 SIZE = (144, 108)
 #: m between two models of one scene
@@ -33,6 +37,8 @@ _TOGETHER = 12
 _FROM = (0.75, -0.95, 0.6)
 _ROTATION = (math.acos(_FROM[2] / math.hypot(*_FROM)), 0.0, math.atan2(_FROM[0], -_FROM[1]))
 _NO_SENSORS = ("SensorCreator", "CompoundSensor")
+#: m; larger parts of worlds are grounds and buildings
+_LARGEST_PART = 5.0
 _cache = Cache("pictures", 2000)
 
 
@@ -50,25 +56,48 @@ class Model(NamedTuple):
     group: str
 
 
-def models() -> list[Model]:
-    """All robots, sensors and objects of models, those of the project included."""
+def models(sources: Sequence[str] = ()) -> list[Model]:
+    """All robots, sensors and objects of models, those of the project included.
+
+    Args:
+        sources: folders of packages of the project.
+    """
     from morse.builder import robots, sensors
     from morse.builder.components.robot import Robot
 
-    items = [Model(name, name, "robots") for name in robots.__all__ if _is_model(getattr(robots, name), Robot)]
+    own = own_classes(sources)
+    items = [Model(kind, name, "robots") for kind, name in own if kind.rpartition(":")[0].endswith("robots")]
+    items += [Model(name, name, "robots") for name in robots.__all__ if _is_model(getattr(robots, name), Robot)]
+    items += [Model(kind, name, "sensors") for kind, name in own if kind.rpartition(":")[0].endswith("sensors")]
     items += [Model(name, name, "sensors") for name in sensors.__all__ if name not in _NO_SENSORS]
     for name in search.available("props"):
-        path = find(name, "props")
-        if path.is_relative_to(search.component_dirs()[0]):
-            name = f"props/{name}"
-        if "/" not in name and "." not in name:
-            continue
-        items += [
-            Model(f"{name}#{root.name}", root.name.replace("_", " "), path.stem.replace("_", " "))
-            for root in load(path).roots
-            if visible_extent(root) is not None and not root.name.startswith("_")
-        ]
+        items += _objects(name, "props")
+    labels = {item.name for item in items}
+    for name in search.available("environments"):
+        parts = [part for part in _objects(name, "environments") if part.name not in labels]
+        labels |= {part.name for part in parts}
+        items += parts
     return items
+
+
+def _objects(name: str, category: str) -> Iterator[Model]:
+    """The objects of a model; of a world, one of each kind, without its ground and its buildings."""
+    path = find(name, category)
+    if path.is_relative_to(search.component_dirs()[0]):
+        name = f"{category}/{name}"
+    elif category != "props" or ("/" not in name and "." not in name):
+        return  # a model of the project belongs to no category
+    kinds: set[str] = set()
+    for root in load(path).roots:
+        corners = visible_extent(root)
+        if corners is None or root.name.startswith("_"):
+            continue
+        if category == "environments" and (root.plain_name in kinds or max(corners[1] - corners[0]) > _LARGEST_PART):
+            continue
+        kinds.add(root.plain_name)
+        # the first of several chairs is a chair
+        label = root.plain_name if category == "environments" else root.name
+        yield Model(f"{name}#{root.name}", label.replace("_", " "), path.stem.replace("_", " "))
 
 
 def _is_model(cls: object, base: type) -> bool:
@@ -96,8 +125,13 @@ def drawn(several: list[Model]) -> Iterator[tuple[Model, bytes]]:
     from morse.launch.load import load as load_simulation
 
     parts: list[tuple[Model, Any]] = []
+    folders = search.resource_dirs()
 
     def describe() -> None:
+        with search.project_dirs([str(folder) for folder in folders]):
+            arrange()
+
+    def arrange() -> None:
         for number, model in enumerate(several):
             part = _part(model)
             part.name = f"model{number}"
@@ -132,12 +166,14 @@ def _key(model: Model) -> str:
 
 def main() -> None:
     """Print the list, then the pictures."""
-    with search.project_dirs(sys.argv[1:]):
-        everything = models()
+    folders, sources = map(json.loads, sys.argv[1:])
+    with search.project_dirs(folders), ProjectImports(sources):
+        everything = models(sources)
         _print([model._asdict() for model in everything])
         missing = []
         for model in everything:
-            picture = _cache.get(_key(model), 1 << 20)
+            # a class of the project may have changed
+            picture = None if ":" in model.kind else _cache.get(_key(model), 1 << 20)
             if picture is None:
                 missing.append(model)
             elif picture:

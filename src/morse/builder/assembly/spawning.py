@@ -17,6 +17,7 @@ from morse.builder.creator import ComponentCreator
 from morse.builder.environment.environment import connect_by_default
 from morse.builder.errors import checks
 from morse.builder.names import naming
+from morse.builder.own_classes import own_class
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError, MorseError
 from morse.core.reports.quoting import short
 from morse.helpers.descriptions import is_description
@@ -105,8 +106,8 @@ def _checked(newcomer: Newcomer, others: Iterable[Node]) -> Newcomer:
 def maker_of(kind: str) -> Callable[[], Any]:
     """Return the function that creates a kind: a class of `morse.builder`, a model, or the text of a description.
 
-    ``props/crates#small_crate`` is one object of a model; a text that begins with ``<`` is a robot in URDF, SDF or
-    MJCF.
+    ``props/crates#small_crate`` is one object of a model, ``ranger_sim.builder.robots:Ranger`` a robot of the project;
+    a text that begins with ``<`` is a robot in URDF, SDF or MJCF.
 
     Raises:
         MorseBuilderNoComponentError: there is no such class and no such model.
@@ -118,6 +119,9 @@ def maker_of(kind: str) -> Callable[[], Any]:
     maker = getattr(morse.builder, kind, None) if kind in morse.builder.__all__ else None
     if isinstance(maker, type) and issubclass(maker, Robot):
         return maker
+    own = own_class(kind)
+    if own is not None and issubclass(own, Robot):
+        return own
     if "/" in kind or "." in kind:
         file, _, part = kind.partition("#")
         return lambda: PassiveObject(file, object_name=part or None)
@@ -159,8 +163,8 @@ def component_of(kind: str) -> AbstractComponent:
     """
     import morse.builder
 
-    cls = getattr(morse.builder, kind, None)
-    if isinstance(cls, type) and issubclass(cls, ComponentCreator):
+    cls = getattr(morse.builder, kind, None) or own_class(kind)
+    if isinstance(cls, type) and issubclass(cls, (ComponentCreator, Robot)):
         return cls()
     component = maker_of(kind)()
     assert isinstance(component, AbstractComponent)

@@ -13,7 +13,8 @@ class Addition:
 
     Attributes:
         name: in the scene, without the name of the robot; also the variable of the script, so that it is a free one.
-        kind: name of a builder class, or name of a model, with ``#`` and the name of an object of it.
+        kind: name of a builder class, also ``package.builder.robots:Class`` of a project, or name of a model, with
+            ``#`` and the name of an object of it.
         position: in the world, or on the robot, m.
         angles: Euler angles XYZ, rad.
         robot: name of the robot of a sensor; empty for others.

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from morse.builder.editing.source import Source
 
-_BUILDER = "morse.builder"
+BUILDER = "morse.builder"
 
 
-def import_names(source: Source, names: set[str]) -> None:
-    """Note an import of each name that the script does not import."""
-    imports = [node for node in ast.walk(source.tree) if isinstance(node, ast.ImportFrom) and node.module == _BUILDER]
+def import_names(source: Source, names: set[str], module: str = BUILDER) -> None:
+    """Note an import of each name that the script does not import from a module."""
+    imports = [node for node in ast.walk(source.tree) if isinstance(node, ast.ImportFrom) and node.module == module]
     present = {alias.asname or alias.name for node in imports for alias in node.names}
     missing = sorted(names - present - source.imports)
     if "*" in present or not missing:
@@ -25,4 +25,4 @@ def import_names(source: Source, names: set[str]) -> None:
         return
     # after the other imports, or at the top of a script that has none
     others = [node for node in source.tree.body if isinstance(node, (ast.Import, ast.ImportFrom))]
-    source.insert_top(others[-1] if others else None, f"from {_BUILDER} import {', '.join(missing)}")
+    source.insert_top(others[-1] if others else None, f"from {module} import {', '.join(missing)}")

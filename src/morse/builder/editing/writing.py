@@ -9,7 +9,7 @@ from keyword import iskeyword
 from typing import TYPE_CHECKING
 
 from morse.builder.editing.changes import UnwritableError
-from morse.builder.editing.imports import import_names
+from morse.builder.editing.imports import BUILDER, import_names
 from morse.builder.editing.source import Source, name_of
 from morse.builder.editing.variables import Variable, attribute_of, variables
 from morse.system.free_names import free_name
@@ -53,7 +53,9 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
     paragraphs = [_lines_of(source, addition, robots) for addition in changes.additions]
     if paragraphs:
         source.insert_before_environment(paragraphs)
-    import_names(source, {_class_of(addition.kind) for addition in changes.additions})
+    for module in {_module_of(addition.kind) for addition in changes.additions}:
+        additions = [addition for addition in changes.additions if _module_of(addition.kind) == module]
+        import_names(source, {_class_of(addition.kind) for addition in additions}, module)
     result = source.text()
     ast.parse(result)
     return result
@@ -61,7 +63,7 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
 
 def variable_name(kind: str, names: Container[str]) -> str:
     """A free name for a new object: ``atrv`` for ``ATRV``, ``cup_blue`` for ``props/kitchen_objects#Cup_Blue``."""
-    own = kind.rpartition("#")[2].rpartition("/")[2]
+    own = kind.rpartition("#")[2].rpartition("/")[2].rpartition(":")[2]
     stem = re.sub("_+", "_", "".join(c if f"_{c}".isidentifier() else "_" for c in own)).strip("_")
     stem = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", stem).lower() or "thing"
     stem = f"_{stem}".strip("_") if not stem[0].isdigit() else f"object_{stem}"
@@ -72,7 +74,14 @@ def variable_name(kind: str, names: Container[str]) -> str:
 
 
 def _class_of(kind: str) -> str:
+    if ":" in kind:
+        return kind.rpartition(":")[2]
     return "PassiveObject" if "/" in kind or "." in kind else kind
+
+
+def _module_of(kind: str) -> str:
+    """``ranger_sim.builder.robots`` of ``ranger_sim.builder.robots:Ranger``."""
+    return kind.rpartition(":")[0] or BUILDER
 
 
 def _lines_of(source: Source, addition: Addition, robots: dict[str, str]) -> list[str]:

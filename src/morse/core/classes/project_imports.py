@@ -238,6 +238,12 @@ class ProjectImports:
         module.__dict__["__builtins__"] = self._builtins
 
 
+def offers(package: str) -> bool:
+    """Whether the project whose block is entered contains a package; nothing is imported."""
+    projects = [finder for finder in sys.meta_path if isinstance(finder, ProjectImports)]
+    return any(project.find_spec(package, None) is not None for project in projects)
+
+
 def _bind(module: ModuleType) -> None:
     """Set a module as the attribute of its package."""
     package, _, name = module.__name__.rpartition(".")

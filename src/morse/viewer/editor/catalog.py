@@ -25,14 +25,15 @@ class Catalog:
 
     Args:
         folders: of the models of the project.
+        sources: folders of its packages.
 
     Attributes:
         groups: the group of each kind: ``robots``, ``sensors``, or another one for objects.
     """
 
-    def __init__(self, server: ViewServer, folders: Sequence[str]) -> None:
+    def __init__(self, server: ViewServer, folders: Sequence[str], sources: Sequence[str] = ()) -> None:
         self._server = server
-        self._folders = folders
+        self._arguments = [json.dumps([*paths]) for paths in (folders, sources)]
         self._process: subprocess.Popen[bytes] | None = None
         self._lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         self.groups: dict[str, str] = {}
@@ -42,7 +43,7 @@ class Catalog:
         if self._process is not None:
             return
         self._process = subprocess.Popen(
-            [sys.executable, "-m", _PROGRAM, *self._folders],
+            [sys.executable, "-m", _PROGRAM, *self._arguments],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.builder import workspace
@@ -10,6 +11,7 @@ from morse.builder.assembly.spawning import component_of
 from morse.builder.editing.changes import Addition, Changes, Move, UnwritableError
 from morse.builder.editing.source import Source
 from morse.builder.editing.writing import variable_name
+from morse.builder.names.places import source_folders
 from morse.builder.script import describing
 from morse.core.exceptions import MorseError
 from morse.core.journal import EDIT
@@ -46,7 +48,9 @@ class Editor:
         self._moves: dict[str, Move] = {}
         self._deletions: dict[str, list[str]] = {}
         self._undos: list[tuple[str, Callable[[], object]]] = []
-        self._catalog = Catalog(server, simulation.options.resource_paths)
+        options = simulation.options
+        sources = [*options.source_paths, *(source_folders(Path(options.script).absolute()) if options.script else ())]
+        self._catalog = Catalog(server, options.resource_paths, list(dict.fromkeys(sources)))
         self._restarted = False
         self._sent: SceneChanges | None = None
 
@@ -128,9 +132,13 @@ class Editor:
 
     def _delete(self, name: str, *, undoable: bool = True) -> str:
         root = self._root(name)
-        below = [node.name for node in root.walk()][1:]
+        # a robot goes with everything on it
+        is_robot = root.name in self._simulation.context.robots
+        below = [] if is_robot else [node.name for node in root.walk()][1:]
         carried = {one.name: one for one in self._additions.values() if one.robot == root.name}
         addition, move = self._additions.get(root.name), self._moves.get(root.name)
+        if addition is None and self._file.path is not None:
+            self._file.changed(Changes(deletions={root.name: below}))  # can it be saved?
         self._services.run("simulation", "delete", root.name)
         for gone in (*carried, root.name):
             self._additions.pop(gone, None)
