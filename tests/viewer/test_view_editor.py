@@ -10,6 +10,8 @@ from view_pages import Client, fetch, until
 from websockets.exceptions import InvalidStatus
 
 import morse
+from morse.core.classes.project_imports import ProjectImports
+from morse.launch.model_pictures import models
 from morse.viewer.editor.catalog import Catalog
 
 if TYPE_CHECKING:
@@ -156,6 +158,33 @@ def test_what_a_loop_creates_is_deleted_by_its_name(tmp_path: Path) -> None:
         assert {*again.context.components} == {"robot.pose", "robot_002.pose"}
     assert {"box0", "box2", "robot", "robot_002"} <= roots
     assert not {"box1", "robot_001"} & roots
+
+
+def test_robots_and_sensors_of_the_project_are_in_the_list(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for kind, base in (("robots", "FakeRobot"), ("sensors", "Pose")):
+        folder = tmp_path / "src" / "my_sim" / "builder" / kind
+        folder.mkdir(parents=True)
+        folder.joinpath("__init__.py").write_text(
+            f"from morse.builder import *\n\n\nclass My{kind[:-1].title()}({base}):\n    pass\n"
+        )
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE)
+    sources = [str(tmp_path / "src")]
+    with ProjectImports(sources):
+        own = [model._asdict() for model in models(sources) if ":" in model.kind]
+    assert [(model["name"], model["group"]) for model in own] == [("MyRobot", "robots"), ("MySensor", "sensors")]
+    monkeypatch.setattr(Catalog, "open", lambda catalog: catalog._take(own))
+    with morse.load(script, view="web") as simulation, Client(simulation.view.url) as client:
+        simulation.step(1)
+        desk = Desk(simulation, client)
+        desk.models()
+        desk.do("add_model", model="my_sim.builder.robots:MyRobot", position=[3, 1, 0])
+        desk.do("add_model", model="my_sim.builder.sensors:MySensor", position=[0, 0, 1], robot="robot")
+        assert "my_robot" in simulation.context.robots
+        desk.do("save_scene", write=True)
+    with morse.load(script) as again:
+        assert {*again.context.robots} == {"robot", "my_robot"}
+        assert "robot.my_sensor" in again.context.components
 
 
 def test_every_change_is_undone(desk: Desk) -> None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import importlib
 import logging
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.core.classes.project_imports import offers
 from morse.core.reports.faults import ENDINGS, describe
+from morse.helpers.descriptions import OWN_CLASS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _FOLDERS = ("robots", "sensors")
-_KIND = re.compile(rf"([A-Za-z_]\w*)\.builder\.({'|'.join(_FOLDERS)}):([A-Za-z_]\w*)")
 
 
 def own_classes(sources: Iterable[str]) -> list[tuple[str, str]]:
@@ -59,7 +58,7 @@ def _packages(source: str) -> list[str]:
 
 def own_class(kind: str) -> type[AbstractComponent] | None:
     """The class of a kind of `own_classes`, in the block of the imports of its project; None for any other text."""
-    parts = _KIND.fullmatch(kind)
+    parts = OWN_CLASS.fullmatch(kind)
     # the kind may come from a client: nothing but code of the project is imported for it
     if parts is None or not offers(parts[1]):
         return None

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 
 def is_description(kind: str) -> bool:
     """Whether a kind of robot is the text of an XML file, and not a name."""
     return kind.lstrip()[:1] == "<"
+
+
+#: package, folder and name of a robot or a sensor that a project defines, e.g. ``ranger_sim.builder.robots:Ranger``
+OWN_CLASS = re.compile(r"([A-Za-z_]\w*)\.builder\.(robots|sensors):([A-Za-z_]\w*)")

@@ -8,7 +8,7 @@ from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.limits import EulerAngles, Point
 from morse.core.services import service
-from morse.helpers.descriptions import is_description
+from morse.helpers.descriptions import OWN_CLASS, is_description
 from morse.services.foreign_models import check_model
 
 if TYPE_CHECKING:
@@ -64,9 +64,10 @@ class PopulationServices(AbstractObject):
 
         Args:
             name: name of the new object, which must not exist in the scene.
-            kind: name of a robot in scene scripts, e.g. ``ATRV``, or of a model, e.g. ``props/crates``, or of an object
-                of a model, e.g. ``props/crates#small_crate``; or the text of a robot in URDF, SDF or MJCF: it has the
-                sensors and the drive of the text.
+            kind: name of a robot in scene scripts, e.g. ``ATRV``, of a robot of the project, e.g.
+                ``ranger_sim.builder.robots:Ranger``, of a model, e.g. ``props/crates``, or of an object of a model,
+                e.g. ``props/crates#small_crate``; or the text of a robot in URDF, SDF or MJCF: it has the sensors and
+                the drive of the text.
             position: x, y, z in the world, m; the origin if it is not given.
             orientation: roll, pitch, yaw, rad.
         """
@@ -74,7 +75,7 @@ class PopulationServices(AbstractObject):
             raise MorseRPCInvokationError(
                 f"the name of an object is a word of up to {_LONGEST_NAME} letters without dots, not {name[:120]!r}"
             )
-        if not is_description(kind):
+        if not is_description(kind) and not OWN_CLASS.fullmatch(kind):
             check_model(kind, self._folders())
         self._attempt(lambda: self._simulation.spawn(name, kind, position or [0.0] * 3, orientation or [0.0] * 3))
         return name

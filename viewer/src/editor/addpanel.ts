@@ -5,6 +5,11 @@ import { h } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { draggable } from "./dragging";
 
+/** A name that may be broken between its words: Localized·PR2, Depth·Camera. */
+function inParts(name: string): (string | HTMLElement)[] {
+  return name.split(/(?<=[a-z])(?=[A-Z])|(?<=_)/).flatMap((part, i) => (i > 0 ? [h("wbr", {}), part] : [part]));
+}
+
 export interface Placing {
   /** Show where a model dragged to a point of the page would be put. */
   show: (model: Model, x: number, y: number) => void;
@@ -75,7 +80,7 @@ export class AddPanel {
     const image = h("img", { alt: "", draggable: false, loading: "lazy", width: 72, height: 54 });
     const icon = h("span", { class: "kind" });
     icon.innerHTML = { robots: icons.robot, sensors: icons.sensor }[model.group] ?? icons.boxes;
-    const button = h("button", { type: "button", class: "model", title: model.name, "data-kind": model.kind }, icon, image, h("span", { class: "caption" }, model.name));
+    const button = h("button", { type: "button", class: "model", title: model.name, "data-kind": model.kind }, icon, image, h("span", { class: "caption" }, ...inParts(model.name)));
     this.paint(image, model.kind);
     draggable(button, {
       drag: (x, y) => {

@@ -71,7 +71,7 @@ export class Editor {
     this.saveButton.textContent = `save ${count}…`;
     this.saveButton.setAttribute("aria-label", `save ${count} ${count === 1 ? "change" : "changes"}`);
     this.waiting.hidden = waiting.length === 0;
-    this.waiting.textContent = `After saving and reloading: ${waiting.join(", ")}`;
+    this.waiting.textContent = `${waiting.join(", ")}: not in the world before the scene is saved and reloaded`;
   }
 
   toggle(): void {
@@ -104,7 +104,7 @@ export class Editor {
     const { robot, position } = carrier ?? { robot: "", position: point };
     const answer = await this.connection.request({ type: "add_model", model: model.kind, position: position.toArray(), yaw: 0, robot });
     if (!answer.ok) this.toasts.show(answer.error, "error");
-    else if (robot) this.toasts.show(`${robot} gets ${String(answer.value)} when the scene is saved and reloaded.`);
+    else if (robot) this.toasts.show(`${robot} gets ${String(answer.value)} when you save and reload the scene.`);
     else this.select(String(answer.value));
     if (this.shell.narrow && !this.shell.left.hidden) this.shell.toggle("left");
   }
@@ -159,11 +159,12 @@ export class Editor {
       return;
     }
     const { path, difference } = shown.value as { path: string; difference: string };
-    confirmSave(path, difference, () => void this.write(path));
+    confirmSave(path, difference, !this.waiting.hidden, (reload) => void this.write(path, reload));
   }
 
-  private async write(path: string): Promise<void> {
+  private async write(path: string, reload: boolean): Promise<void> {
     const answer = await this.connection.request({ type: "save_scene", write: true });
     this.toasts.show(answer.ok ? `Saved in ${path}.` : answer.error, answer.ok ? "info" : "error");
+    if (answer.ok && reload) this.connection.send({ type: "reset" });
   }
 }

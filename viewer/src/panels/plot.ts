@@ -152,8 +152,9 @@ export class Plot {
     const ink = style.getPropertyValue("--quiet");
     const grid = { stroke: style.getPropertyValue("--line"), width: 1 };
     const axis = { stroke: ink, grid, ticks: grid, font: "12px system-ui", size: 50 };
+    // time begins at 0: the curve grows from the left until the window is full
     const range = (_chart: uPlot, low: number, high: number): [number, number] =>
-      this.seconds === 0 || high === null ? [low, high] : [high - this.seconds, high];
+      this.seconds === 0 || high === null ? [low, high] : [Math.max(0, high - this.seconds), Math.max(this.seconds, high)];
     // a constant value is in the middle of a range of its own size, not of 0 to 100
     const around = (_chart: uPlot, low: number | null, high: number | null): [number, number] => {
       if (low === null || high === null) return [-1, 1];
