@@ -268,9 +268,8 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
 
     def set_controls(self, keys: frozenset[str], axes: tuple[float, ...] = (), robot: str | None = None) -> None:
         """Set keyboard and gamepad input from the next tick on; see `morse.core.context.Controls`."""
-        controls = Controls(keys, axes, robot)
-        if controls != self.context.controls:
-            self.context.controls = controls
+        if (keys, axes, robot) != self.context.controls:
+            self.context.controls = Controls(keys, axes, robot)
             self.journal.note(CONTROLS, "", (sorted(keys), list(axes), robot))
 
     # -- observers -------------------------------------------------------------------------

@@ -51,7 +51,7 @@ logger = logging.getLogger("morse.viewer")
 #: minimum wall-clock seconds between two snapshots: no screen shows more
 _SNAPSHOT_INTERVAL = 1.0 / 125.0
 #: the same for a simulation that runs as fast as possible: the view must not slow its ticks
-_UNPACED_INTERVAL = 1.0 / 30.0
+_UNPACED_INTERVAL = 1.0 / 20.0
 #: ticks that take longer than this, s, are all shown: compared with them, a snapshot is cheap
 _LONG_TICK = 0.01
 #: time that a tick takes for the requests of pages, s; the rest waits for the next tick
@@ -206,7 +206,16 @@ class View(Observer):
         if not self._server.watched:
             return
         simulation = self._simulation
-        self._history.keep(paused=self._is_paused())
+        pacer, is_running = simulation.pacer, not self._is_paused()
+        now = time.monotonic()
+        quick, self._ticked = now - self._ticked < _LONG_TICK, now
+        interval = _UNPACED_INTERVAL if quick and pacer.speed == math.inf else _SNAPSHOT_INTERVAL
+        # while paused, changes that are omitted here are shown within the time of a tick
+        is_due = now - self._shown >= interval
+        if is_due or not is_running:
+            self._history.keep(paused=not is_running)
+        if not is_due:
+            return
         world = simulation.world
         if world.layout != self._layout:
             self._describe()
@@ -215,13 +224,6 @@ class View(Observer):
                 self._describe()
             for look in appearances(world):
                 self._server.send(look)
-        now = time.monotonic()
-        pacer, is_running = simulation.pacer, not self._is_paused()
-        quick, self._ticked = now - self._ticked < _LONG_TICK, now
-        interval = _UNPACED_INTERVAL if quick and math.isinf(pacer.speed) else _SNAPSHOT_INTERVAL
-        # while paused, changes that are omitted here are shown within the time of a tick
-        if now - self._shown < interval:
-            return
         self._shown = now
         clock = simulation.clock
         self._server.publish(

@@ -33,7 +33,7 @@ class LogFeed(logging.Handler):
         super().__init__(logging.INFO)
         self._context = context
         self._server = server
-        self._lines: deque[logging.LogRecord] = deque(maxlen=KEPT)
+        self._lines: deque[tuple[logging.LogRecord, float]] = deque(maxlen=KEPT)
         self._number = 0
         self._thread = threading.get_ident()
         self._log = logging.getLogger("morse")
@@ -42,13 +42,13 @@ class LogFeed(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Keep a line until the end of the tick."""
         if record.thread == self._thread or record.threadName == _NETWORK:
-            self._lines.append(record)
+            self._lines.append((record, self._time()))
 
     def update(self) -> None:
         """Send the lines logged since the last call."""
         self._thread = threading.get_ident()
         while self._lines:
-            record = self._lines.popleft()
+            record, time = self._lines.popleft()
             try:
                 text = record.getMessage()
             except Exception:  # arguments may be of any type
@@ -57,7 +57,7 @@ class LogFeed(logging.Handler):
             self._number += 1
             text, component = printable(text[:_LENGTH]), self._component(record)
             is_shown = getattr(record, SHOWN, False)
-            self._server.send(Log(_level(record.levelno), text, component, self._time(), line, is_shown))
+            self._server.send(Log(_level(record.levelno), text, component, time, line, is_shown))
 
     def _time(self) -> float:
         return self._context.clock.time

@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 #: simulated seconds between two saved states while time runs; seconds for which they are kept, simulated and wall-clock
 _EVERY, _SPAN = 0.5, 60.0
 #: largest share of the time that is spent on saving states while time runs
-_SHARE = 0.02
+_SHARE = 0.01
 #: approximate size of all states together, bytes; of larger states fewer are kept
 _MOST_BYTES = 64 * 1024 * 1024
 #: simulated times that differ by less count as equal, s
