@@ -109,30 +109,35 @@ class Touches:
     def _add(self, data: mujoco.MjData, duration: float) -> None:
         contact = data.contact
         pairs = contact.geom[: data.ncon]
-        chosen = np.flatnonzero(self._is_watched[pairs].any(axis=1)).tolist()
-        if not chosen:
+        chosen = np.flatnonzero(self._is_watched[pairs].any(axis=1))
+        if not len(chosen):
             return
-        owners, addresses, frames = self._owners[pairs], contact.efc_address, contact.frame
-        for index in chosen:
-            if addresses[index] < 0:
+        pairs = pairs[chosen]
+        columns = (chosen, pairs, self._owners[pairs], contact.frame[chosen, 2], contact.efc_address[chosen])
+        for index, geoms, owners, up, address in zip(*(column.tolist() for column in columns), strict=True):
+            if address < 0 or owners[0] == owners[1]:
+                continue
+            # the normal points from the first body to the second one; most contacts are those with the floor
+            sides = [
+                (name, geoms[1 - own], owners[1 - own])
+                for own, upward in ((0, -up), (1, up))
+                if (name := self._slots.get(owners[own])) is not None
+                and not (upward > _UPRIGHT and self._is_fixed(owners[1 - own]))
+            ]
+            if not sides:
                 continue
             mujoco.mj_contactForce(self._world.model, data, index, self._force)
-            normal = float(self._force[0])
-            if not normal > 0.0:
+            if not self._force[0] > 0.0:
                 continue
             impulse = float(np.sqrt((self._force[:3] ** 2).sum())) * duration
-            up = float(frames[index, 2])
-            for own, other in ((0, 1), (1, 0)):
-                name = self._slots.get(int(owners[index, own]))
-                # the normal points from the first body to the second one
-                if name is not None and owners[index, 0] != owners[index, 1]:
-                    self._note(name, int(pairs[index, other]), int(owners[index, other]), up if own else -up, impulse)
+            for name, geom, slot in sides:
+                self._note(name, geom, slot, impulse)
 
-    def _note(self, name: str, geom: int, slot: int, up: float, impulse: float) -> None:
+    def _is_fixed(self, slot: int) -> bool:
+        return self._world.slots[slot].frame.motion is Motion.FIXED
+
+    def _note(self, name: str, geom: int, slot: int, impulse: float) -> None:
         world = self._world
-        is_fixed = world.slots[slot].frame.motion is Motion.FIXED
-        if is_fixed and up > _UPRIGHT:
-            return
-        other = (world.geom_node[geom] if is_fixed else world.slots[slot].frame.node).name
+        other = (world.geom_node[geom] if self._is_fixed(slot) else world.slots[slot].frame.node).name
         impulses = self.impulses[name]
         impulses[other] = impulses.get(other, 0.0) + impulse
