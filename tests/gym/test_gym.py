@@ -379,7 +379,14 @@ def test_a_page_shows_a_row_of_any_process(workers):
         urllib.request.urlopen(url, timeout=60.0)
 
 
-def test_a_page_shows_a_single_environment():
+def test_a_page_shows_a_single_environment_and_agents():
+    agents = morse.gym.parallel(Meet, ["r0", "r1"])
+    agents.reset(seed=1)
+    assert urllib.request.urlopen(agents.show().url, timeout=60.0).status == 200
+    agents.step({"r0": np.zeros(2), "r1": np.zeros(2)})
+    with pytest.raises(ValueError, match="the action of 'r1' is missing"):
+        agents.step({"r0": np.zeros(2)})
+    agents.close()
     env = gymnasium.make("morse/Reach-v0")
     env.reset(seed=1)
     assert urllib.request.urlopen(env.unwrapped.show().url, timeout=60.0).status == 200

@@ -103,6 +103,21 @@ def test_without_a_browser_nothing_is_copied_and_the_end_closes_the_page(monkeyp
         pass
 
 
+def test_a_page_that_fails_is_closed_and_the_batch_goes_on(monkeypatch, caplog):
+    def fail(*_):
+        raise ZeroDivisionError("of the page")
+
+    monkeypatch.setattr("morse.viewer.row_view.RowView._copy", fail)
+    many, _ = driven(2)
+    with many, Client(many.show(1).url):
+        end = time.monotonic() + WALL_LIMIT
+        while not caplog.messages:
+            many.step(6, measure=True)
+            assert time.monotonic() < end
+        assert "the page of row 1 is closed: ZeroDivisionError: of the page" in caplog.text
+        many.step(6, measure=True)
+
+
 def test_mistakes_are_named():
     with morse.batch(arena, 2) as many:
         with pytest.raises(IndexError, match="row"):

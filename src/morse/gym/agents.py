@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.gym.task import Task
+    from morse.viewer.notebook import Frame
 
 
 class TeamEnv(ParallelEnv[str, Any, Any]):
@@ -87,6 +88,11 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
     def render(self) -> Any:
         """Return a picture (H, W, 3), if ``render_mode`` is ``rgb_array``."""
         return None if self.render_mode is None else self._episodes.picture()
+
+    def show(self, *, height: int = 480, port: int = 0) -> Frame:
+        """Open a page that shows the world while it runs; see `morse.many.batch.Batch.show`."""
+        frame: Frame = self._episodes.many.show(height=height, port=port)
+        return frame
 
     def close(self) -> None:
         """End the simulation."""

@@ -10,11 +10,15 @@ from morse.launch.load import load
 from morse.many.commands import CommandColumn
 from morse.many.layout import Layout
 from morse.many.readings import ContactColumn, DataColumn
+from morse.many.scenes import Scenes
+from morse.many.window import Window
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
+
+    from morse.viewer.notebook import Frame
 
 
 class Team:
@@ -30,6 +34,7 @@ class Team:
         self.agents = list(agents)
         self._scene = scene[0] if isinstance(scene, list) else scene
         self._simulation = load(self._scene, seed=seed)
+        self._window: Window | None = None
         self._commands: list[CommandColumn] = []
         self._readings: list[DataColumn | ContactColumn] = []
         try:
@@ -80,6 +85,12 @@ class Team:
         self._readings.append(ContactColumn([handle.contacts() for handle in self._handles(robot)]))
         return self._readings[-1].array
 
+    def show(self, _row: int = 0, *, height: int = 480, port: int = 0) -> Frame:
+        """See `morse.many.batch.Batch.show`; all rows are in one world."""
+        if self._window is None:
+            self._window = Window(Scenes(self._scene, 1, (), {}), port)
+        return self._window.show(0, height)
+
     def step(self, ticks: int, *, measure: bool) -> None:
         """See `morse.many.batch.Batch.step`."""
         for column, (rows, _) in [(column, column.check()) for column in self._commands]:
@@ -114,7 +125,11 @@ class Team:
     def _update(self) -> None:
         for reading in self._readings:
             reading.update(range(len(self)))
+        if self._window is not None:
+            self._window.turn(lambda _row: self._simulation)
 
     def close(self) -> None:
         """End the simulation."""
+        if self._window is not None:
+            self._window.close()
         self._simulation.close()

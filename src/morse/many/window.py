@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
+from morse.core.reports.faults import describe
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -44,9 +46,14 @@ class Window:
         return frame
 
     def turn(self, row_of: Callable[[int], Simulation]) -> None:
-        """Show the row as it is now, if somebody looks."""
-        if self._simulation is not None:
+        """Show the row as it is now, if somebody looks; a page that fails is closed, and the batch goes on."""
+        if self._simulation is None:
+            return
+        try:
             self._simulation.view.turn(lambda: row_of(self.row))
+        except Exception as error:
+            logger.error("the page of row %d is closed: %s", self.row, describe(error))
+            self.close()
 
     def close(self) -> None:
         """Close the page."""
