@@ -13,6 +13,7 @@ from morse.rosmsgs.kinds import Ros2Topics
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
 JOINTS = [f"kuka_{number}" for number in range(1, 8)]
 ARM = "arm = KukaLWR('arm'); robot.append(arm); pose = ArmaturePose('pose'); arm.append(pose)"
@@ -39,6 +40,56 @@ def test_an_arm_takes_the_commands_of_controllers(start: Callable[..., Any], top
     desk.send_bytes(f"/robot/arm/{topic}", cdr.encode(kind, message))
     sim.step(120)
     assert [measured(desk)[joint] for joint in JOINTS] == pytest.approx(ANGLES, abs=0.01)
+
+
+def test_the_topics_of_topic_based_ros2_control(start: Callable[..., Any]) -> None:
+    """Its default topics; joints without a command are NaN until their controller is active."""
+    topics = (
+        "arm.add_stream('ros2', topic='/robot_joint_command')\npose.add_stream('ros2', topic='/robot_joint_states')"
+    )
+    sim, desk = start(f"{ARM}\n{topics}")
+    kind = "sensor_msgs/msg/JointState"
+    assert desk.subscriptions["/robot_joint_command"][0] == kind
+    for angles in ([math.nan] * 7, [0.3, *[math.nan] * 6], ANGLES[:2] + [math.nan] * 5):
+        desk.send_bytes("/robot_joint_command", cdr.encode(kind, {"name": JOINTS, "position": angles}))
+        sim.step(120)
+        measured_state = desk.last("/robot_joint_states")
+        assert list(measured_state.name) == JOINTS, "as in the URDF file"
+        expected = [0.0 if math.isnan(angle) else angle for angle in angles]
+        assert list(measured_state.position) == pytest.approx(expected, abs=0.01)
+
+
+def test_joints_whose_motors_control_different_quantities(start: Callable[..., Any], tmp_path: Path) -> None:
+    joints = "".join(
+        f'<link name="l{number}"><inertial><mass value="1"/>'
+        f'<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        f'<joint name="j{number}" type="continuous"><parent link="base"/><child link="l{number}"/>'
+        f'<origin xyz="0 {number} 1"/><axis xyz="0 0 1"/><limit effort="100" velocity="10"/></joint>'
+        for number in range(3)
+    )
+    motors = "".join(
+        f'<joint name="j{number}"><command_interface name="{quantity}"/><state_interface name="position"/></joint>'
+        for number, quantity in enumerate(("position", "velocity", "position"))
+    )
+    (tmp_path / "mixed.urdf").write_text(
+        '<robot name="mixed"><link name="base"><inertial><mass value="50"/>'
+        '<inertia ixx="9" iyy="9" izz="9" ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry>'
+        f'<box size="1 1 0.2"/></geometry></collision></link>{joints}<ros2_control name="m" type="system">'
+        f"<hardware><plugin>topic_based_ros2_control/TopicBasedSystem</plugin></hardware>{motors}</ros2_control></robot>"
+    )
+    sim, desk = start(
+        f"mixed = Robot({str(tmp_path / 'mixed.urdf')!r}, name='mixed'); mixed.translate(x=5, z=0.2)\n"
+        "motors = Armature(armature_name='mixed_joints'); mixed.append(motors)\n"
+        "seen = ArmaturePose(); motors.append(seen)\n"
+        "motors.add_stream('ros2', topic='/robot_joint_command')\nseen.add_stream('ros2', topic='/robot_joint_states')"
+    )
+    message = {"name": ["j0", "j1", "j2"], "position": [0.4, -0.3], "velocity": [0.5]}
+    desk.send_bytes("/robot_joint_command", cdr.encode("sensor_msgs/msg/JointState", message))
+    sim.step(120)
+    state = desk.last("/robot_joint_states")
+    angles = dict(zip(state.name, state.position, strict=True))
+    assert (angles["j0"], angles["j2"]) == pytest.approx((0.4, -0.3), abs=0.05)
+    assert angles["j1"] == pytest.approx(0.5 * 2.0, rel=0.15), "rad, after 2 s"
 
 
 @pytest.mark.parametrize(

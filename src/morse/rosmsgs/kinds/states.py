@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -143,14 +144,19 @@ def _from_joints(message: RosMessage, bound: BoundKind) -> RosMessage:
         numbers = message[quantity]
         if not len(numbers):
             continue
-        if len(numbers) != len(message["name"]):
+        is_there = bound.has(quantity)
+        values = np.array(getattr(present, quantity), dtype=np.float64) if is_there else np.full(len(names), math.nan)
+        joints = message["name"]
+        if len(numbers) != len(joints):
+            # topic_based_ros2_control sends each joint the quantities that its motor controls, and no others
+            joints = [joint for joint in joints if not math.isnan(values[names.index(joint)])]
+        if len(numbers) != len(joints):
             raise ValueError(f"{len(numbers)} numbers of '{quantity}' for {len(message['name'])} names")
-        if not bound.has(quantity):
-            continue
-        values = np.array(getattr(present, quantity), dtype=np.float64)
-        for joint, value in zip(message["name"], numbers, strict=True):
-            values[names.index(joint)] = value
-        slots[quantity] = values
+        for joint, value in zip(joints, numbers, strict=True):
+            if not math.isnan(value):  # a controller that is not active says nothing
+                values[names.index(joint)] = value
+        if is_there:
+            slots[quantity] = values
     return slots
 
 
