@@ -13,7 +13,7 @@ from morse.scene.component import (
 )
 from morse.scene.joint_control import controls_of, is_dynamic
 from morse.scene.library import Library
-from morse.scene.looks import is_shown, shared_image, shown_mesh, slot_materials
+from morse.scene.looks import is_shown, shared_image, slot_materials
 from morse.scene.mesh import Mesh
 from morse.scene.model import Choice, ModelUse, Role
 from morse.scene.node import Node, NodeKind
@@ -60,6 +60,5 @@ __all__ = [
     "is_dynamic",
     "is_shown",
     "shared_image",
-    "shown_mesh",
     "slot_materials",
 ]

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.scene import is_shown, shown_mesh, slot_materials
+from morse.scene import is_shown, slot_materials
 from morse.scene.water import water_level
+from morse.scene.wrapping import shown_mesh
 from morse.viewer import description as d
 from morse.viewer.frames import rigid_frames
 
