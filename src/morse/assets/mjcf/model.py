@@ -158,7 +158,7 @@ class SensorData:
 
     Attributes:
         kind: name of the MJCF element; ``camera`` for a camera.
-        values: for a camera, vertical field of view, deg; for a range finder, largest distance, m, 0 for none.
+        values: for a camera, vertical field of view, deg, width and height, pixels; for a range finder, largest distance, m, 0 for none.
     """
 
     name: str
@@ -405,7 +405,7 @@ class _Reading:
                 int(m.cam_bodyid[index]),
                 _row(m.cam_pos[index]),
                 _row(m.cam_quat[index]),
-                (float(np.ravel(m.cam_fovy[index])[0]),),
+                (float(np.ravel(m.cam_fovy[index])[0]), *_row(m.cam_resolution[index])),
             )
             for index in range(m.ncam)
             # a camera of the world observes the robot, and is not a part of it

@@ -38,6 +38,7 @@ _PRODUCTS = {
 }
 #: sensors of which each measures something else, also at one place
 _SINGLE = ("VideoCamera", "Infrared")
+_MOST_PIXELS = 4096
 #: cameras look along -Z with +Y up, range finders along +Z; sensors of MORSE look along +X with +Z up
 _FROM_CAMERA = Matrix(((0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0))).to_4x4()
 _FROM_FINDER = Matrix(((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))).to_4x4()
@@ -64,9 +65,7 @@ def sensors_of(model: ModelData, links: Mapping[int, str]) -> tuple[list[Declare
         properties: tuple[tuple[str, float | int], ...] = ()
         if sensor.kind == "camera":
             place = place @ _FROM_CAMERA
-            # images are square
-            # most cameras of files are for other programs, and pictures cost more than the physics
-            properties = (("cam_fov", min(max(sensor.values[0], 1.0), 179.0)), ("on_demand", True))
+            properties = _view(*sensor.values)
         elif sensor.kind == "rangefinder":
             place = place @ _FROM_FINDER
             if math.isfinite(sensor.values[0]) and sensor.values[0] > 0.0:
@@ -84,3 +83,19 @@ def sensors_of(model: ModelData, links: Mapping[int, str]) -> tuple[list[Declare
         more = f" and {len(unknown) - 10} more" if len(unknown) > 10 else ""
         warnings.append(f"sensors that MORSE does not have are left out: {', '.join(unknown[:10])}{more}")
     return list(by_site.values()), warnings
+
+
+def _view(angle: float, width: float, height: float) -> tuple[tuple[str, float | int], ...]:
+    """Return the properties of a camera.
+
+    Args:
+        angle: vertical field of view, deg.
+        width, height: pixels; 1 for those of MORSE, whose images are square then.
+    """
+    size: tuple[tuple[str, float | int], ...] = ()
+    if min(width, height) > 1.0:
+        wide, high = (int(min(pixels, _MOST_PIXELS)) for pixels in (width, height))
+        size = (("cam_width", wide), ("cam_height", high))
+        angle = 2.0 * math.degrees(math.atan(math.tan(math.radians(min(angle, 179.0)) / 2.0) * wide / high))
+    # most cameras of files are for other programs, and pictures cost more than the physics
+    return (*size, ("cam_fov", min(max(angle, 1.0), 179.0)), ("on_demand", True))

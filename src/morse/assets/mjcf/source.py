@@ -40,7 +40,7 @@ _UNSUPPORTED = ("composite", "deformable", "extension", "flex", "flexcomp", "plu
 #: maximum number of models that attach each other
 _MOST_MODELS = 50
 #: attributes that request memory or name files
-_ATTRIBUTES = ("nsample", "delay", "interval", "plugin", "file", "fileleft", "fileright", "resolution")
+_ATTRIBUTES = ("nsample", "delay", "interval", "plugin", "file", "fileleft", "fileright")
 #: no limit, in ranges
 _INFINITE = re.compile(r"(?<![^\s])[+-]?inf(inity)?(?![^\s])", re.IGNORECASE)
 #: attributes with words that may look like numbers
@@ -208,6 +208,8 @@ class Source:
         unsupported = sorted({element.tag for element in root.iter() if element.tag in _UNSUPPORTED})
         if any(element.get("type") == "sdf" for element in root.iter("geom")):
             unsupported.append("geom of type sdf")
+        if any(element.get("camera") for element in root.iter("rangefinder")):
+            unsupported.append("rangefinder of a camera")
         if unsupported:
             self.warnings.append(f"it has {', '.join(unsupported)}; they are left out")
         for parent in list(root.iter()):
@@ -341,6 +343,9 @@ def _is_left_out(child: ElementTree.Element) -> bool:
     """Whether an element is ignored, because it is not supported."""
     if child.tag == "geom":
         return child.get("type") == "sdf"
+    if child.tag == "rangefinder":
+        # it measures as many distances as the picture has pixels
+        return child.get("camera") is not None
     return child.tag in _UNSUPPORTED
 
 
