@@ -158,7 +158,8 @@ class SensorData:
 
     Attributes:
         kind: name of the MJCF element; ``camera`` for a camera.
-        values: for a camera, vertical field of view, deg, width and height, pixels; for a range finder, largest distance, m, 0 for none.
+        values: for a camera, vertical field of view, deg, width and height, pixels; for a range finder, largest
+            distance, m, 0 for none.
     """
 
     name: str
