@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import mujoco
 import numpy as np
@@ -13,28 +12,122 @@ from morse.physics.contact_points import ContactPoints
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
     from morse.physics.gliding.gliding import Gliding
+    from morse.physics.objects.gameobject import GameObject
+    from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.objects.posed import Posed
-    from morse.physics.state.engine_state import EngineState
     from morse.scene import Node
 
 _Vector = tuple[float, float, float]
 
 
+_PYRAMID = int(mujoco.mjtCone.mjCONE_PYRAMIDAL)
+_NONE = (0.0, 0.0, 0.0)
+
+
+class _Solved:
+    """The contacts of one moment and their forces: copies, which do not change with the engine."""
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData | None) -> None:
+        self._count = 0 if data is None else data.ncon
+        if data is None or not self._count:
+            return
+        contact = data.contact
+        self._geoms, self._addresses = np.array(contact.geom), np.array(contact.efc_address)
+        self._sizes, self._frames, self._forces = np.array(contact.dim), np.array(contact.frame), data.efc_force.copy()
+        # of each tangential direction
+        self._frictions = np.array(contact.friction) if model.opt.cone == _PYRAMID else None
+
+    def on(self, own: NDArray[np.bool_], nodes: Sequence[Node]) -> list[tuple[Node, _Vector]]:
+        """Return nodes and forces (N, world axes) of what touches some shapes, see `ContactMoment`."""
+        pairs: list[tuple[Node, _Vector]] = []
+        if not self._count:
+            return pairs
+        sides = own[self._geoms]
+        for index in np.flatnonzero(sides[:, 0] != sides[:, 1]).tolist():
+            if self._addresses[index] < 0:
+                continue
+            # on the second shape
+            force = matmul(self._frames[index].reshape(3, 3).T, self._force(index))
+            x, y, z = (force if sides[index, 1] else -force).tolist()
+            pairs.append((nodes[int(self._geoms[index, 0 if sides[index, 1] else 1])], (x, y, z)))
+        return pairs
+
+    def _force(self, index: int) -> NDArray[np.float64]:
+        """Return the force of a contact (3,) in the axes of the contact."""
+        first, size, wrench = int(self._addresses[index]), int(self._sizes[index]), np.zeros(6)
+        if size == 1 or self._frictions is None:
+            wrench[:size] = self._forces[first : first + size]
+        else:
+            edges = self._forces[first : first + 2 * (size - 1)]
+            mujoco.mju_decodePyramid(wrench[:size], edges, self._frictions[index, : size - 1])
+        return wrench[:3]
+
+
+class ContactMoment(NamedTuple):
+    """The contacts of an object at one moment.
+
+    Attributes:
+        solved: all contacts.
+        own: (G,) shapes of the object.
+        nodes: [G] nodes of the shapes.
+        world: finds the objects of nodes.
+    """
+
+    solved: _Solved
+    own: NDArray[np.bool_]
+    nodes: Sequence[Node]
+    world: ObjectWorld
+
+    def forces(self) -> list[tuple[GameObject, _Vector]]:
+        """See `morse.core.world.Body.contact_forces`."""
+        pairs = [(self.world.find_object(node), force) for node, force in self.solved.on(self.own, self.nodes)]
+        return [(obj, force) for obj, force in pairs if obj is not None]
+
+
+class JointMoment(NamedTuple):
+    """What loads the joint that carries an object, at one moment.
+
+    Attributes:
+        wrench: (6,) torque and force of the object on what carries it, about ``centre``; None without a joint.
+        centre: (3,) m.
+        origin: of the object, m.
+    """
+
+    wrench: NDArray[np.float64] | None
+    centre: NDArray[np.float64]
+    origin: Sequence[float]
+
+    def load(self) -> tuple[_Vector, _Vector]:
+        """See `morse.core.world.Body.joint_load`: of a load that hangs, the force points down."""
+        if self.wrench is None:
+            return _NONE, _NONE
+        tx, ty, tz, fx, fy, fz = (-self.wrench).tolist()
+        cx, cy, cz = self.centre.tolist()
+        x, y, z = self.origin
+        x, y, z = cx - x, cy - y, cz - z
+        return (fx, fy, fz), (tx + y * fz - z * fy, ty + z * fx - x * fz, tz + x * fy - y * fx)
+
+
+_UNLOADED = JointMoment(None, np.zeros(3), _NONE)
+
+
 class Reactions:
-    """Computes forces of the last step of the engine; those of sleeping bodies from a copy of the state."""
+    """Computes forces of the last step of the engine; those of sleeping bodies from a copy of the state.
+
+    The forces of a moment are copied once for all who ask in a tick.
+    """
 
     #: created from the scene, without a state
     is_apparatus = True
 
-    def __init__(self, state: EngineState) -> None:
-        self._world = state
+    def __init__(self, world: ObjectWorld) -> None:
+        self._world = world
         self._model: mujoco.MjModel | None = None
-        self._wrench = np.zeros(6)
 
     def take(self, gliding: Gliding) -> Reactions:
         """Look up the shapes again after objects were added or removed."""
@@ -43,6 +136,9 @@ class Reactions:
             self._model = world.model
             self._points = ContactPoints(world, gliding)
             self._geoms: dict[str, NDArray[np.bool_]] = {}
+            #: of the awake bodies, and the stamps of the world for which they hold
+            self._solved: tuple[int, _Solved] | None = None
+            self._wrenches: tuple[int, NDArray[np.float64], NDArray[np.float64]] | None = None
         return self
 
     def _own(self, obj: Posed) -> NDArray[np.bool_]:
@@ -54,60 +150,42 @@ class Reactions:
             self._geoms[obj.node.name] = own
         return own
 
-    @contextmanager
-    def _awake(self, body: int) -> Iterator[mujoco.MjData | None]:
-        """The state, or a copy of it with the forces of sleeping bodies."""
+    def _sleeps(self, body: int) -> bool:
+        tree = int(self._world.model.body_treeid[body])
+        return tree >= 0 and self._world.data.tree_asleep[tree] >= 0
+
+    def contact_moment(self, obj: Posed) -> ContactMoment:
+        """Return the present contacts of an object; those between its parts are left out."""
         world = self._world
-        tree = int(world.model.body_treeid[body])
-        if tree >= 0 and world.data.tree_asleep[tree] >= 0:
+        if self._sleeps(world.slots[obj.slot].body):
             with self._points.everything() as copy:
-                yield copy
+                solved = _Solved(world.model, copy)
+        elif self._solved is not None and self._solved[0] == world.stamp:
+            solved = self._solved[1]
         else:
-            yield world.data
+            solved = _Solved(world.model, world.data)
+            self._solved = world.stamp, solved
+        return ContactMoment(solved, self._own(obj), world.geom_node, world)
 
-    def contacts(self, obj: Posed) -> list[tuple[Node, _Vector]]:
-        """Return what presses on an object: nodes of other objects, and forces on this object, N, world axes.
-
-        Contacts between parts of the object are left out.
-        """
-        world = self._world
-        own = self._own(obj)
-        pairs: list[tuple[Node, _Vector]] = []
-        with self._awake(world.slots[obj.slot].body) as data:
-            if data is None or not data.ncon:
-                return pairs
-            contact = data.contact
-            geoms = contact.geom[: data.ncon]
-            sides = own[geoms]
-            chosen = np.flatnonzero(sides[:, 0] != sides[:, 1]).tolist()
-            for index in chosen:
-                if contact.efc_address[index] < 0:
-                    continue
-                mujoco.mj_contactForce(world.model, data, index, self._wrench)
-                # on the second shape
-                force = matmul(contact.frame[index].reshape(3, 3).T, self._wrench[:3])
-                x, y, z = (force if sides[index, 1] else -force).tolist()
-                other = int(geoms[index, 0 if sides[index, 1] else 1])
-                pairs.append((world.geom_node[other], (x, y, z)))
-        return pairs
-
-    def joint(self, obj: Posed) -> tuple[_Vector, _Vector]:
-        """Return force (N) and torque (N m, about the origin of the object) in the joint that carries an object.
-
-        They are those that the body of the object exerts on the body that carries it, in world axes: of a load that
-        hangs, the force points down. They are 0 if no joint carries the object.
-        """
+    def joint_moment(self, obj: Posed) -> JointMoment:
+        """Return what loads the joint that carries an object."""
         world = self._world
         slot = world.slots[obj.slot]
-        body = slot.body
         if slot.frame.motion is not Motion.JOINT:
-            return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        with self._awake(body) as data:
-            if data is None:
-                return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-            mujoco.mj_rnePostConstraint(world.model, data)
-            tx, ty, tz, fx, fy, fz = (-data.cfrc_int[body]).tolist()
-            cx, cy, cz = data.subtree_com[world.model.body_rootid[body]].tolist()
-        x, y, z = obj.world_pose()[0]
-        x, y, z = cx - x, cy - y, cz - z
-        return (fx, fy, fz), (tx + y * fz - z * fy, ty + z * fx - x * fz, tz + x * fy - y * fx)
+            return _UNLOADED
+        if self._sleeps(slot.body):
+            with self._points.everything() as copy:
+                if copy is None:
+                    return _UNLOADED
+                wrenches, centres = self._loads(copy)
+        elif self._wrenches is not None and self._wrenches[0] == world.stamp:
+            _, wrenches, centres = self._wrenches
+        else:
+            wrenches, centres = self._loads(world.data)
+            self._wrenches = world.stamp, wrenches, centres
+        centre = centres[world.model.body_rootid[slot.body]]
+        return JointMoment(wrenches[slot.body], centre, obj.world_pose()[0])
+
+    def _loads(self, data: mujoco.MjData) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        mujoco.mj_rnePostConstraint(self._world.model, data)
+        return data.cfrc_int.copy(), data.subtree_com.copy()

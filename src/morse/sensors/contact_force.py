@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.rows.marks import on_read
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind
 from morse.sensors.collision import touched_names
@@ -12,6 +13,7 @@ from morse.sensors.collision import touched_names
 if TYPE_CHECKING:
     from morse.core.robot import Robot
     from morse.core.world import Body
+    from morse.core.world.body import ContactMoment
 
 
 class ContactForce(Sensor):
@@ -42,9 +44,14 @@ class ContactForce(Sensor):
         super().__init__(obj, parent)
         self._part = obj.parent or obj
 
+    def observe(self) -> ContactMoment:
+        """Return the present contacts."""
+        return self._part.contact_moment()
+
+    @on_read
     def measure(self) -> None:
         """Measure the contacts."""
-        pairs = self._part.contact_forces()
+        pairs = self.observation().forces()
         data = self.local_data
         data["touching"] = bool(pairs)
         data["force"] = [sum((force[axis] for _, force in pairs), 0.0) for axis in range(3)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.rows.marks import on_read
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind
 from morse.mathutils.rotations import turn_back
@@ -12,6 +13,7 @@ from morse.mathutils.rotations import turn_back
 if TYPE_CHECKING:
     from morse.core.robot import Robot
     from morse.core.world import Body
+    from morse.core.world.body import JointMoment
 
 
 class ForceTorqueSensor(Sensor):
@@ -38,9 +40,14 @@ class ForceTorqueSensor(Sensor):
             text = f"{self.name()}: no dynamic joint carries it, and it measures 0: append it to a link that moves"
             self.context.complaints.warn(text, text)
 
+    def observe(self) -> JointMoment:
+        """Return the present load of the joint."""
+        return self.bge_object.joint_moment()
+
+    @on_read
     def measure(self) -> None:
         """Measure force and torque."""
-        force, torque = self.bge_object.joint_load()
-        rotation = self.bge_object.world_pose()[1]
+        force, torque = self.observation().load()
+        rotation = self.position_3d.get_pose()[1]
         self.local_data["force"] = list(turn_back(rotation, force))
         self.local_data["torque"] = list(turn_back(rotation, torque))

@@ -52,6 +52,20 @@ class Bodies(Protocol):
         """Return the body of that name, or ``default``."""
 
 
+class ContactMoment(Protocol):
+    """The contacts of an object at one moment."""
+
+    def forces(self) -> Sequence[tuple[Body, Sequence[float]]]:
+        """See `Body.contact_forces`."""
+
+
+class JointMoment(Protocol):
+    """What loads the joint that carries an object, at one moment."""
+
+    def load(self) -> tuple[Sequence[float], Sequence[float]]:
+        """See `Body.joint_load`."""
+
+
 class Body(BodyNames, Protocol):
     """An object of the running world: its pose, velocity, properties and children.
 
@@ -193,8 +207,14 @@ class Body(BodyNames, Protocol):
             strongest: largest acceleration, m/s^2.
         """
 
+    def contact_moment(self) -> ContactMoment:
+        """Return the present contacts, whose forces may be computed later."""
+
     def contact_forces(self) -> Sequence[tuple[Body, Sequence[float]]]:
         """Return what presses on this object and the objects below it: other objects, and forces (N, world axes)."""
+
+    def joint_moment(self) -> JointMoment:
+        """Return the present load of the joint that carries the object, which may be computed later."""
 
     def joint_load(self) -> tuple[Sequence[float], Sequence[float]]:
         """Return force (N) and torque (N m, about the origin of the object) in the joint that carries the object.
