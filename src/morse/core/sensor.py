@@ -52,9 +52,10 @@ class Sensor(Object):
     without_noise: ClassVar[tuple[str, ...]] = ()
     #: whether the class overrides `report`
     _reports: ClassVar[bool] = False
-    not_state: ClassVar[tuple[str, ...]] = ("observed",)
-    #: what `observe` has returned at the time of a measurement that is computed later
+    not_state: ClassVar[tuple[str, ...]] = ("observed", "observed_before")
+    #: what `observe` has returned at the time of a measurement that is computed later, and of the measurement before
     observed: Any = None
+    observed_before: Any = None
 
     def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)

@@ -95,25 +95,23 @@ class JointMoment(NamedTuple):
     Attributes:
         wrench: (6,) torque and force of the object on what carries it, about ``centre``; None without a joint.
         centre: (3,) m.
-        origin: of the object, m.
     """
 
     wrench: NDArray[np.float64] | None
     centre: NDArray[np.float64]
-    origin: Sequence[float]
 
-    def load(self) -> tuple[_Vector, _Vector]:
-        """See `morse.core.world.Body.joint_load`: of a load that hangs, the force points down."""
+    def load(self, origin: Sequence[float]) -> tuple[_Vector, _Vector]:
+        """See `morse.core.world.body.JointMoment.load`: of a load that hangs, the force points down."""
         if self.wrench is None:
             return _NONE, _NONE
         tx, ty, tz, fx, fy, fz = (-self.wrench).tolist()
         cx, cy, cz = self.centre.tolist()
-        x, y, z = self.origin
+        x, y, z = origin
         x, y, z = cx - x, cy - y, cz - z
         return (fx, fy, fz), (tx + y * fz - z * fy, ty + z * fx - x * fz, tz + x * fy - y * fx)
 
 
-_UNLOADED = JointMoment(None, np.zeros(3), _NONE)
+_UNLOADED = JointMoment(None, np.zeros(3))
 
 
 class Reactions:
@@ -136,9 +134,13 @@ class Reactions:
             self._model = world.model
             self._points = ContactPoints(world, gliding)
             self._geoms: dict[str, NDArray[np.bool_]] = {}
-            #: of the awake bodies, and the stamps of the world for which they hold
-            self._solved: tuple[int, _Solved] | None = None
-            self._wrenches: tuple[int, NDArray[np.float64], NDArray[np.float64]] | None = None
+            self._stamp = -1
+        if self._stamp != world.stamp:
+            self._stamp = world.stamp
+            self._some_sleep = bool((world.data.tree_asleep >= 0).any())
+            #: of the awake bodies, once somebody asks
+            self._solved: _Solved | None = None
+            self._wrenches: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         return self
 
     def _own(self, obj: Posed) -> NDArray[np.bool_]:
@@ -151,6 +153,8 @@ class Reactions:
         return own
 
     def _sleeps(self, body: int) -> bool:
+        if not self._some_sleep:
+            return False
         tree = int(self._world.model.body_treeid[body])
         return tree >= 0 and self._world.data.tree_asleep[tree] >= 0
 
@@ -160,11 +164,10 @@ class Reactions:
         if self._sleeps(world.slots[obj.slot].body):
             with self._points.everything() as copy:
                 solved = _Solved(world.model, copy)
-        elif self._solved is not None and self._solved[0] == world.stamp:
-            solved = self._solved[1]
         else:
-            solved = _Solved(world.model, world.data)
-            self._solved = world.stamp, solved
+            if self._solved is None:
+                self._solved = _Solved(world.model, world.data)
+            solved = self._solved
         return ContactMoment(solved, self._own(obj), world.geom_node, world)
 
     def joint_moment(self, obj: Posed) -> JointMoment:
@@ -178,13 +181,11 @@ class Reactions:
                 if copy is None:
                     return _UNLOADED
                 wrenches, centres = self._loads(copy)
-        elif self._wrenches is not None and self._wrenches[0] == world.stamp:
-            _, wrenches, centres = self._wrenches
         else:
-            wrenches, centres = self._loads(world.data)
-            self._wrenches = world.stamp, wrenches, centres
-        centre = centres[world.model.body_rootid[slot.body]]
-        return JointMoment(wrenches[slot.body], centre, obj.world_pose()[0])
+            if self._wrenches is None:
+                self._wrenches = self._loads(world.data)
+            wrenches, centres = self._wrenches
+        return JointMoment(wrenches[slot.body], centres[world.model.body_rootid[slot.body]])
 
     def _loads(self, data: mujoco.MjData) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         mujoco.mj_rnePostConstraint(self._world.model, data)

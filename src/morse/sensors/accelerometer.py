@@ -11,6 +11,8 @@ from morse.mathutils.rotations import turn_back
 from morse.sensors.motion_sensor import MotionSensor
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.robot import Robot
     from morse.core.world import Body
 
@@ -35,7 +37,7 @@ class Accelerometer(MotionSensor):
 
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
-        self._place = self._pose[0]
+        self._place: Sequence[float] = self._pose[0]
 
     def measure(self) -> None:
         """Measure distance, velocity and acceleration."""

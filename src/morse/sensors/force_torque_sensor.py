@@ -47,7 +47,7 @@ class ForceTorqueSensor(Sensor):
     @on_read
     def measure(self) -> None:
         """Measure force and torque."""
-        force, torque = self.observation().load()
-        rotation = self.position_3d.get_pose()[1]
+        position, rotation = self.position_3d.get_pose()
+        force, torque = self.observation().load(position)
         self.local_data["force"] = list(turn_back(rotation, force))
         self.local_data["torque"] = list(turn_back(rotation, torque))

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.rows.marks import on_read
 from morse.helpers.components import add_data, add_kind, add_property, add_state
 from morse.helpers.geodesy import has_place
 from morse.helpers.inertial_errors import ErrorTerms, InertialErrors
@@ -178,6 +179,19 @@ class IMU(MotionSensor):
             "linear_acceleration": self._accel_terms().deviations(self.frequency),
         }
 
+    @property
+    def _has_gyro_errors(self) -> bool:
+        return bool(self._gyro_density or self._gyro_instability or self._gyro_walk)
+
+    @property
+    def _has_accel_errors(self) -> bool:
+        return bool(self._accel_density or self._accel_density_z or self._accel_instability or self._accel_walk)
+
+    def may_wait(self) -> bool:
+        """Return False with errors, which depend on all earlier measurements."""
+        return super().may_wait() and not (self._has_gyro_errors or self._has_accel_errors)
+
+    @on_read
     def measure(self) -> None:
         """Measure angular velocity, specific force and magnetic field."""
         motion = self.motion()
@@ -197,11 +211,12 @@ class IMU(MotionSensor):
         return felt
 
     def _add_errors(self) -> None:
-        now, data = self.clock.time, self.local_data
+        data = self.local_data
+        now = data["timestamp"]
         dt, self._measured = now - self._measured, now
-        if self._gyro_density or self._gyro_instability or self._gyro_walk:
+        if self._has_gyro_errors:
             self._gyro_errors.terms = self._gyro_terms()
             data["angular_velocity"] = self._gyro_errors.added(data["angular_velocity"], dt)
-        if self._accel_density or self._accel_density_z or self._accel_instability or self._accel_walk:
+        if self._has_accel_errors:
             self._accel_errors.terms = self._accel_terms()
             data["linear_acceleration"] = self._accel_errors.added(data["linear_acceleration"], dt)

@@ -10,10 +10,14 @@ from morse.mathutils.rotations import cross, rotation_vector, turn
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import TypeAlias
 
     from morse.core.robot import Robot
     from morse.core.world import Body
     from morse.mathutils.rotations import Triple
+
+    #: linear and angular velocity in the axes of the world, m/s and rad/s; origin, m
+    _Observation: TypeAlias = tuple[Sequence[float], Sequence[float], Sequence[float]]
 
 #: distance from the origin of the robot below which a sensor is treated as being at the origin, m
 _LEVER_ARM = 0.01
@@ -63,29 +67,55 @@ class MotionSensor(Sensor):
         super().__init__(obj, parent)
         self._is_on_robot = obj.slot == (parent or self).bge_object.slot
         self._time = self.clock.time
-        self._pose = self.position_3d.get_pose()
+        self._pose = self._measured_pose()
         self._linear, self._angular = self._velocity_of_robot()
 
     def _velocity_of_robot(self) -> tuple[Triple, Triple]:
         (vx, vy, vz), (wx, wy, wz) = self.robot_parent.bge_object.velocity()
         return (vx, vy, vz), (wx, wy, wz)
 
+    @property
+    def _is_by_velocity(self) -> bool:
+        mode = self._computation_mode
+        is_of_robot = mode == "Automatic" and self._is_on_robot
+        return mode == "Velocity" or (is_of_robot and self.robot_parent.bge_object.is_dynamic)
+
+    def may_wait(self) -> bool:
+        """Return False for velocities computed from poses: accelerations then depend on two earlier measurements."""
+        return self._is_by_velocity
+
+    def observe(self) -> _Observation:
+        """Return the present velocities of the body of the robot, and its origin."""
+        body = self.robot_parent.bge_object
+        linear, angular = body.velocity()
+        return linear, angular, body.world_pose()[0]
+
+    def remember(self) -> None:
+        """Take note of the velocities from which the next accelerations are computed."""
+        self._time, self._pose = self.local_data["timestamp"], self._measured_pose()
+        (vx, vy, vz), (wx, wy, wz), _ = self.observation()
+        self._linear, self._angular = (vx, vy, vz), (wx, wy, wz)
+
+    def _measured_pose(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        # tuples: states of sensors that have measured in each tick are equal to those of others
+        position, rotation = self.position_3d.get_pose()
+        return tuple(position), tuple(rotation)
+
     def motion(self) -> Motion:
-        """Return the present motion; call it once per measurement.
+        """Return the motion at the measurement; call it once per measurement.
 
         The velocity of the body is that of its origin. If the sensor is not at the origin, its acceleration has a
         tangential and a centripetal part, ``α x r + ω x (ω x r)`` with the lever arm ``r``.
         """
-        now = self.clock.time
+        now = self.local_data["timestamp"]
         dt = now - self._time
         if dt <= 0.0:
             dt = self.clock.period
-        mode = self._computation_mode
-        is_of_robot = mode == "Automatic" and self._is_on_robot
-        by_velocity = mode == "Velocity" or (is_of_robot and self.robot_parent.bge_object.is_dynamic)
-        pose = self.position_3d.get_pose()
-        if by_velocity:
-            linear, angular = self._velocity_of_robot()
+        pose = self._measured_pose()
+        origin: Sequence[float] | None = None
+        if self._is_by_velocity:
+            (vx, vy, vz), (wx, wy, wz), origin = self.observation()
+            linear, angular = (vx, vy, vz), (wx, wy, wz)
         else:
             (x, y, z), (x0, y0, z0) = pose[0], self._pose[0]
             linear = ((x - x0) / dt, (y - y0) / dt, (z - z0) / dt)
@@ -93,7 +123,6 @@ class MotionSensor(Sensor):
             angular = (rx / dt, ry / dt, rz / dt)
         before = (self._linear, self._angular)
         self._time, self._pose, self._linear, self._angular = now, pose, linear, angular
-        origin = self.robot_parent.bge_object.world_pose()[0] if by_velocity else None
         return changed(before, (linear, angular), dt, pose[0], origin)
 
 

@@ -1,6 +1,7 @@
 """Velocity of the robot."""
 
 from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.rows.marks import on_read
 from morse.helpers.components import add_data, add_kind
 from morse.mathutils.rotations import turn_back
 from morse.sensors.motion_sensor import MotionSensor
@@ -24,6 +25,7 @@ class Velocity(MotionSensor):
     add_data("world_linear_velocity", _ZERO, "vec3<float>", "Velocity", unit="m/s", frame="world", shape=3)
     add_kind("twist", linear="linear_velocity", angular="angular_velocity")
 
+    @on_read
     def measure(self) -> None:
         """Measure the velocities."""
         motion = self.motion()

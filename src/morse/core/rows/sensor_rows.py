@@ -83,7 +83,7 @@ class SensorRows(Rows[Sensor]):
         else:
             own["local_data"] = self.data_of(member)
         if self._observes:
-            member.observed = None
+            member.observed = member.observed_before = None
         super()._release(member)
 
     # -- a tick ------------------------------------------------------------------------------
@@ -133,7 +133,9 @@ class SensorRows(Rows[Sensor]):
         if self._remembers and last < self.stamp - 1:
             data["timestamp"] = self._time_before
             member.position_3d.set_pose(*self._before.pose(row))
+            observed, member.observed = member.observed, member.observed_before
             member.remember()
+            member.observed = observed
             member.position_3d.set_pose(*self._poses.pose(row))
         data["timestamp"] = self._time
         member.default_action()
@@ -142,4 +144,4 @@ class SensorRows(Rows[Sensor]):
 
 
 def _observe(member: Sensor) -> None:
-    member.observed = member.observe()
+    member.observed_before, member.observed = member.observed, member.observe()

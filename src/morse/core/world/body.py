@@ -62,8 +62,8 @@ class ContactMoment(Protocol):
 class JointMoment(Protocol):
     """What loads the joint that carries an object, at one moment."""
 
-    def load(self) -> tuple[Sequence[float], Sequence[float]]:
-        """See `Body.joint_load`."""
+    def load(self, origin: Sequence[float]) -> tuple[Sequence[float], Sequence[float]]:
+        """Return force (N) and torque (N m) as `Body.joint_load` does, about a point of the world, m."""
 
 
 class Body(BodyNames, Protocol):

@@ -402,7 +402,7 @@ class GameObject(LegacyNames):
 
     def joint_load(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """See `morse.core.world.Body.joint_load`."""
-        return self.joint_moment().load()
+        return self.joint_moment().load(self.world_pose()[0])
 
     def suspendDynamics(self, ghost: bool = False) -> None:  # noqa: N802
         """Keep the object at its pose, independent of the forces on it."""
