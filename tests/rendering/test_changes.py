@@ -2,8 +2,12 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from studio import Studio, Tripod, box, floor
 
+import morse
+from effort import examples
 from morse.rendering import Lens, Renderer
 from morse.scene import PhysicsType
 
@@ -108,3 +112,44 @@ def test_all_cameras_of_a_tick_in_one_call(made):
     assert requests[2].picture.rgb is None
     assert requests[2].picture.depth.shape == (20, 48)
     np.testing.assert_array_equal(requests[0].picture.rgb, made.look(AHEAD, LENS).rgb)
+
+
+def painted():
+    from morse.builder import ATRV, Cube, Environment, MotionVW, VideoCamera
+
+    robot = ATRV("robot")
+    camera = VideoCamera("camera")
+    camera.properties(cam_width=60, cam_height=60)
+    camera.translate(0.6, 0.0, 1.0)
+    camera.rotate(y=0.4)
+    robot.append(camera)
+    robot.append(MotionVW("motion"))
+    for number in range(4):
+        cube = Cube(f"Cube{number}")
+        cube.scale, cube.location = (0.3, 0.3, 0.3), (3.0 + number, number - 1.5, 0.3 + number)
+        cube._bpy_object.game.physics_type = "RIGID_BODY" if number % 2 else "STATIC"
+    Environment("empty")
+
+
+@given(
+    changes=st.lists(
+        st.tuples(st.integers(0, 3), st.lists(st.floats(0.0, 1.0), min_size=3, max_size=4), st.integers(0, 8)),
+        min_size=1,
+        max_size=5,
+    )
+)
+@settings(max_examples=examples(12))
+def test_images_after_changes_of_colour_are_those_of_another_simulation(changes):
+    """Shadow maps are taken over, unless something becomes transparent."""
+    with morse.load(painted) as sim:
+        sim.robot.motion.publish({"v": 0.5, "w": 0.3})
+        for number, color, ticks in changes:
+            sim.measure()
+            sim.set_color(f"Cube{number}", color)
+            sim.step(ticks)
+        sim.measure()
+        image = sim.robot.camera.data["image"]
+        with morse.load(painted) as other:
+            other.restore(sim.save())
+            other.measure()
+            assert np.array_equal(other.robot.camera.data["image"], image)

@@ -60,13 +60,25 @@ class Painter:
     Args:
         samples: number of samples of each pixel.
         lamps, sky: of any tick, see `Instant`.
+        before: the painter of the same objects before they were repainted, whose shadow maps this one takes over if
+            they are the same; None for another scene.
     """
 
-    def __init__(self, scenery: Scenery, samples: int, lamps: NDArray[np.void], sky: NDArray[np.float32]) -> None:
+    def __init__(
+        self,
+        scenery: Scenery,
+        samples: int,
+        lamps: NDArray[np.void],
+        sky: NDArray[np.float32],
+        before: Painter | None = None,
+    ) -> None:
         self._scenery, self._samples = scenery, samples
         self._drawer = drawer(scenery.drawing)
         self._light = Light(lamps, sky, np.zeros(16, np.float32), None)
         self._shadows: Shadows | None = None
+        if before is not None and before._shadows is None:
+            before = before._before  # it has drawn no colours
+        self._before: Painter | None = before
         self._spot_shadows = SpotShadows()
         #: the kernel and the shadow maps serve one call at a time
         self._lock = Lock()
@@ -142,6 +154,10 @@ class Painter:
         lamps, sky = instant.lamps, instant.sky
         assert lamps is not None
         assert sky is not None
+        before, self._before = self._before, None
+        if before is not None and self._scenery.casts_as(before._scenery):
+            with before._lock:  # it may draw an image of an earlier tick
+                self._shadows, before._shadows = before._shadows, None
         if self._shadows is None or not np.array_equal(self._shadows.sunny, lamps.sunny):
             self._shadows = Shadows(self._scenery, self._drawer, lamps.sunny, self._light)
         self._shadows.light = self._shadows.light._replace(lamps=lamps.lamps, sky=sky)

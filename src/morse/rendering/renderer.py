@@ -138,5 +138,5 @@ class Renderer:
     def _present_stage(self) -> Stage:
         """The present objects; the world is read again if objects were added or removed, or a colour has changed."""
         if self._stage is None or not self._stage.is_current():
-            self._stage = Stage(self._world, self._meshes, self._textures, self._samples)
+            self._stage = Stage(self._world, self._meshes, self._textures, self._samples, self._stage)
         return self._stage

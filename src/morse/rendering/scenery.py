@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from morse.kernel.drawing.arrays import MOVES, Poses
+from morse.kernel.drawing.arrays import DITHERED, MASKED, MOVES, Poses
 from morse.mathutils.portable import matmul
 from morse.rendering.motion import moved
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
 #: the cyclic order of axes
 _NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
+
+
+#: the arrays of a drawing without colours and textures
+_SHAPES = ("vertices", "triangles", "clusters", "spheres", "parts", "closed", "guards", "levels")
 
 
 class Frames(NamedTuple):
@@ -60,6 +64,16 @@ class Scenery:
 
     def __reduce__(self) -> tuple[object, ...]:
         return Scenery, (self.drawing, self.groups, self.placed)
+
+    def casts_as(self, other: Scenery) -> bool:
+        """Whether both cast the same shadows at the same poses: only colours, and textures without holes, differ."""
+        own, others = self.drawing, other.drawing
+        return (
+            all(np.array_equal(getattr(own, name), getattr(others, name)) for name in _SHAPES)
+            and np.array_equal(self.groups, other.groups)
+            and np.array_equal(self.placed, other.placed)
+            and all(map(np.array_equal, _holes(own), _holes(others)))
+        )
 
     def poses(self, frames: Frames, time: float = 0.0) -> Poses:
         """Return the poses of all instances; invisible instances get zeros.
@@ -107,3 +121,9 @@ def _placed(
     turns = one[:, :, _NEXT] * other[:, :, _AFTER] - one[:, :, _AFTER] * other[:, :, _NEXT]
     turns *= np.sign(np.einsum("ni,ni->n", turns[:, 0], linear[:, 0]))[:, None, None]
     return model.reshape(-1, 12).astype(np.float32), turns.reshape(-1, 9).astype(np.float32)
+
+
+def _holes(drawing: Drawing) -> tuple[NDArray[np.int32], NDArray[np.void]]:
+    """(S,) the flags of the material of each slot; and the materials of the slots that have holes."""
+    materials = drawing.materials[drawing.slots]
+    return materials["flags"], materials[materials["flags"] & (MASKED | DITHERED) != 0]

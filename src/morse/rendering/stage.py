@@ -26,13 +26,16 @@ class Stage:
 
     Args:
         samples: number of samples of each pixel.
+        before: the stage before a change of colours, textures or objects.
 
     Attributes:
         contents: the objects.
         painter: draws them.
     """
 
-    def __init__(self, world: World, meshes: MeshStore, textures: TextureStore, samples: int) -> None:
+    def __init__(
+        self, world: World, meshes: MeshStore, textures: TextureStore, samples: int, before: Stage | None = None
+    ) -> None:
         self._world = world
         self._arrangement, self._repaints = world.arrangement, world.repaints
         self.contents = Contents(world, meshes, textures)
@@ -40,7 +43,9 @@ class Stage:
         self._lit_world = LitWorld(world)
         self._water = water_level(world.scene)
         lamps, sky = self._lit_world.now()
-        self.painter = Painter(self.contents.scenery, samples, lamps.lamps, sky)
+        alike = before is not None and before._arrangement == self._arrangement
+        painter = before.painter if before is not None and alike else None
+        self.painter: Painter = Painter(self.contents.scenery, samples, lamps.lamps, sky, painter)
 
     def is_current(self) -> bool:
         """Whether no object was added or removed, and no colour or texture has changed."""
