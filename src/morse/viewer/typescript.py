@@ -68,7 +68,7 @@ def _type(hint: Any) -> str:
         return f"Record<{_type(arguments[0])}, {_type(arguments[1])}>"
     if isinstance(hint, type) and issubclass(hint, msgspec.Struct):
         return hint.__name__
-    return "unknown" if hint is typing.Any else _BASIC[hint]
+    return "unknown" if hint in (typing.Any, object) else _BASIC[hint]
 
 
 if __name__ == "__main__":
