@@ -16,7 +16,8 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "compo
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 napoleon_use_ivar = True  # attributes are documented once
-exclude_patterns = ["_build", "measured"]
+exclude_patterns = ["_build", "_site", "measured"]
+templates_path = ["_templates"]
 myst_enable_extensions = ["attrs_inline", "deflist", "fieldlist"]
 myst_heading_anchors = 3
 # links to source files are for readers of the repository
@@ -30,3 +31,5 @@ html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#1f7a70", "color-brand-content": "#b4560f"},
     "dark_css_variables": {"color-brand-primary": "#7fd1c4", "color-brand-content": "#f0b673"},
 }
+_SIDEBAR = ("brand", "search", "versions", "scroll-start", "navigation", "scroll-end")
+html_sidebars = {"**": [f"sidebar/{part}.html" for part in _SIDEBAR]}

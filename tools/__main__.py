@@ -14,6 +14,8 @@ library that are missing. With the names of components, their pictures are taken
 ``python -m tools arm64 [WHEEL]``: tries the wheel for Linux on ARM64 in an emulator.
 
 ``python -m tools wine [WHEEL]``: tries the kernel of the wheel for Windows.
+
+``python -m tools site FOLDER``: adds the documentation of this version to a site.
 """
 
 from __future__ import annotations
@@ -35,6 +37,10 @@ def main(arguments: list[str]) -> int:
         from tools.release import arm64, wine
 
         return {"arm64": arm64, "wine": wine}[part].main(Path(*names) if names else None)
+    if part == "site" and len(names) == 1:
+        from tools.release import site
+
+        return site.main(Path(*names))
     if part == "compatibility":
         from tools import compatibility
 
