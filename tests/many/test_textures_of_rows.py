@@ -61,6 +61,15 @@ def test_a_texture_is_seen_and_covers_each_side_once(pictures):
         assert np.array_equal(image_of(sim), plain)
 
 
+def test_a_file_that_has_changed_is_read_again(pictures):
+    with morse.load(scene) as sim:
+        sim.set_texture("Wall", "red.png")
+        assert strongest(image_of(sim)) == 0
+        Image.new("RGB", (16, 16), COLORS["green"]).save(pictures / "red.png")
+        sim.set_texture("Wall", "red.png")
+        assert strongest(image_of(sim)) == 1
+
+
 def test_states_contain_it_also_for_other_simulations_and_files(pictures, tmp_path):
     with morse.load(scene) as sim, morse.load(scene) as other:
         fresh = sim.state_hash()

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: size of a file, bytes
 _LARGEST = 1 << 26
+#: number of pictures that are kept
+_MOST = 100
 
 
 class NamedPictures:
@@ -32,6 +34,8 @@ class NamedPictures:
 
     def __init__(self, folders: Callable[[], Sequence[str | os.PathLike[str]]]) -> None:
         self._folders = folders
+        #: by path, time and size of the file
+        self._images: dict[tuple[Path, int, int], Image] = {}
 
     def image(self, name: str) -> Image:
         """Read a PNG or JPEG file, given its path, or its path in one of the folders.
@@ -51,7 +55,11 @@ class NamedPictures:
             raise MorseRPCInvokationError(f"there is no picture {quoted(name)} in {places}")
         reader = Pictures()
         try:
-            if path.stat().st_size > _LARGEST:
+            facts = path.stat()
+            version = path, facts.st_mtime_ns, facts.st_size
+            if version in self._images:
+                return self._images[version]
+            if facts.st_size > _LARGEST:
                 raise OSError(f"it has more than {_LARGEST >> 20} MB")
             with Pillow.open(io.BytesIO(path.read_bytes())) as picture:
                 image = reader.image(path.name, picture)
@@ -59,4 +67,7 @@ class NamedPictures:
             raise MorseRPCInvokationError(f"the picture {path} cannot be read: {error!s:.200}") from None
         if reader.warnings:
             raise MorseRPCInvokationError(f"the picture {path} cannot be used: {reader.warnings[0]}")
-        return shared_image(image.name, image.data, image.mime)
+        if len(self._images) >= _MOST:
+            self._images.clear()
+        shared = self._images[version] = shared_image(image.name, image.data, image.mime)
+        return shared
