@@ -61,7 +61,8 @@ MODELS = {
         <joint name="k" axis="0 1 0" damping="1"/><geom size="0.1" pos="0.1 0 0"/></body></worldbody>
         <equality><joint joint1="k" joint2="j" polycoef="0.5 -1 0 0 0"/></equality></mujoco>""",
     "a thing stands in the table of an arm": """<mujoco><worldbody><body name="table"><geom type="box"
-        size="0.3 0.3 0.02" pos="0 0 0.5"/></body><body name="arm" pos="1 0 1"><joint name="j" axis="0 1 0" damping="1"/>
+        size="0.3 0.3 0.02" pos="0 0 0.5"/></body><body name="arm" pos="1 0 1">
+            <joint name="j" axis="0 1 0" damping="1"/>
         <geom size="0.1" pos="0.1 0 0"/></body><body name="thing" pos="0 0 0.47"><freejoint/>
         <geom type="box" size="0.03 0.03 0.04"/></body></worldbody></mujoco>""",
     "attributes touch each other": """<mujoco><worldbody><body name="w"pos="0 0 1"><joint name='j'axis='0 1 0'/>
