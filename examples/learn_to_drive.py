@@ -11,6 +11,7 @@ never seen.
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import time
 from itertools import pairwise
@@ -184,30 +185,32 @@ def success(driver, layouts=range(1000, 1064), episodes=4, task=Reach):
     return float(np.mean([row[:episodes] for row in reached]))
 
 
-def picture(curve, result):
-    """Return the learning curve as SVG."""
+def picture(curve, result, where="new arenas", unit="{:.0%}", title="actions; episodes that reach the goal"):
+    """Return the learning curve as SVG; its scale ends at 1, or at the multiple of it that the curve needs."""
     width, height, left, bottom = 640, 320, 60, 44
-    most = curve[-1][0]
+    most, top = curve[-1][0], math.ceil(max(result, *(value for _, _, value in curve)))
 
-    def at(actions, share):
-        x, y = left + (width - left - 20) * actions / most, height - bottom - (height - bottom - 20) * share
+    def at(actions, value):
+        x, y = left + (width - left - 20) * actions / most, height - bottom - (height - bottom - 20) * value / top
         return f"{x:.1f},{y:.1f}"
 
     lines = []
-    for share in (0.0, 0.25, 0.5, 0.75, 1.0):
-        x, y = at(0, share).split(",")
+    for value in np.linspace(0.0, top, 5):
+        x, y = at(0, value).split(",")
         lines.append(f'<line x1="{x}" y1="{y}" x2="{width - 20}" y2="{y}" stroke="#8884"/>')
-        lines.append(f'<text x="{left - 8}" y="{y}" dy="4" text-anchor="end">{share:.0%}</text>')
+        lines.append(f'<text x="{left - 8}" y="{y}" dy="4" text-anchor="end">{unit.format(value)}</text>')
     for part in range(5):
         x, y = at(most * part / 4, 0.0).split(",")
         lines.append(f'<text x="{x}" y="{y}" dy="18" text-anchor="middle">{most * part // 4000} k</text>')
-    path = " ".join(at(actions, share) for actions, _, share in curve)
+    path = " ".join(at(actions, value) for actions, _, value in curve)
     x, y = at(most, result).split(",")
+    # on the other side of the dot than the curve
+    label, aside = f"{where}: {unit.format(result)}", -12 if result > curve[-1][2] else 24
     lines += [
         f'<polyline points="{path}" fill="none" stroke="#2a78c8" stroke-width="2"/>',
         f'<circle cx="{x}" cy="{y}" r="5" fill="#d0582a"/>',
-        f'<text x="{x}" y="{y}" dx="-10" dy="24" text-anchor="end" fill="#d0582a">new arenas: {result:.0%}</text>',
-        f'<text x="{width / 2}" y="{height - 8}" text-anchor="middle">actions; episodes that reach the goal</text>',
+        f'<text x="{x}" y="{y}" dx="-10" dy="{aside}" text-anchor="end" fill="#d0582a">{label}</text>',
+        f'<text x="{width / 2}" y="{height - 8}" text-anchor="middle">{title}</text>',
     ]
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif"'
     return f'{head} font-size="13" fill="#808890">' + "".join(lines) + "</svg>\n"

@@ -28,8 +28,8 @@ def scene():
     ball.scale = (RADIUS, RADIUS, RADIUS)
     ball.translate(z=RADIUS)
     ball.set_color(0.1, 0.4, 0.9)
-    ball._bpy_object.game.physics_type = "RIGID_BODY"
-    ball._bpy_object.game.mass = MASS
+    ball.set_rigid_body()
+    ball.set_mass(MASS)
     Environment("empty")
 
 

@@ -29,8 +29,8 @@ def scene():
     box.scale = (HALF, HALF, HALF)
     box.translate(*START, HALF)
     box.set_color(0.1, 0.4, 0.9)
-    box._bpy_object.game.physics_type = "RIGID_BODY"
-    box._bpy_object.game.mass = MASS
+    box.set_rigid_body()
+    box.set_mass(MASS)
     Environment("empty")
 
 

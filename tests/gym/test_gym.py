@@ -25,20 +25,21 @@ from gymnasium.vector import AutoresetMode
 import morse.gym
 from morse.gym.crossing import AGENTS, Crossing
 from morse.gym.reach import Reach, ReachDepth
+from morse.gym.walk import Walk
 from morse.many import normal, uniform
 
 
-@pytest.mark.parametrize("task", [Reach, ReachDepth, LookAround, Picture])
+@pytest.mark.parametrize("task", [Reach, ReachDepth, Walk, LookAround, Picture])
 @pytest.mark.peer("gymnasium", does="its checker accepts the environments")
 def test_gymnasium_checks_it(task):
     env = morse.gym.TaskEnv(task, render_mode="rgb_array")
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*symmetric and normalized.*")
-        check_env(env, skip_render_check=issubclass(task, Reach))  # a view of the scene takes long
+        check_env(env, skip_render_check=issubclass(task, (Reach, Walk)))  # a view of the scene takes long
     env.close()
 
 
-@pytest.mark.parametrize("task", [Reach, ReachDepth, LookAround, Picture])
+@pytest.mark.parametrize("task", [Reach, ReachDepth, Walk, LookAround, Picture])
 def test_stable_baselines_checks_it(task):
     try:
         from stable_baselines3.common.env_checker import check_env as check

@@ -49,7 +49,7 @@ for _name, _place, _colour, _heat in (
     _box.scale = (0.5, 0.5, 0.5)
     _box.set_color(*_colour)
     _box.properties(Object=True, Type="box", Injured=True, Fire=True, Temperature=_heat)
-    _box._bpy_object.game.physics_type = "STATIC"
+    _box.static()
 """
 #: the robot drives, so that the data of sensors change
 _DRIVE = "_drive = MotionVW()\nrobot.append(_drive)\n"

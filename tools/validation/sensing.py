@@ -36,7 +36,7 @@ robot.append(scan)
 wall = Cube("wall")
 wall.location = (4, 0, 1)
 wall.scale = (1, 10, 1)
-wall._bpy_object.game.physics_type = "STATIC"
+wall.static()
 env = Environment('empty', fastmode=True)
 """
     with scene(text) as sim:

@@ -8,11 +8,14 @@ from morse.builder import workspace
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.assembly import shapes
 from morse.builder.blender.objects import SceneObject
+from morse.builder.components.matter import Matter
 from morse.builder.errors import checks
 from morse.scene import Camera as CameraLens
 from morse.scene import Light, Material, Node, NodeKind
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from morse.scene import Mesh as MeshData
 
 # scripts import all names of this module; `Light` of the scene would hide the actuator of that name
@@ -61,8 +64,8 @@ class Empty(BlenderObject):
     """A frame without a body."""
 
 
-class Mesh(BlenderObject):
-    """A solid: a mesh of one colour."""
+class Mesh(BlenderObject, Matter):
+    """A solid: a mesh of one colour. `static` lets other bodies collide with it, `set_rigid_body` lets it move."""
 
     _node_kind = NodeKind.MESH
 
@@ -72,6 +75,9 @@ class Mesh(BlenderObject):
 
     def _mesh(self) -> MeshData:
         return shapes.cube()
+
+    def _solid_nodes(self) -> Iterator[Node]:
+        yield self.scene_node
 
     def color(self, r: float = 0.0, g: float = 0.0, b: float = 0.0) -> None:
         """Set its colour: red, green, blue, 0..1."""

@@ -69,7 +69,7 @@ def arena(layout: int, *, by_camera: bool = False) -> Callable[[], None]:
         def block(name: str, x: float, y: float, half_x: float, half_y: float) -> None:
             cube = Cube(name)
             cube.scale, cube.location = (half_x, half_y, 0.5), (x, y, 0.5)
-            cube._bpy_object.game.physics_type = "STATIC"
+            cube.static()
 
         edge = _HALF + 0.1
         for number, (x, y) in enumerate([(edge, 0.0), (-edge, 0.0), (0.0, edge), (0.0, -edge)]):

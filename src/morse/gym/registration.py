@@ -50,6 +50,7 @@ def _make(create: Callable[..., Any], task: type[Task] | str, **options: Any) ->
 TASKS = {
     "Reach-v0": "morse.gym.reach:Reach",
     "ReachDepth-v0": "morse.gym.reach:ReachDepth",
+    "Walk-v0": "morse.gym.walk:Walk",
 }
 
 

@@ -1,4 +1,4 @@
-"""``trajectory_msgs/JointTrajectory`` as the argument of the service ``trajectory`` of an armature."""
+"""``JointTrajectory`` and the goal of ``FollowJointTrajectory`` as the argument of the service ``trajectory``."""
 
 from __future__ import annotations
 
@@ -47,6 +47,28 @@ def trajectory_of(message: RosMessage) -> RosMessage:
     trajectory = {"joints": joints, "points": [_point(point, len(joints)) for point in message["points"]]}
     start = seconds(message["header"]["stamp"])
     return {"starttime": start, **trajectory} if start else trajectory
+
+
+def goal_of(goal: RosMessage) -> RosMessage:
+    """The trajectory of a goal of ``control_msgs/FollowJointTrajectory``, with its tolerances.
+
+    Raises:
+        ValueError: a point has another number of values than of joints.
+    """
+    trajectory = trajectory_of(goal["trajectory"])
+    for key in ("path_tolerance", "goal_tolerance"):
+        tolerances = {str(one["name"]): _tolerance(one) for one in goal[key]}
+        if tolerances:
+            trajectory[key] = tolerances
+    late = seconds(goal["goal_time_tolerance"])
+    if late > 0.0:
+        trajectory["goal_time_tolerance"] = late
+    return trajectory
+
+
+def _tolerance(tolerance: RosMessage) -> dict[str, float]:
+    """The tolerances of a joint: 0 means none is set, a negative number removes it."""
+    return {name: tolerance[name] for name in ("position", "velocity") if tolerance[name] > 0.0}
 
 
 def _point(point: RosMessage, count: int) -> RosMessage:

@@ -74,22 +74,35 @@ POINT = (
 )
 TRAJECTORY = LINE + "MSG: trajectory_msgs/JointTrajectory\\nHeader header\\nstring[] joint_names\\n"
 TRAJECTORY += "JointTrajectoryPoint[] points\\n"
-GOAL = LINE + "MSG: control_msgs/JointTrajectoryGoal\\ntrajectory_msgs/JointTrajectory trajectory\\n"
-NAMES = ("JointTrajectoryResult", "JointTrajectoryFeedback")
-RESULT, FEEDBACK = (LINE + f"MSG: control_msgs/{name}\\n# no fields\\n" for name in NAMES)
+TOLERANCE = LINE + "MSG: control_msgs/JointTolerance\\nstring name\\nfloat64 position\\nfloat64 velocity\\n"
+TOLERANCE += "float64 acceleration\\n"
 STAMPED = "Header header\\nactionlib_msgs/GoalStatus status\\n"
-TEXT = (
-    "JointTrajectoryActionGoal action_goal\\nJointTrajectoryActionResult action_result\\n"
-    "JointTrajectoryActionFeedback action_feedback\\n"
-    + LINE + "MSG: control_msgs/JointTrajectoryActionGoal\\nHeader header\\nactionlib_msgs/GoalID goal_id\\n"
-    + "JointTrajectoryGoal goal\\n"
-    + LINE + "MSG: control_msgs/JointTrajectoryActionResult\\n" + STAMPED + "JointTrajectoryResult result\\n"
-    + LINE + "MSG: control_msgs/JointTrajectoryActionFeedback\\n" + STAMPED + "JointTrajectoryFeedback feedback\\n"
-    + GOAL + RESULT + FEEDBACK + HEADER + GOAL_ID + STATUS + TRAJECTORY + POINT
+POINTS = "trajectory_msgs/JointTrajectoryPoint"
+
+
+def action(name, goal, result, feedback):
+    text = f"{name}ActionGoal action_goal\\n{name}ActionResult action_result\\n{name}ActionFeedback action_feedback\\n"
+    head = f"Header header\\nactionlib_msgs/GoalID goal_id\\n{name}Goal goal\\n"
+    parts = {
+        "ActionGoal": head, "ActionResult": STAMPED + f"{name}Result result\\n",
+        "ActionFeedback": STAMPED + f"{name}Feedback feedback\\n", "Goal": goal, "Result": result, "Feedback": feedback,
+    }
+    text += "".join(LINE + f"MSG: control_msgs/{name}{part}\\n{content}" for part, content in parts.items())
+    made = generate_dynamic(
+        f"control_msgs/{name}Action", text + TOLERANCE + HEADER + GOAL_ID + STATUS + TRAJECTORY + POINT
+    )
+    globals().update((key.partition("/")[2], cls) for key, cls in made.items())
+
+
+PATH = "trajectory_msgs/JointTrajectory trajectory\\n"
+action("JointTrajectory", PATH, "# no fields\\n", "# no fields\\n")
+action(
+    "FollowJointTrajectory",
+    PATH + "JointTolerance[] path_tolerance\\nJointTolerance[] goal_tolerance\\nduration goal_time_tolerance\\n",
+    "int32 error_code\\nstring error_string\\nint32 SUCCESSFUL=0\\nint32 INVALID_GOAL=-1\\nint32 INVALID_JOINTS=-2\\n"
+    "int32 OLD_HEADER_TIMESTAMP=-3\\nint32 PATH_TOLERANCE_VIOLATED=-4\\nint32 GOAL_TOLERANCE_VIOLATED=-5\\n",
+    f"Header header\\nstring[] joint_names\\n{POINTS} desired\\n{POINTS} actual\\n{POINTS} error\\n",
 )
-made = generate_dynamic("control_msgs/JointTrajectoryAction", TEXT)
-for name, cls in made.items():
-    globals()[name.partition("/")[2]] = cls
 """
 SCENE = """
 from morse.builder import *
@@ -102,6 +115,9 @@ motion = MotionVW(); motion.add_stream("ros", "lab.streams.Steering", topic="/wh
 broken = Pose(); broken.add_stream("ros", "lab.streams.Broken"); robot.append(broken)
 arm = KukaLWR(); arm.translate(z=0.9); robot.append(arm)
 arm.add_overlay("ros", "morse.middleware.ros.overlays.armatures.ArmatureController")
+second = KukaLWR(); second.translate(x=0.5, z=0.9); robot.append(second); second.add_service("ros")
+second.add_stream("ros")
+stand = ArmaturePose(); second.append(stand); stand.add_stream("ros")
 posture = ArmaturePose(); arm.append(posture); posture.add_stream("ros")
 env = Environment("empty", fastmode=True)
 """
@@ -111,15 +127,17 @@ env = Environment("empty", fastmode=True)
 def said(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     need_ros()
     folder = tmp_path_factory.mktemp("ros1_own")
-    for name, text in (("lab/streams.py", STREAMS), ("control_msgs/msg.py", CONTROL_MSGS)):
+    paths = "from control_msgs.msg import JointTrajectory, JointTrajectoryPoint\n"
+    packages = {"lab/streams.py": STREAMS, "control_msgs/msg.py": CONTROL_MSGS, "trajectory_msgs/msg.py": paths}
+    for name, text in packages.items():
         path = folder / "packages" / name
         path.parent.mkdir(parents=True)
         (path.parent / "__init__.py").touch()
         path.write_text(text)
     (folder / "scene.py").write_text(SCENE)
-    packages = (folder / "packages",)
-    with master() as uri, simulation(folder / "scene.py", uri, folders=packages) as log:
-        answers = json.loads(run(HERE / "own_classes_peer.py", uri, folders=packages))
+    folders = (folder / "packages",)
+    with master() as uri, simulation(folder / "scene.py", uri, folders=folders) as log:
+        answers = json.loads(run(HERE / "own_classes_peer.py", uri, folders=folders))
         yield {**answers, "log": log.read_text()}
 
 
@@ -161,7 +179,21 @@ def test_a_trajectory_for_other_joints_is_refused_by_name(said: Any) -> None:
     aborted = 4
     state, text = said["refused"]
     assert state == aborted
-    assert "the trajectory is for the joints elbow" in text
+    assert "elbow" in text
+    assert "kuka_1" in text
+
+
+def test_an_armature_is_a_controller_for_some_of_its_joints(said: Any) -> None:
+    succeeded, rejected = 3, 5
+    assert said["follow"] == [succeeded, 0]
+    assert said["follow feedback"], "five times in a second"
+    assert all(len(names) == 1 and 0.0 <= desired <= 0.5 for names, desired in said["follow feedback"])
+    assert said["follow end"] == pytest.approx(0.5, abs=1e-3)
+    assert said["follow unknown"][0] == rejected
+
+
+def test_a_trajectory_of_a_topic_moves_some_of_the_joints(said: Any) -> None:
+    assert said["topic"] == pytest.approx(0.4, abs=1e-3)
 
 
 def test_a_stream_without_a_class_of_messages_is_refused() -> None:

@@ -2,36 +2,22 @@
 
 from __future__ import annotations
 
-import logging
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.components.collision import set_collision
 from morse.builder.components.component import new_object
+from morse.builder.components.matter import Matter
 from morse.builder.errors import checks
 from morse.core.exceptions import MorseBuilderError
-from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.builder.blender.pose import LiveVector
 
-logger = logging.getLogger(__name__)
 
-#: physics settings that model files have as properties, and the methods of scripts
-_PHYSICS = {
-    "physics_type": "static()",
-    "collision": "PassiveObject(collision=...)",
-    "mass": "set_mass()",
-    "friction": "set_friction()",
-    "restitution": "set_restitution()",
-    "linear_damping": "set_damping()",
-    "angular_damping": "set_damping()",
-}
-
-
-class PassiveObject(AbstractComponent):
+class PassiveObject(Matter):
     """Objects from a model file.
 
     Args:
@@ -70,57 +56,9 @@ class PassiveObject(AbstractComponent):
             self.location = (0.0, 0.0, 0.0)
             self.rotation_euler = (0.0, 0.0, 0.0)
 
-    def properties(self, **kwargs: Any) -> None:
-        """Set tags that components use.
-
-        Raises:
-            MorseBuilderError: the name is one of the physics settings of a model file, which have methods here.
-        """
-        for name in kwargs.keys() & _PHYSICS.keys():
-            raise MorseBuilderError(
-                f"properties({name}=...) has no effect on the physics of '{self.name}': use {_PHYSICS[name]}"
-            )
-        super().properties(**kwargs)
-
-    # --- physics ----------------------------------------------------------------------------
-
-    def static(self) -> None:
-        """Fix the object: other bodies collide with it and do not move it."""
-        for node in self.own_nodes():
-            if node.body.moves:
-                node.body.type = PhysicsType.STATIC
-
-    def set_mass(self, mass: float) -> None:
-        """Set the mass, kg."""
-        self.scene_node.body.mass = checks.number(mass, "set_mass(mass)", above=0.0)
-
-    def set_friction(self, friction: float) -> None:
-        """Set the Coulomb friction coefficient of all contacts."""
-        coefficient = checks.number(friction, "set_friction(friction)", minimum=0.0)
-        for node in self.own_nodes():
-            node.body.friction = coefficient
-
-    def set_restitution(self, restitution: float) -> None:
-        """Set the elasticity of impacts, from 0 to 1: the ratio of the speeds after and before an impact."""
-        for node in self.own_nodes():
-            node.body.restitution = _share(restitution, "set_restitution(restitution)")
-
-    def set_damping(self, linear: float = 0.0, angular: float = 0.0) -> None:
-        """Set the shares of the linear and the angular velocity that the object loses per second, from 0 to 1."""
-        body = self.scene_node.body
-        body.linear_damping = _share(linear, "set_damping(linear)")
-        body.angular_damping = _share(angular, "set_damping(angular)")
-
     def setgraspable(self) -> None:
         """Allow robots to grasp it, and cameras to recognise it, under its present name."""
         self.properties(Object=True, Graspable=True, Label=self.name)
-
-
-def _share(value: float, what: str) -> float:
-    share = checks.number(value, what, minimum=0.0)
-    if share > 1.0:
-        raise ValueError(f"{what} takes a number from 0 to 1, got {share:g}")
-    return share
 
 
 class Zone(AbstractComponent):

@@ -10,10 +10,11 @@ from morse.builder.blender.materials import material_slots
 from morse.builder.components.collision import set_collision
 from morse.builder.components.component import Component
 from morse.builder.components.keyframes import set_keyframe
+from morse.builder.components.matter import Matter
 from morse.builder.errors import checks
 from morse.core.exceptions import MorseBuilderError
 from morse.middleware import registry
-from morse.scene import Bounds, PhysicsType
+from morse.scene import Bounds
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,10 +22,8 @@ if TYPE_CHECKING:
     from morse.builder.abstractcomponent import AbstractComponent
     from morse.scene import ComponentDeclaration, Material, Node
 
-_PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
 
-
-class Robot(Component):
+class Robot(Matter, Component):
     """A body that carries sensors and actuators.
 
     Args:
@@ -135,41 +134,6 @@ class Robot(Component):
 
     # --- physics ----------------------------------------------------------------------------
 
-    def set_friction(self, friction: float = 0.0) -> None:
-        """Set the Coulomb friction coefficient of the robot."""
-        coefficient = checks.number(friction, "set_friction(friction)", minimum=0.0)
-        for node in self.own_nodes():
-            node.body.friction = coefficient
-
-    def set_mass(self, mass: float) -> None:
-        """Set the mass of the body, kg."""
-        self.scene_node.body.mass = checks.number(mass, "set_mass(mass)", above=0.0)
-
-    def set_physics_type(self, physics_type: str = "STATIC") -> None:
-        """Set the physics type of the body.
-
-        Args:
-            physics_type: ``STATIC`` (fixed; other bodies collide with it), ``RIGID_BODY``, ``DYNAMIC`` (does not
-                rotate), ``NO_COLLISION``, ``SENSOR``, ...
-        """
-        word = checks.choice(physics_type, _PHYSICS_TYPES, "set_physics_type(physics_type)")
-        self.scene_node.body.type = PhysicsType(word)
-
-    def set_rigid_body(self) -> None:
-        """Make the robot a rigid body that moves and rotates under forces."""
-        self.set_physics_type("RIGID_BODY")
-        self.scene_node.body.actor = True
-
-    def set_dynamic(self) -> None:
-        """Make the robot a dynamic body that forces move, but do not rotate."""
-        self.set_physics_type("DYNAMIC")
-        self.scene_node.body.actor = True
-
-    def set_no_collision(self) -> None:
-        """Disable collisions and forces for the robot."""
-        for node in self.own_nodes():
-            node.body.type = PhysicsType.NO_COLLISION
-
     def set_collision_bounds(self) -> None:
         """Use the convex hulls of all parts of the model as collision shapes of one body."""
         self.scene_node.body.bounds = Bounds.CONVEX_HULL
@@ -181,9 +145,7 @@ class Robot(Component):
         Args:
             alpha: opacity from 0 (invisible) to 1.
         """
-        opacity = checks.number(alpha, "make_ghost(alpha)", minimum=0.0)
-        if opacity > 1.0:
-            raise ValueError(f"make_ghost(alpha) takes a number from 0 to 1, got {opacity:g}")
+        opacity = checks.share(alpha, "make_ghost(alpha)")
         self.set_no_collision()
         copies: dict[Material, Material] = {}
         for node in self.own_nodes():

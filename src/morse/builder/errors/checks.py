@@ -65,6 +65,14 @@ def number(
     return result
 
 
+def share(value: object, what: str) -> float:
+    """A number from 0 to 1; see `number`."""
+    result = number(value, what, minimum=0.0)
+    if result > 1.0:
+        raise ValueError(f"{what} takes a number from 0 to 1, got {result:g}")
+    return result
+
+
 def integer(value: object, what: str, *, minimum: int | None = None) -> int:
     """Return an integer (``2.0`` is accepted).
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.waiting import Waiting
-from morse.core.status import PREEMPTED, SUCCESS
+from morse.core.status import FAILED, PREEMPTED, SUCCESS
 from morse.middleware.ros.messages import message, message_class
 from morse.rosmsgs.parts import time
 
@@ -19,11 +19,12 @@ if TYPE_CHECKING:
     from types import ModuleType
 
     from morse.core.clock import Clock
+    from morse.core.request_manager import Outcome
     from morse.middleware.ros2.feedback import Feedback
     from morse.rosmsgs.objects import RosClass, RosObject
 
 #: constants of actionlib_msgs/GoalStatus
-_ACTIVE, _PREEMPTED, _SUCCEEDED, _ABORTED, _RECALLED = 1, 2, 3, 4, 8
+_ACTIVE, _PREEMPTED, _SUCCEEDED, _ABORTED, _REJECTED = 1, 2, 3, 4, 5
 #: simulated seconds between two status messages, and for which the status of a finished goal is published
 _STATUS_PERIOD, _KEPT = 0.2, 5.0
 #: maximum number of goals that wait for a tick, and of finished goals whose status is published
@@ -34,6 +35,7 @@ class _Goal:
     def __init__(self, goal_id: RosObject, begun: int) -> None:
         self.id, self.status, self.text = goal_id, _ACTIVE, ""
         self.begun = begun
+        self.is_canceled = False
         self.call: Any = None
         self.ended_at = float("inf")
 
@@ -63,7 +65,7 @@ class ActionServer:
         action = kind()
         self._source = feedback
         self._feedback_class = type(action.action_feedback)
-        self._result_class = type(action.action_result)
+        self._stamped_result, self.result_class = type(action.action_result), type(action.action_result.result)
         complaints = Complaints(logging.getLogger(__name__))
         self._arrived: Waiting[tuple[str, Any]] = Waiting(_WAITING, complaints, f"ros: {path}", "goals")
         self._goals: list[_Goal] = []
@@ -73,7 +75,7 @@ class ActionServer:
         goal_id = message_class("actionlib_msgs/GoalID")
         self._status = rospy.Publisher(f"{path}/status", statuses, queue_size=10, latch=True)
         self._feedback = rospy.Publisher(f"{path}/feedback", type(action.action_feedback), queue_size=10)
-        self._result = rospy.Publisher(f"{path}/result", self._result_class, queue_size=10)
+        self._result = rospy.Publisher(f"{path}/result", self._stamped_result, queue_size=10)
         self._topics = [
             self._status,
             self._feedback,
@@ -81,6 +83,22 @@ class ActionServer:
             rospy.Subscriber(f"{path}/goal", type(action.action_goal), lambda m: self._arrived.append(("goal", m))),
             rospy.Subscriber(f"{path}/cancel", goal_id, lambda m: self._arrived.append(("cancel", m))),
         ]
+
+    def accepts(self, goal: Any) -> bool:
+        """Whether a goal may begin."""
+        return True
+
+    def arguments(self, goal: Any) -> list[Any]:
+        """The arguments of the service for a goal."""
+        return [goal]
+
+    def result(self, outcome: Outcome, *, is_canceled: bool) -> Any:
+        """The result of a goal whose service has ended; None for an empty one.
+
+        Args:
+            is_canceled: whether a client has asked for the end.
+        """
+        return outcome[1] if isinstance(outcome[1], self.result_class) else None
 
     def close(self) -> None:
         """Close the topics."""
@@ -119,13 +137,18 @@ class ActionServer:
         known = next((goal for goal in self._goals if goal.id.id == given.goal_id.id), None)
         if known is not None:
             return  # a duplicate, or cancelled before it arrived
+        if not self.accepts(given.goal):
+            goal = _Goal(given.goal_id, self._stamp)
+            self._goals.append(goal)
+            self._close_goal(goal, _REJECTED, self.result((FAILED, "it does not fit"), is_canceled=False))
+            return
         for running in [goal for goal in self._goals if goal.status == _ACTIVE and goal.call is not None]:
             self._manager.abort_request(running.call)
         self._manager.answer()
         goal = _Goal(given.goal_id, self._stamp)
         self._goals.append(goal)
         self._tell()
-        goal.call = self._begin([given.goal], lambda outcome: self._ended(goal, outcome))
+        goal.call = self._begin(self.arguments(given.goal), lambda outcome: self._ended(goal, outcome))
 
     def _cancel(self, given: RosObject) -> None:
         everything = not given.id and not given.stamp.to_sec()
@@ -134,19 +157,23 @@ class ActionServer:
             if goal.status != _ACTIVE or goal.call is None:
                 continue
             if everything or goal.id.id == given.id or (before and goal.id.stamp.to_sec() <= before):
+                goal.is_canceled = True
                 self._manager.abort_request(goal.call)
 
-    def _ended(self, goal: _Goal, outcome: tuple[str, object]) -> None:
+    def _ended(self, goal: _Goal, outcome: Outcome) -> None:
         state, value = outcome
-        goal.status = _SUCCEEDED if state == SUCCESS else _PREEMPTED if state == PREEMPTED else _ABORTED
-        made = self._result_class()
-        if isinstance(value, type(made.result)):
-            made.result = value
-        elif value is not None:
+        if value is not None and not isinstance(value, self.result_class):
             goal.text = str(value)
+        status = _SUCCEEDED if state == SUCCESS else _PREEMPTED if state == PREEMPTED else _ABORTED
+        self._close_goal(goal, status, self.result(outcome, is_canceled=goal.is_canceled))
+
+    def _close_goal(self, goal: _Goal, status: int, result: Any) -> None:
+        goal.status, goal.ended_at = status, self._now
+        made = self._stamped_result()
+        if result is not None:
+            made.result = result
         made.header = message("std_msgs/Header", {"stamp": time(self._stamp)})
         made.status.goal_id, made.status.status, made.status.text = goal.id, goal.status, goal.text
-        goal.ended_at = self._now
         self._result.publish(made)
         self._tell()
 

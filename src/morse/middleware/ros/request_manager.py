@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from morse.core.calls.answered_requests import AnsweredRequests
+from morse.core.clients.complaints import Complaints
 from morse.core.clients.time_share import TimeShare
 from morse.core.status import FAILED, SUCCESS
 from morse.middleware.ros.actions import ActionServer
 from morse.middleware.ros.messages import message, message_class
 from morse.middleware.ros.node import join
+from morse.middleware.ros.trajectory_action import TrajectoryActionServer
 from morse.middleware.ros2.calls import SET_BOOL, TRIGGER, Call
 from morse.middleware.ros2.feedback import Feedback
+from morse.middleware.ros2.trajectory_action import NAME, SERVICE
 from morse.rosmsgs.names import cleaned
 
 if TYPE_CHECKING:
@@ -29,6 +33,7 @@ if TYPE_CHECKING:
 _EACH_TICK = 64
 #: interval in which a waiting thread checks whether the simulation has ended, s
 _LOOK = 0.5
+_INSTALL = "sudo apt install ros-noetic-control-msgs"
 
 
 class _Waiting:
@@ -63,6 +68,7 @@ class RosRequestManager(AnsweredRequests):
         self._queue: deque[_Waiting] = deque()
         self._share = TimeShare(context.time_shares)
         self._closed = False
+        self._complaints = Complaints(logging.getLogger(__name__))
 
     def initialization(self) -> bool:
         """Become a node.
@@ -91,10 +97,10 @@ class RosRequestManager(AnsweredRequests):
         key, path = (component, name), f"/{cleaned(component)}/{cleaned(name)}"
         self._withdraw(key)
         action = getattr(callback, "_ros_action_type", None)
+        if name == SERVICE and hasattr(getattr(callback, "__self__", None), "plan"):
+            self._offer_trajectories(component, callback)
         if action is not None:
-            feedback_type = type(action().action_feedback.feedback)
-            kinds = dict(zip(feedback_type.__slots__, feedback_type._slot_types, strict=True))
-            feedback = Feedback(callback, feedback_type, kinds, lambda fields: message(feedback_type._type, fields))
+            feedback = _feedback_of(callback, action)
             self._actions[key] = ActionServer(self._rospy, path, action, self._begin(component, name), self, feedback)
             return
         service_type = getattr(callback, "_ros_service_type", None)
@@ -117,6 +123,21 @@ class RosRequestManager(AnsweredRequests):
             return answer(*waiting.outcome)
 
         self._servers[key] = self._rospy.Service(path, kind, serve)
+
+    def _offer_trajectories(self, component: str, callback: Callable[..., object]) -> None:
+        """Offer the action of an armature that follows trajectories."""
+        key, action = (component, NAME), message_class("control_msgs/FollowJointTrajectoryAction")
+        self._withdraw(key)
+        if action is None:
+            text = f"ros: there is no action {NAME}, because control_msgs is not installed: {_INSTALL}"
+            self._complaints.log(logging.INFO, NAME, text)
+            return
+        begin = self._begin(component, SERVICE)
+        server = TrajectoryActionServer(
+            self._rospy, f"/{cleaned(component)}/{NAME}", action, begin, self, _feedback_of(callback, action)
+        )
+        server.armature = callback.__self__  # type: ignore[attr-defined]
+        self._actions[key] = server
 
     def _withdraw(self, key: tuple[str, str]) -> None:
         if key in self._servers:
@@ -148,6 +169,12 @@ class RosRequestManager(AnsweredRequests):
             return self.call(component, service, arguments, ended)
 
         return begin
+
+
+def _feedback_of(callback: Callable[..., object], action: RosClass) -> Feedback:
+    kind = type(action().action_feedback.feedback)
+    kinds = dict(zip(kind.__slots__, kind._slot_types, strict=True))
+    return Feedback(callback, kind, kinds, lambda fields: message(kind._type, fields))
 
 
 def _fields(request: RosObject) -> list[Any]:

@@ -62,7 +62,8 @@ class ActionServer:
         from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
         from action_msgs.srv import CancelGoal
 
-        self.kind, self._begin, self._abort, self._plain = kind, begin, abort, backend.plain
+        self.kind, self._begin, self._abort, self.plain = kind, begin, abort, backend.plain
+        self.result_class = kind.Result
         self._info, self._one, self._array = GoalInfo, GoalStatus, GoalStatusArray
         self._goals: dict[bytes, _Goal] = {}
         self._memory = Budget()
@@ -88,7 +89,7 @@ class ActionServer:
         Args:
             is_canceled: whether a client has asked for the end.
         """
-        return outcome[1] if isinstance(outcome[1], self.kind.Result) else None
+        return outcome[1] if isinstance(outcome[1], self.result_class) else None
 
     def close(self) -> None:
         """End it."""

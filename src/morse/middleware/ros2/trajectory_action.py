@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Any
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.status import SUCCESS
 from morse.middleware.ros2.actions import ActionServer
-from morse.rosmsgs.trajectories import seconds, trajectory_of
+from morse.rosmsgs.trajectories import goal_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from morse.core.request_manager import Outcome
     from morse.core.values import RosMessage
     from morse.rosmsgs.objects import RosClass, RosObject
@@ -36,45 +38,40 @@ def action_type() -> RosClass | None:
     return action
 
 
-class TrajectoryActionServer(ActionServer):
-    """Serves the action of one armature.
+class TrajectoryGoals:
+    """The goals and results of the action of one armature, for action servers of ROS 1 and ROS 2.
 
     Attributes:
         armature: a component with the methods ``plan`` and ``trajectory``.
+        plain: a message as a dictionary with the names of ROS 2.
+        result_class: class of the results.
     """
 
     armature: Any
+    plain: Callable[[RosObject], RosMessage]
+    result_class: RosClass
 
     def arguments(self, goal: RosObject) -> list[Any]:
         """See `ActionServer.arguments`.
 
         Raises:
-            ValueError, MorseRPCInvokationError: the goal does not fit the joints.
+            ValueError: the goal does not fit itself.
         """
-        message = self._plain(goal)
-        trajectory = trajectory_of(message["trajectory"])
-        for key in ("path_tolerance", "goal_tolerance"):
-            tolerances = {str(one["name"]): _given(one) for one in message[key]}
-            if tolerances:
-                trajectory[key] = tolerances
-        late = seconds(message["goal_time_tolerance"])
-        if late > 0.0:
-            trajectory["goal_time_tolerance"] = late
-        return [trajectory]
+        return [goal_of(self.plain(goal))]
 
     def accepts(self, goal: RosObject) -> bool:
         """See `ActionServer.accepts`."""
         try:
             self.armature.plan(*self.arguments(goal))
         except (ValueError, MorseRPCInvokationError) as error:
-            logger.warning("ros2: a trajectory was rejected: %s", error)
+            logger.warning("a trajectory for %s was rejected: %s", self.armature.name(), error)
             return False
         return True
 
     def result(self, outcome: Outcome, *, is_canceled: bool) -> RosObject:
         """See `ActionServer.result`."""
         state, text = outcome
-        result: RosObject = self.kind.Result()
+        result: RosObject = self.result_class()
         if state == SUCCESS or is_canceled:
             return result
         code, _, _ = str(text).partition(":")
@@ -83,6 +80,5 @@ class TrajectoryActionServer(ActionServer):
         return result
 
 
-def _given(tolerance: RosMessage) -> dict[str, float]:
-    """The tolerances of a joint: 0 means none is set, a negative number removes it."""
-    return {name: tolerance[name] for name in ("position", "velocity") if tolerance[name] > 0.0}
+class TrajectoryActionServer(TrajectoryGoals, ActionServer):
+    """Serves the action of one armature."""

@@ -81,7 +81,7 @@ part.name = "part"
 wall = Cube("Wall")
 wall.location = (4.0, 0.0, 1.0)
 wall.properties(Object=True, Fire=True, Robot_Tag=True, Injured=True, Catched_Object=True)
-wall._bpy_object.game.physics_type = "STATIC"
+wall.static()
 env = Environment("empty")
 env.properties(longitude=1.43, latitude=43.6, altitude=135.0)
 """

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 from morse.core.overlay import MorseOverlay
 from morse.core.services import interruptible
 from morse.middleware.ros.decorators import ros_action
+from morse.middleware.ros.messages import plain
 from morse.middleware.ros.node import join
 from morse.middleware.ros.overlays import action_type
-from morse.middleware.ros.overlays.trajectories import in_order_of
 from morse.rosmsgs.names import cleaned
+from morse.rosmsgs.trajectories import trajectory_of
 
 if TYPE_CHECKING:
     from morse.rosmsgs.objects import RosObject
@@ -43,9 +44,9 @@ class ArmatureController(MorseOverlay):
     @interruptible
     @ros_action(type=JointTrajectoryAction)  # type: ignore[untyped-decorator]
     def joint_trajectory_action(self, goal: RosObject) -> None:
-        """Move the joints along a trajectory; its joints may be in any order."""
+        """Move some or all joints along a trajectory; they may be in any order."""
         armature: Any = self.overlaid_object
-        armature.trajectory(self.chain_callback(_without_result), in_order_of(self._joints(), goal.trajectory))
+        armature.trajectory(self.chain_callback(_without_result), trajectory_of(plain(goal.trajectory)))
 
 
 def _without_result(outcome: tuple[str, object]) -> tuple[str, None]:
