@@ -57,7 +57,8 @@ class Walk(Task):
     """Walk ahead, along X, on four legs over rough ground; a fall ends the episode.
 
     The robot is that of the demo ``legs``, with the joints of a URDF file. The reward is the way ahead, of which no
-    more counts than at 0.6 m/s, less half of the way aside, m, and −3 for a fall. Mass and friction differ between episodes.
+    more counts than at 0.6 m/s, less half of the way aside, m, and −3 for a fall. Mass and friction differ between
+    episodes.
 
     The actions are the setpoints of hip and knee of the legs (front left, front right, rear left, rear right), rad. The
     observation is (8,): sine and cosine of the phase of a clock of 1.6 Hz, for the rhythm of the steps; roll, pitch and

@@ -104,6 +104,7 @@ class Steps:
 
     def _run_safely(self) -> None:
         """Run the steps; if they fail, again without the bodies that overlap most, or that diverge."""
+        self._state.sliding.begin()
         self._crowding.relieve()
         mujoco.mj_getState(self._state.model, self._state.data, self._saved, _STATE)
         np.copyto(self._asleep, self._tree_asleep)

@@ -79,7 +79,7 @@ class Touches:
         """Run steps of the engine."""
         state = self._world
         for _ in range(steps):
-            mujoco.mj_step(state.model, state.data)
+            state.advance(1)
             if state.data.ncon:
                 self._add(state.data, state.model.opt.timestep)
 

@@ -10,6 +10,7 @@ import numpy as np
 from morse.physics.model.layout import Motion
 from morse.physics.poses.rows import Rows
 from morse.physics.sleep import Sleep
+from morse.physics.sliding import Sliding
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,6 +79,7 @@ class EngineState:
         known_contacts: (N, 2) geoms in contact at the end of a tick; None until somebody asks for those of the engine.
         names: name of the first node of each slot; ``named`` maps it to the slot.
         watch: runs the steps and observes them; None if nobody does.
+        sliding: runs the steps while objects slide.
     """
 
     watch: Steps | None = None
@@ -86,11 +88,18 @@ class EngineState:
         self.take(compiled, period)
 
     def run(self, steps: int) -> None:
-        """Run steps of the engine."""
+        """Run steps of the engine, and observe them."""
         if self.watch is None:
-            mujoco.mj_step(self.model, self.data, steps)
+            self.advance(steps)
         else:
             self.watch.run(steps)
+
+    def advance(self, steps: int) -> None:
+        """Run steps of the engine."""
+        if self.sliding.is_needed:
+            self.sliding.run(steps)
+        else:
+            mujoco.mj_step(self.model, self.data, steps)
 
     def take(self, compiled: Compiled, period: float) -> None:
         """Use a compiled model, with all poses from the scene."""
@@ -98,6 +107,7 @@ class EngineState:
         self.data: mujoco.MjData = compiled.data
         self.sleep = Sleep(self.model, self.data)
         self.slots: list[Slot] = compiled.slots
+        self.sliding = Sliding(self.model, self.data, self.slots)
         self.geom_node: list[Node] = compiled.geom_node
         self.planes: dict[int, int] = compiled.planes
         self.physics_of_1_4 = compiled.physics_of_1_4
