@@ -65,7 +65,8 @@ class ActionServer:
         action = kind()
         self._source = feedback
         self._feedback_class = type(action.action_feedback)
-        self._stamped_result, self.result_class = type(action.action_result), type(action.action_result.result)
+        self._stamped_result = type(action.action_result)
+        self.result_class: type[Any] = type(action.action_result.result)
         complaints = Complaints(logging.getLogger(__name__))
         self._arrived: Waiting[tuple[str, Any]] = Waiting(_WAITING, complaints, f"ros: {path}", "goals")
         self._goals: list[_Goal] = []

@@ -63,7 +63,7 @@ class ActionServer:
         from action_msgs.srv import CancelGoal
 
         self.kind, self._begin, self._abort, self.plain = kind, begin, abort, backend.plain
-        self.result_class = kind.Result
+        self.result_class: type[Any] = kind.Result
         self._info, self._one, self._array = GoalInfo, GoalStatus, GoalStatusArray
         self._goals: dict[bytes, _Goal] = {}
         self._memory = Budget()

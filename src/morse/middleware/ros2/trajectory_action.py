@@ -49,7 +49,7 @@ class TrajectoryGoals:
 
     armature: Any
     plain: Callable[[RosObject], RosMessage]
-    result_class: RosClass
+    result_class: type[Any]
 
     def arguments(self, goal: RosObject) -> list[Any]:
         """See `ActionServer.arguments`.
