@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -91,3 +92,8 @@ def test_the_container_runs_with_options_that_exist():
     assert {word for word in command if word.startswith("--")} <= names
     assert command[command.index("--view-port") + 1] in text.partition("\nEXPOSE ")[2].split()
     assert text.index("\nUSER morse") < text.index("\nENTRYPOINT")
+
+
+def test_the_package_has_a_program_of_its_name():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["scripts"][project["name"]] == project["scripts"]["morse"]

@@ -53,7 +53,7 @@ def rehearse(folder: Path) -> int:
         for title, command in (
             ("install", [*pip, "--extra-index-url", address, NAME]),
             ("check", [str(programs / "morse"), "check"]),
-            ("demo", [str(programs / "morse"), "demo", "imu", "--headless", "--speed", "max"]),
+            ("demo", [str(programs / NAME), "demo", "imu", "--headless", "--speed", "max"]),
             ("sdist", [*pip[:-2], "--no-deps", "--target", str(place / "sdist"), str(next(folder.glob("*.tar.gz")))]),
             ("docs", [sys.executable, "-m", "sphinx", "-q", "-W", str(wheels.ROOT / "docs"), str(place / "docs")]),
         ):

@@ -30,7 +30,8 @@ def main(wheel: Path | None) -> int:
     if wine is None or targets.host() != _LINUX:
         print("skipped: needs Linux on x86-64 and Wine (apt-get install wine64)", file=sys.stderr)
         return 0
-    with tempfile.TemporaryDirectory() as temporary:
+    # Wine saves its settings some time after its last program has ended
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as temporary:
         place = Path(temporary)
         recorder, repeater, calls = place / "record.so", place / "repeat.exe", place / "calls"
         (place / "functions.h").write_text(functions(), encoding="utf-8")
