@@ -10,6 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from view_pages import until
 
+from morse.viewer.component_description import (
+    ArgumentDescription,
+    ComponentDescription,
+    FieldDescription,
+    PropertyDescription,
+    ServiceDescription,
+)
 from morse.viewer.page_messages import (
     Activate,
     CallService,
@@ -26,15 +33,10 @@ from morse.viewer.snapshot import MovingNode, Snapshot
 from morse.viewer.view_messages import (
     Activity,
     Answer,
-    ArgumentDescription,
-    ComponentDescription,
     Contacts,
-    FieldDescription,
     Picture,
-    PropertyDescription,
     PropertyValue,
     Rays,
-    ServiceDescription,
     Tree,
     Values,
 )

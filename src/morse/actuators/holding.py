@@ -13,6 +13,6 @@ class Holding(Actuator):
 
     @active.setter
     def active(self, value: bool) -> None:
-        self._active = bool(value)
+        Actuator.active.fset(self, value)  # type: ignore[attr-defined] # a property
         if not self._active:
             self.robot_parent.bge_object.restoreDynamics()

@@ -123,33 +123,27 @@ class ComponentCreator(Component):
         workspace.current().attach(self.scene_node, marker)
 
 
-class SensorCreator(RealisticSensor, ComponentCreator):
+class _KindCreator(ComponentCreator):
+    """A component whose kind tells its category."""
+
+    def __init__(
+        self,
+        name: str | None = None,
+        action: str = ComponentCreator.APPEND_EMPTY,
+        blendfile: str | None = None,
+        blendobject: str | None = None,
+        make_morseable: bool = True,
+    ) -> None:
+        super().__init__(name, f"{self._kind}s", action, blendfile, blendobject, make_morseable)
+
+
+class SensorCreator(RealisticSensor, _KindCreator):
     """A sensor; subclasses set the component class (``_classpath``)."""
 
     _kind = "sensor"
 
-    def __init__(
-        self,
-        name: str | None = None,
-        action: str = ComponentCreator.APPEND_EMPTY,
-        blendfile: str | None = None,
-        blendobject: str | None = None,
-        make_morseable: bool = True,
-    ) -> None:
-        super().__init__(name, "sensors", action, blendfile, blendobject, make_morseable)
 
-
-class ActuatorCreator(ComponentCreator):
+class ActuatorCreator(_KindCreator):
     """An actuator; subclasses set the component class (``_classpath``)."""
 
     _kind = "actuator"
-
-    def __init__(
-        self,
-        name: str | None = None,
-        action: str = ComponentCreator.APPEND_EMPTY,
-        blendfile: str | None = None,
-        blendobject: str | None = None,
-        make_morseable: bool = True,
-    ) -> None:
-        super().__init__(name, "actuators", action, blendfile, blendobject, make_morseable)

@@ -9,7 +9,6 @@ import typer
 from morse.cli.messages import say
 from morse.cli.scenes import resolve
 from morse.core.exceptions import MorseError
-from morse.simulation.options import RunOptions
 from morse.system.free_names import free_path
 
 if TYPE_CHECKING:
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from morse.builder.legacy.check import Finding, Survey
+    from morse.simulation.options import RunOptions
 
 
 def check_scene(words: Sequence[str], *, fix: bool) -> int:
@@ -33,12 +33,7 @@ def check_scene(words: Sequence[str], *, fix: bool) -> int:
         CommandError: there is no such script.
     """
     resolved = resolve(words)
-    options = RunOptions(
-        str(resolved.script),
-        arguments=resolved.arguments,
-        source_paths=resolved.source_paths,
-        resource_paths=resolved.resource_paths,
-    )
+    options = resolved.options()
     result = _surveyed(options)
     _print(result.findings, resolved.script)
     runs = not result.stops

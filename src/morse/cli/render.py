@@ -10,7 +10,6 @@ import typer
 from morse.cli.messages import CommandError, nearest, say
 from morse.cli.scenes import resolve
 from morse.cli.viewing import drawn, place_of, request_of, shape_of, size_of, usual_of
-from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
@@ -128,11 +127,7 @@ def load(words: list[str], seed: int | None) -> Simulation:
     from morse.launch.load import described, start
 
     resolved = resolve(words)
-    options = RunOptions(
-        script=str(resolved.script),
-        arguments=resolved.arguments,
-        source_paths=resolved.source_paths,
-        resource_paths=resolved.resource_paths,
+    options = resolved.options(
         view="none",
         sockets=False,
         seed=seed,

@@ -21,10 +21,10 @@ from morse.core.clock import SLOWEST
 from morse.core.node_name import node_name
 from morse.core.reports import log
 from morse.scene.image_workers import image_workers
-from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
     from morse.cli.app import GlobalOptions
+    from morse.simulation.options import RunOptions
 
 # all words after the scene belong to the script, even if they look like options
 CONTEXT_SETTINGS = {"allow_interspersed_args": False}
@@ -142,11 +142,7 @@ def command(
     node = name or node_name()
     # scripts of several nodes read from it which node they describe
     os.environ["MORSE_NODE"] = node
-    options = RunOptions(
-        script=str(resolved.script),
-        arguments=resolved.arguments,
-        source_paths=resolved.source_paths,
-        resource_paths=resolved.resource_paths,
+    options = resolved.options(
         node_name=node,
         view=_view(headless, view),
         host=_host(host),

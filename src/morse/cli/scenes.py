@@ -6,10 +6,11 @@ import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.cli.messages import CommandError, nearest, warn
 from morse.cli.sites import Sites
+from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,6 +43,16 @@ class ResolvedScene:
     def resource_paths(self) -> list[str]:
         """The folder of the models of the project."""
         return self._folders("data")
+
+    def options(self, **others: Any) -> RunOptions:
+        """The options of a run of the scene; ``others`` are those that do not follow from the scene."""
+        return RunOptions(
+            script=str(self.script),
+            arguments=self.arguments,
+            source_paths=self.source_paths,
+            resource_paths=self.resource_paths,
+            **others,
+        )
 
     def _folders(self, name: str) -> list[str]:
         return [str(self.project / name)] if self.project is not None and (self.project / name).is_dir() else []

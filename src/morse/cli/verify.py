@@ -8,7 +8,6 @@ import typer
 
 from morse.cli.messages import CommandError, complain, say
 from morse.cli.scenes import resolve
-from morse.simulation.options import RunOptions
 
 # options may follow the scene; arguments of the scene that begin with a dash come after "--"
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
@@ -30,11 +29,7 @@ def command(
     from morse.verification.verify import ReplayError, verify
 
     resolved = resolve(scene)
-    options = RunOptions(
-        script=str(resolved.script),
-        arguments=resolved.arguments,
-        source_paths=resolved.source_paths,
-        resource_paths=resolved.resource_paths,
+    options = resolved.options(
         seed=seed,
     )
     try:

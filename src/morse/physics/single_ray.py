@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 def cast_ray(
     world: ObjectWorld,
-    rays: Rays,
     start: Sequence[float],
     target: Sequence[float],
     distance: float,
@@ -31,7 +30,7 @@ def cast_ray(
     exclude: GameObject,
 ) -> tuple[GameObject | None, Vector | None, Vector | None]:
     """Return the first object that a ray hits; see `GameObject.rayCast`."""
-    reach = math.dist(start, target)
+    rays, reach = world.rays, math.dist(start, target)
     if not 0.0 < reach < math.inf:
         return None, None, None
     direction = [(b - a) / reach for a, b in zip(start, target, strict=True)]

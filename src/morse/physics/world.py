@@ -37,7 +37,6 @@ from morse.physics.poses.snapshot import Snapshots
 from morse.physics.rays import Rays
 from morse.physics.rescue import Recovery, Rescue
 from morse.physics.separation import Separation
-from morse.physics.single_ray import cast_ray
 from morse.physics.state import saved
 from morse.physics.state.engine_values import CHANGED_WHILE_RUNNING
 from morse.physics.state.saving import Saving
@@ -55,7 +54,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.mathutils import Vector
     from morse.physics.model.compile import Compiled
     from morse.physics.objects.posed import Posed
     from morse.scene import Bone, ComponentDeclaration, Node, Scene, Zone
@@ -395,18 +393,6 @@ class World(ObjectWorld):
     def is_fixed(self, slot: int) -> bool:
         """Whether a slot is static, apart from explicit calls."""
         return self.slots[slot].frame.motion is Motion.FIXED
-
-    def cast(
-        self,
-        start: Sequence[float],
-        target: Sequence[float],
-        distance: float,
-        prop: str,
-        xray: bool,
-        exclude: GameObject,
-    ) -> tuple[GameObject | None, Vector | None, Vector | None]:
-        """See `GameObject.rayCast`; the ray ignores the body of ``exclude``."""
-        return cast_ray(self, self.rays, start, target, distance, prop, xray, exclude)
 
     def contacts(self) -> list[tuple[GameObject, GameObject]]:
         """Return the pairs of objects that are in contact."""

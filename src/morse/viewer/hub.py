@@ -6,19 +6,19 @@ import asyncio
 import logging
 from collections import deque
 from dataclasses import dataclass
-from functools import partial
 from http import HTTPStatus
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from websockets.asyncio.server import broadcast, serve
+from websockets.asyncio.server import broadcast
 from websockets.exceptions import ConnectionClosed
 
 from morse.core.clients.acceptors.streams import StreamAcceptor
 from morse.core.clients.budget import ENTRY, PARSED, OverBudget
 from morse.core.clients.complaints import Complaints
-from morse.core.clients.web_connection import PacedConnection, sender_of
-from morse.core.clients.web_crowd import MOST_WAITING, NO_PLACE
+from morse.core.clients.web_connection import sender_of
+from morse.core.clients.web_crowd import NO_PLACE
+from morse.core.clients.web_ports import serve_on
 from morse.viewer import page_messages as pm
 from morse.viewer.page import Page
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
@@ -115,30 +115,20 @@ class Hub:
         Raises:
             OSError: no port is free.
         """
-        failure: OSError | None = None
-        for port in ports:
-            try:
-                self._server = await serve(
-                    self._serve,
-                    host,
-                    port,
-                    process_request=self._answer,
-                    create_connection=partial(PacedConnection, self._arrivals),  # type: ignore[arg-type] # a factory is sufficient
-                    acceptor=self._acceptor,
-                    compression=None,
-                    max_size=MAX_MESSAGE,
-                    max_queue=MOST_WAITING,
-                    open_timeout=_PATIENCE,
-                    close_timeout=_PATIENCE,
-                    logger=self._quiet,
-                )
-            except OSError as error:
-                failure = error
-                continue
-            own_port = int(next(iter(self._server.sockets)).getsockname()[1])
-            self._cookie = f"morse_view_{own_port}"
-            return own_port
-        raise failure or OSError("no port was given")
+        self._server, port = await serve_on(
+            self._serve,
+            host,
+            ports,
+            self._arrivals,
+            self._acceptor,
+            process_request=self._answer,
+            max_size=MAX_MESSAGE,
+            open_timeout=_PATIENCE,
+            close_timeout=_PATIENCE,
+            logger=self._quiet,
+        )
+        self._cookie = f"morse_view_{port}"
+        return port
 
     async def close(self) -> None:
         """Tell the pages that the simulation has ended, and close the connections."""

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 from morse.middleware.foxglove.hub import FoxgloveHub
 from morse.middleware.foxglove.mapping import MANAGER_OPTIONS
 from morse.middleware.rosbridge import json_form
-from morse.middleware.web.hub import hub_of
+from morse.middleware.web.datastream import WebTopicManager
 from morse.middleware.web.topics import WebTopics
-from morse.rosmsgs.topics.manager import TopicManager
 
 if TYPE_CHECKING:
     from morse.core.values import RosMessage
@@ -26,7 +25,7 @@ class FoxgloveTopics(WebTopics):
         return json_form.decode(type_name, data)
 
 
-class FoxgloveDatastreamManager(TopicManager):
+class FoxgloveDatastreamManager(WebTopicManager):
     """The topics, messages and frames of ROS 2, for Foxglove.
 
     Options of ``env.configure_stream_manager('foxglove', ...)`` are in `morse.middleware.foxglove.mapping`.
@@ -35,12 +34,5 @@ class FoxgloveDatastreamManager(TopicManager):
     classpath = "morse.middleware.foxglove.datastream.FoxgloveDatastreamManager"
     manager_options = MANAGER_OPTIONS
     title = "foxglove"
-    backend: FoxgloveTopics
-
-    def _make_backend(self) -> FoxgloveTopics:
-        return FoxgloveTopics(hub_of(self.context, FoxgloveHub))
-
-    def flush(self) -> None:
-        """The end of a tick: publish time and frames, and send all messages."""
-        super().flush()
-        self.backend.flush()
+    hub_class = FoxgloveHub
+    topics_class = FoxgloveTopics

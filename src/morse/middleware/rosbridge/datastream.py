@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 from morse.middleware.rosbridge import json_form
 from morse.middleware.rosbridge.hub import RosbridgeHub
 from morse.middleware.rosbridge.mapping import MANAGER_OPTIONS
-from morse.middleware.web.hub import hub_of
+from morse.middleware.web.datastream import WebTopicManager
 from morse.middleware.web.topics import WebTopics
-from morse.rosmsgs.topics.manager import TopicManager
 
 if TYPE_CHECKING:
     from morse.core.values import RosMessage
@@ -23,7 +22,7 @@ class RosbridgeTopics(WebTopics):
         return json_form.decode(type_name, data)
 
 
-class RosbridgeDatastreamManager(TopicManager):
+class RosbridgeDatastreamManager(WebTopicManager):
     """The topics, messages and frames of ROS 2, as JSON over WebSocket.
 
     Options of ``env.configure_stream_manager('rosbridge', ...)`` are in `morse.middleware.rosbridge.mapping`.
@@ -32,12 +31,5 @@ class RosbridgeDatastreamManager(TopicManager):
     classpath = "morse.middleware.rosbridge.datastream.RosbridgeDatastreamManager"
     manager_options = MANAGER_OPTIONS
     title = "rosbridge"
-    backend: RosbridgeTopics
-
-    def _make_backend(self) -> RosbridgeTopics:
-        return RosbridgeTopics(hub_of(self.context, RosbridgeHub))
-
-    def flush(self) -> None:
-        """The end of a tick: publish time and frames, and send all messages."""
-        super().flush()
-        self.backend.flush()
+    hub_class = RosbridgeHub
+    topics_class = RosbridgeTopics

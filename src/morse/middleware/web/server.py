@@ -6,19 +6,18 @@ import asyncio
 import contextlib
 import logging
 import socket
-from functools import partial
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from urllib.parse import quote
 
-from websockets.asyncio.server import serve
 from websockets.exceptions import ConnectionClosed
 
 from morse.core.clients.acceptors.streams import StreamAcceptor
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.web_access import Access
-from morse.core.clients.web_connection import PacedConnection, sender_of
-from morse.core.clients.web_crowd import MOST_WAITING, NO_PLACE, place_of
+from morse.core.clients.web_connection import sender_of
+from morse.core.clients.web_crowd import NO_PLACE, place_of
+from morse.core.clients.web_ports import serve_on
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.web.client import WebClient
 
@@ -119,35 +118,27 @@ class WebServer(Generic[_C]):
     # -- in the network thread ---------------------------------------------------------------
 
     async def _open(self) -> None:
-        failure: OSError | None = None
-        for port in _ports(self._wanted):
-            try:
-                self._server = await serve(
-                    self._serve,
-                    self._context.host,
-                    port,
-                    process_request=self._check,
-                    subprotocols=self._subprotocols or None,  # type: ignore[arg-type] # words are subprotocols
-                    compression=None,
-                    create_connection=partial(PacedConnection, self._context.network.arrivals),  # type: ignore[arg-type] # a factory is sufficient
-                    acceptor=self._acceptor,
-                    max_size=MAX_MESSAGE,
-                    max_queue=MOST_WAITING,
-                    open_timeout=_PATIENCE,
-                    ping_timeout=_SILENCE,
-                    close_timeout=_FAREWELL,
-                    server_header=None,
-                    logger=self._quiet,
-                )
-            except OSError as error:
-                failure = error
-                continue
-            self.port = int(next(iter(self._server.sockets)).getsockname()[1])
-            return
-        raise MorseMiddlewareError(
-            f"{self._name}: no port from {self._wanted} on is free on {self._context.host}: {failure}; "
-            f"set another one: env.configure_stream_manager('{self._name}', port=0)"
-        )
+        try:
+            self._server, self.port = await serve_on(
+                self._serve,
+                self._context.host,
+                _ports(self._wanted),
+                self._context.network.arrivals,
+                self._acceptor,
+                process_request=self._check,
+                subprotocols=self._subprotocols or None,
+                max_size=MAX_MESSAGE,
+                open_timeout=_PATIENCE,
+                ping_timeout=_SILENCE,
+                close_timeout=_FAREWELL,
+                server_header=None,
+                logger=self._quiet,
+            )
+        except OSError as error:
+            raise MorseMiddlewareError(
+                f"{self._name}: no port from {self._wanted} on is free on {self._context.host}: {error}; "
+                f"set another one: env.configure_stream_manager('{self._name}', port=0)"
+            ) from None
 
     async def _close(self) -> None:
         if self._server is None:

@@ -10,18 +10,16 @@ from morse.physics.reactions import Reactions
 from morse.physics.state.engine_state import EngineState
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 
-    from morse.mathutils import Vector
     from morse.physics.bodies import Bodies
     from morse.physics.driving.drives import Drives
     from morse.physics.gliding.gliding import Gliding
     from morse.physics.objects.attachments import Attachments
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.posed import Posed
+    from morse.physics.rays import Rays
     from morse.scene import Node
 
 
@@ -39,6 +37,11 @@ class ObjectWorld(EngineState):
     drives: Drives
     attachments: Attachments
     gliding: Gliding
+
+    @property
+    @abstractmethod
+    def rays(self) -> Rays:
+        """The ray caster, created on demand."""
 
     @cached_property
     def _reactions(self) -> Reactions:
@@ -65,18 +68,6 @@ class ObjectWorld(EngineState):
     def slot_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, which must be read immediately."""
         return self.positions.array, self.rotations.array.reshape(-1, 3, 3)
-
-    @abstractmethod
-    def cast(
-        self,
-        start: Sequence[float],
-        target: Sequence[float],
-        distance: float,
-        prop: str,
-        xray: bool,
-        exclude: GameObject,
-    ) -> tuple[GameObject | None, Vector | None, Vector | None]:
-        """See `GameObject.rayCast`; the ray ignores the body of ``exclude``."""
 
     @abstractmethod
     def note_displaced(self, obj: GameObject) -> None:

@@ -39,23 +39,17 @@ class SpatialKinds(TopicTable):
         """A point if there is no orientation."""
         if not bound.has("orientation"):
             return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True, by_rows=True)]
-        if bound.has("covariance"):
-            return [_with_covariance("PoseWithCovarianceStamped", "pose", pose_message)]
-        return [
-            _stamped("PoseStamped", "pose", pose_message, lambda m: (*three(m.position), *xyzw(m.orientation))),
-        ]
+        return [_spatial(bound, "Pose", pose_message, lambda m: (*three(m.position), *xyzw(m.orientation)))]
 
     @topics("twist")
     def twist(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """In the frame of the component."""
-        if bound.has("covariance"):
-            return [_with_covariance("TwistWithCovarianceStamped", "twist", _twist)]
-        return [_stamped("TwistStamped", "twist", _twist, lambda m: (*three(m.linear), *three(m.angular)))]
+        return [_spatial(bound, "Twist", _twist, lambda m: (*three(m.linear), *three(m.angular)))]
 
     @topics("accel")
     def accel(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
         """Without gravity, therefore not an IMU message."""
-        return [_with_covariance("AccelWithCovarianceStamped", "accel", _twist)]
+        return [_with_covariance("Accel", _twist)]
 
     @topics("attitude")
     def attitude(self, stream: Carrier, bound: BoundKind) -> list[Outlet]:
@@ -140,21 +134,28 @@ class SpatialKinds(TopicTable):
         ]
 
 
-def _stamped(
-    name: str, part: str, content: Callable[[Message], RosMessage], numbers: Callable[[Message], tuple[float, ...]]
+def _spatial(
+    bound: BoundKind,
+    name: str,
+    content: Callable[[Message], RosMessage],
+    numbers: Callable[[Message], tuple[float, ...]],
 ) -> Outlet:
+    """A message with a header, and with the covariance if there is one."""
+    if bound.has("covariance"):
+        return _with_covariance(name, content)
     return Outlet(
-        f"geometry_msgs/msg/{name}",
-        lambda m, f: {"header": header(m, f), part: content(m)},
+        f"geometry_msgs/msg/{name}Stamped",
+        lambda m, f: {"header": header(m, f), name.lower(): content(m)},
         numbers=numbers,
         is_detached=True,
         by_rows=True,
     )
 
 
-def _with_covariance(name: str, part: str, content: Callable[[Message], RosMessage]) -> Outlet:
+def _with_covariance(name: str, content: Callable[[Message], RosMessage]) -> Outlet:
+    part = name.lower()
     return Outlet(
-        f"geometry_msgs/msg/{name}",
+        f"geometry_msgs/msg/{name}WithCovarianceStamped",
         lambda m, f: {"header": header(m, f), part: {part: content(m), "covariance": covariance(m.covariance)}},
         by_rows=True,
     )

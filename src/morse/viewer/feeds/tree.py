@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.core.actuator import Actuator
 from morse.core.declarations import fields_of_component, properties
 from morse.core.services import signature_of
-from morse.viewer.view_messages import (
+from morse.viewer.component_description import (
     ArgumentDescription,
     ComponentDescription,
     FieldDescription,
