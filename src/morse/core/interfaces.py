@@ -6,7 +6,7 @@ modifiers and middlewares by these protocols.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, MutableSequence, Sequence
@@ -22,13 +22,14 @@ if TYPE_CHECKING:
 
 _P = TypeVar("_P")
 _R = TypeVar("_R")
+_Q = TypeVar("_Q", contravariant=True)
 _Call = TypeVar("_Call", bound="Callable[..., object]")
 
 
-class Server(Protocol):
+class Server(Protocol[_Q]):
     """Answers requests of one kind."""
 
-    def serve(self, requests: Sequence[Any]) -> None:
+    def serve(self, requests: Sequence[_Q]) -> None:
         """Answer requests, all of which belong to this server, for the present state of the world."""
 
 
@@ -36,7 +37,7 @@ class Request(Protocol):
     """A query that must be answered before each action of a component; the server writes the answer into it."""
 
     @property
-    def server(self) -> Server:
+    def server(self) -> Server[Self]:
         """The server that answers the request."""
 
 
@@ -208,7 +209,7 @@ class Stream(Protocol):
     def component_instance(self) -> Any:
         """The component."""
 
-    def default(self, component: Any = None, /) -> object:
+    def default(self, component: Component | None = None, /) -> object:
         """Publish the data, or read them."""
 
 
@@ -223,7 +224,7 @@ class Middleware(Protocol):
     def after_tick(self) -> None:
         """Called at the end of a tick."""
 
-    def connect(self, component: Any, declaration: StreamDeclaration) -> None:
+    def connect(self, component: Component, declaration: StreamDeclaration) -> None:
         """Open a stream for a component."""
 
     def disconnect(self, name: str) -> None:

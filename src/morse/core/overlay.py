@@ -20,7 +20,7 @@ class MorseOverlay(AbstractObject):
         overlaid_object: the component whose services are replaced.
     """
 
-    def __init__(self, overlaid_object: AbstractObject, **options: Any) -> None:
+    def __init__(self, overlaid_object: AbstractObject, **options: object) -> None:
         super().__init__()
         self.overlaid_object = overlaid_object
         self.options = options

@@ -99,8 +99,8 @@ def _serve(components: Iterable[Component]) -> None:
         server.serve(requests)
 
 
-def _by_server(components: Iterable[Component]) -> dict[Server, list[Request]]:
-    by_server: dict[Server, list[Request]] = {}
+def _by_server(components: Iterable[Component]) -> dict[Server[Request], list[Request]]:
+    by_server: dict[Server[Request], list[Request]] = {}
     for component in components:
         if component.active:
             for request in component.requests:

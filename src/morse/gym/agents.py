@@ -18,8 +18,9 @@ from morse.gym.team import Team
 from morse.gym.variety import scenes_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
+    from morse.core.values import Options
     from morse.gym.task import Task
     from morse.viewer.notebook import Frame
 
@@ -50,7 +51,7 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         """Return the space of the actions of an agent."""
         return self.action_spaces[agent]
 
-    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
+    def reset(self, seed: int | None = None, options: Options | None = None) -> tuple[Any, Any]:
         """Begin an episode of all agents."""
         if seed is not None:
             self._seeds = np.random.default_rng(seed)
@@ -64,7 +65,7 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         observations = self._episodes.observations()
         return {agent: row_of(observations, self.possible_agents.index(agent)) for agent in self.agents}
 
-    def step(self, actions: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any]:
+    def step(self, actions: Mapping[str, object]) -> tuple[Any, Any, Any, Any, Any]:
         """Do an action of each agent."""
         space = self._episodes.action_space
         given = np.array([np.clip(np.zeros(space.shape), space.low, space.high)] * len(self.possible_agents))

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from morse.core.values import Options
     from morse.gym.task import Task
     from morse.viewer.notebook import Frame
 
@@ -45,7 +46,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         """The task."""
         return self._episodes.task
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: Options | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode."""
         super().reset(seed=seed)
         if seed is None:
@@ -54,7 +55,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         self._np_random = self._episodes.generators[0]
         return row_of(self._episodes.observations(), 0), dict(self._episodes.drawn[0])
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action: object) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Do an action."""
         rewards, ended, late, infos = self._episodes.step(actions_of(action, self.action_space.shape or ())[None])
         info = {name: values[0] for name, values in infos.items()}

@@ -132,7 +132,7 @@ class Reach(Task):
         parts = [far / 5.0, c * east + s * north, c * north - s * east, data["action"][:, 1]]
         return np.column_stack([np.minimum(near, _FAR) / (0.5 * _FAR) - 1.0, *parts]).astype(np.float32)
 
-    def _near(self, data: dict[str, NDArray[Any]]) -> NDArray[np.floating[Any]]:
+    def _near(self, data: dict[str, NDArray[np.generic]]) -> NDArray[np.floating[Any]]:
         """Return (N, 36) the nearest distance in each sector, m."""
         scan = data["scan"][:, 1:]
         nearest: NDArray[np.floating[Any]] = scan.reshape(len(scan), _SECTORS, -1).min(axis=2)

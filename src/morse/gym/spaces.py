@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morse.gym.task import Command, Read
 
 
-def space_of(read: Read, component: object, values: NDArray[Any]) -> spaces.Box:
+def space_of(read: Read, component: object, values: NDArray[np.generic]) -> spaces.Box:
     """Return the space of data: uint8 for pictures, else float32 within the declared ranges.
 
     Args:
@@ -57,7 +57,7 @@ def action_space(command: Command) -> spaces.Box:
     return spaces.Box(low, high, dtype=np.float32)
 
 
-def fitted(values: NDArray[Any], space: spaces.Space[Any]) -> NDArray[Any]:
+def fitted(values: NDArray[np.generic], space: spaces.Space[object]) -> NDArray[Any]:
     """Return values of all rows in the type, the shape and the range of a space."""
     array = np.array(values, getattr(space, "dtype", None))
     shape = space.shape

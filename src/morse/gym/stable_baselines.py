@@ -42,7 +42,7 @@ class BaselinesVecEnv(VecEnv):
         self._reset_options()
         return observations
 
-    def step_async(self, actions: Any) -> None:
+    def step_async(self, actions: object) -> None:
         """Take the actions of the next step."""
         self._actions = actions
 
@@ -71,18 +71,20 @@ class BaselinesVecEnv(VecEnv):
 
     def get_images(self) -> Sequence[Any]:
         """Return a picture (H, W, 3) of each row."""
-        pictures: Sequence[Any] = self.envs.render() or [None] * self.num_envs
+        pictures: Sequence[object] = self.envs.render() or [None] * self.num_envs
         return pictures
 
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+    def get_attr(self, attr_name: str, indices: object = None) -> list[Any]:
         """Return an attribute of the vector, once for each row."""
         return [getattr(self.envs, attr_name) for _ in self._get_indices(indices)]
 
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+    def set_attr(self, attr_name: str, value: object, indices: object = None) -> None:
         """Set an attribute of the vector, for all rows."""
         setattr(self.envs, attr_name, value)
 
-    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
+    def env_method(
+        self, method_name: str, *method_args: object, indices: object = None, **method_kwargs: object
+    ) -> list[Any]:
         """Rows are no objects, and have no methods.
 
         Raises:
@@ -90,7 +92,7 @@ class BaselinesVecEnv(VecEnv):
         """
         raise AttributeError(f"rows of a vector have no method '{method_name}': call it on the task")
 
-    def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:
+    def env_is_wrapped(self, wrapper_class: type[object], indices: object = None) -> list[bool]:
         """Return that no row is wrapped."""
         return [False for _ in self._get_indices(indices)]
 

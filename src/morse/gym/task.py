@@ -87,7 +87,7 @@ class Task:
     many: Any
     values: dict[str, NDArray[Any]]
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, **kwargs: object) -> None:
         """A function that builds a scene is no method, although it stands in a class."""
         super().__init_subclass__(**kwargs)
         scene = vars(cls).get("scene")

@@ -17,6 +17,7 @@ from morse.many.rows import seeds_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from morse.core.values import Options
     from morse.gym.task import Task
     from morse.viewer.notebook import Frame
 
@@ -97,7 +98,7 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
         self.action_space = batch_space(self.single_action_space, num_envs)
 
     def reset(
-        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int] | None = None, options: Options | None = None
     ) -> tuple[Any, dict[str, Any]]:
         """Begin an episode in each row; the seed of row ``k`` is ``seed + k``.
 
@@ -107,7 +108,7 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
         seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
         return self._rows.reset(seeds, (options or {}).get("reset_mask"))
 
-    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+    def step(self, actions: object) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Do an action in each row: (N, ...) observations, (N,) rewards, terminated, truncated, and infos."""
         return self._rows.step(actions)
 
@@ -122,7 +123,7 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
         frame: Frame = self._rows.episodes.many.show(row, height=height, port=port)
         return frame
 
-    def close_extras(self, **kwargs: Any) -> None:
+    def close_extras(self, **kwargs: object) -> None:
         """End the simulations."""
         self._rows.episodes.close()
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from multiprocessing.connection import Connection
 
+    from morse.core.values import Options
     from morse.gym.task import Task
     from morse.viewer.notebook import Frame
 
@@ -232,7 +233,7 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             RuntimeError: a process has failed or has ended; the message says where.
         """
-        answers: list[Any] = []
+        answers: list[object] = []
         problems: list[str] = []
         asked = range(len(self._processes)) if numbers is None else numbers
         for number, content in zip(asked, contents, strict=True):
@@ -253,7 +254,7 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         return answers
 
     def reset(
-        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int] | None = None, options: Options | None = None
     ) -> tuple[Any, dict[str, Any]]:
         """Begin an episode in each row; see `morse.gym.TaskVectorEnv.reset`. Processes that have ended are replaced."""
         shared, others = self._shared, self._replace()
@@ -269,7 +270,7 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         infos = self._ask("reset", contents)
         return shared.observations(), self._together(infos)
 
-    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+    def step(self, actions: object) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Do an action in each row; see `morse.gym.TaskVectorEnv.step`."""
         shared = self._shared
         shared.action[:] = actions_of(actions, shared.action.shape)
@@ -304,7 +305,7 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         (frame,) = filter(None, self._ask("show", [(row, height, port)] * len(self._places)))
         return frame
 
-    def close_extras(self, **kwargs: Any) -> None:
+    def close_extras(self, **kwargs: object) -> None:
         """End the processes."""
         self._end()
 

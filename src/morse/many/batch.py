@@ -75,8 +75,8 @@ class Batch:
         rows: int | None = None,
         *,
         seed: int | Sequence[int] = 0,
-        arguments: Sequence[Any] = (),
-        **options: Any,
+        arguments: Sequence[object] = (),
+        **options: object,
     ) -> None:
         self._scenes = Scenes(scene, rows, arguments, options)
         self.seeds = seeds_of(seed, range(self._scenes.rows))

@@ -39,7 +39,7 @@ class Layout:
         TypeError: several fields of which one contains no numbers.
     """
 
-    def __init__(self, component: str, fields: Sequence[str], data: Mapping[str, Any]) -> None:
+    def __init__(self, component: str, fields: Sequence[str], data: Mapping[str, object]) -> None:
         self.component, self.fields = component, tuple(fields)
         if not fields:
             raise TypeError(f"{component}: name the fields, which are {', '.join(data)}")

@@ -39,7 +39,7 @@ class RayExecutor(Executor):
         if fn not in self._functions:
             environment = {"env_vars": ONE_THREAD}
             self._functions[fn] = self._cluster.ray.remote(fn).options(max_retries=_RETRIES, runtime_env=environment)
-        future: Future[Any] = self._functions[fn].remote(*args, **kwargs).future()
+        future: Future[object] = self._functions[fn].remote(*args, **kwargs).future()
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:

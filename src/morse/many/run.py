@@ -133,7 +133,7 @@ def _failure(error: BaseException) -> dict[str, str]:
     return {"error": summary(error), "where": place(error).strip()}
 
 
-def _results(returned: object, row: dict[str, Any]) -> dict[str, Any]:
+def _results(returned: object, row: dict[str, object]) -> dict[str, Any]:
     """The results of a run.
 
     Raises:
@@ -173,7 +173,7 @@ def is_row(row: object) -> bool:
     return bool(is_named)
 
 
-def signature(row: dict[str, Any]) -> str:
+def signature(row: dict[str, object]) -> str:
     """Return the kind of the failure of a row: its error without numbers, and its place."""
     error, where = str(row["error"]), str(row.get("where", ""))
     return re.sub(r"[-+]?\d[\d.e+-]*", "#", error) + "\n" + where

@@ -39,7 +39,7 @@ class Scenes:
         TypeError: the number of rows is not an integer, or there is no such option.
     """
 
-    def __init__(self, scene: Scene, rows: int | None, arguments: Sequence[Any], options: Options) -> None:
+    def __init__(self, scene: Scene, rows: int | None, arguments: Sequence[object], options: Options) -> None:
         for name in options:
             if name not in _OPTIONS:
                 text = f"morse.batch has no argument '{name}'{nearest(name, list(_ARGUMENTS))}"

@@ -56,7 +56,7 @@ class Stock:
         self._scenes: dict[Hashable, _Kept] = {}
 
     @contextmanager
-    def load(self, key: Hashable, scene: Any, seed: int, arguments: Sequence[str] = ()) -> Iterator[Simulation]:
+    def load(self, key: Hashable, scene: object, seed: int, arguments: Sequence[str] = ()) -> Iterator[Simulation]:
         """Load a scene for one run, with ``on_failure="raise"``; the simulation is closed afterwards.
 
         Args:

@@ -47,13 +47,13 @@ class Study:
     def __init__(
         self,
         scene: Scene,
-        run: Callable[..., Any],
+        run: Callable[..., object],
         *,
         seeds: int | Sequence[int] = 1,
         arguments: Sequence[str] = (),
         options: Options | None = None,
         timeout: float | None = None,
-        **parameters: Any,
+        **parameters: object,
     ) -> None:
         if not callable(run):
             raise TypeError(f"run is a function of a simulation, not {run!r:.80}")
@@ -212,7 +212,7 @@ class Study:
 
     def description(self) -> dict[str, Any] | None:
         """Return the study as plain data, for another process; None if only this process has its functions."""
-        parts: dict[str, Any] = {}
+        parts: dict[str, object] = {}
         for key, part in (("run", self.run_function), ("scene", self.scene)):
             if isinstance(part, str):
                 parts[key] = part

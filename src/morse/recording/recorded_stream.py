@@ -120,7 +120,7 @@ class RecordedStream(TopicStream):
                 self.manager.transforms.moved(self, self.motion(bound.gather()).pose)
         return False
 
-    def _measured(self, data: dict[str, Any], key: _Key) -> tuple[tuple[Any, ...], _Key]:
+    def _measured(self, data: dict[str, object], key: _Key) -> tuple[tuple[Any, ...], _Key]:
         """The values of fields, without those that are computed on demand and follow from others."""
         names = self._chosen.get(key)
         if names is None:
@@ -130,7 +130,7 @@ class RecordedStream(TopicStream):
         values = tuple([value.make() if type(value) is Later else value for value in chosen])
         return values, (names, tuple(map(type, chosen)))
 
-    def _choose(self, data: dict[str, Any]) -> Iterator[str]:
+    def _choose(self, data: dict[str, object]) -> Iterator[str]:
         declared = fields_of(self.component_instance)
         general = any(bound.kind.name == GENERAL for bound, _ in self.sending)
         for name, value in dict.items(data):
@@ -145,7 +145,7 @@ class RecordedStream(TopicStream):
         component = self.component_instance
         sources = [source for bound, line, _ in self._recorded if line.outlet.by_rows for _, source in bound.sources]
         properties = tuple(dict.fromkeys(name for source in sources for name in source.properties))
-        live: list[Callable[[], Any]] = []
+        live: list[Callable[[], object]] = []
         if properties:
             live.append(partial(_tuple_getter(properties), component))
         lines = []
@@ -222,7 +222,7 @@ class RecordedStream(TopicStream):
         times = rows.columns.get("timestamp")
         if times is None:
             return stamps
-        present: Any = clock.origin + rows.ticks / clock.frequency
+        present: object = clock.origin + rows.ticks / clock.frequency
         late = np.flatnonzero(times != present) if isinstance(times, np.ndarray) else range(len(stamps))
         for row in late:
             stamps[row] = clock.stamp_at(times[row], int(rows.ticks[row]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.recording.errors import RecordingError
 from morse.recording.fields import FIELDS
@@ -72,7 +72,7 @@ class Recording(McapFile):
             RecordingError: it is not a list of strings.
         """
         try:
-            texts: Any = json.loads(self.facts.get(name, "[]"))
+            texts: object = json.loads(self.facts.get(name, "[]"))
         except (ValueError, RecursionError):
             texts = None
         if not isinstance(texts, list) or not all(isinstance(one, str) for one in texts):

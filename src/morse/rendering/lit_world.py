@@ -34,7 +34,7 @@ class LitWorld:
         """Everything that lamps and sky depend on."""
         view = self._world.scene.settings.view
         mist = view.mist and (view.mist.enabled, view.mist.start, view.mist.depth)
-        key: list[Any] = [view.horizon_color, view.ambient_color, view.daylight, view.camera_location, mist]
+        key: list[object] = [view.horizon_color, view.ambient_color, view.daylight, view.camera_location, mist]
         for node in self._nodes:
             lamp, obj = node.light, self._world.object_of(node)
             assert lamp is not None

@@ -190,7 +190,7 @@ def _plain_writer(type_name: str) -> Write:
     packers = [_padded(letters, begin) for begin in range(_LARGEST)]
 
     def write(buffer: bytearray, value: RosMessage) -> None:
-        numbers: list[Any] = []
+        numbers: list[object] = []
         collect(value, numbers)
         buffer += packers[(len(buffer) - len(_HEADER)) % _LARGEST](*numbers)
 
@@ -222,7 +222,7 @@ def _collector(type_name: str) -> Callable[[RosMessage, list[Any]], None]:
     ]
     names = frozenset(name for name, _, _, _ in parts)
 
-    def collect(value: RosMessage, numbers: list[Any]) -> None:
+    def collect(value: RosMessage, numbers: list[object]) -> None:
         _check_names(type_name, names, value)
         for name, size, inner, default in parts:
             content = value.get(name)
@@ -241,7 +241,7 @@ def _collector(type_name: str) -> Callable[[RosMessage, list[Any]], None]:
         return collect
     all_of = itemgetter(*(field.name for field in fields))
 
-    def collect_all(value: RosMessage, numbers: list[Any]) -> None:
+    def collect_all(value: RosMessage, numbers: list[object]) -> None:
         """Vectors and quaternions, which usually contain all their numbers."""
         if len(value) != len(fields):
             collect(value, numbers)
@@ -382,7 +382,7 @@ class _Rows:
             for item in items:
                 self.put_struct(field.type, item)
 
-    def _put_column(self, field: MessageField, value: NDArray[Any]) -> None:
+    def _put_column(self, field: MessageField, value: NDArray[np.generic]) -> None:
         dtype = np.dtype("<" + PRIMITIVES[field.type])
         with np.errstate(all="ignore"):
             numbers = np.ascontiguousarray(value, dtype=dtype).reshape(self._count, -1)

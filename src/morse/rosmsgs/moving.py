@@ -115,7 +115,7 @@ def joints_of(robot: Robot, names: Names) -> list[Joint]:
     base = names.base(robot)
     reserved = {names.own(one) for one in carried} | {names.odom(robot), base}
     #: object of a part to its frame, and the offset of the frame
-    above: dict[int, tuple[str, Any, Sequence[float]]] = {}
+    above: dict[int, tuple[str, object, Sequence[float]]] = {}
     joints: list[Joint] = []
     for owner, parts in owners:
         for part in parts:

@@ -11,7 +11,7 @@ class RosObject(Protocol):
     def __getattr__(self, field: str) -> Any:
         """A field: a number, a string, a list, or another message."""
 
-    def __setattr__(self, field: str, value: Any) -> None:
+    def __setattr__(self, field: str, value: object) -> None:
         """Set a field."""
 
 

@@ -56,7 +56,7 @@ class Remaps:
         MorseMiddlewareError: the file cannot be read; the message has the line and what was expected.
     """
 
-    def __init__(self, option: str | Mapping[str, Any] | None, folders: Iterable[str] = ()) -> None:
+    def __init__(self, option: str | Mapping[str, object] | None, folders: Iterable[str] = ()) -> None:
         self._by_topic: dict[str, Remap] = {}
         self._unused: dict[str, str] = {}
         self._topics: set[str] = set()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -53,7 +53,7 @@ class Exposure:
     """
 
     def __init__(
-        self, time: float, shot: Shot, noted: Any = None, pose: Pose | None = None, *, is_metered: bool = False
+        self, time: float, shot: Shot, noted: object = None, pose: Pose | None = None, *, is_metered: bool = False
     ) -> None:
         self.time, self.noted, self.pose, self.is_metered = time, noted, pose, is_metered
         self._shot = shot

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
@@ -16,26 +16,27 @@ if TYPE_CHECKING:
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _MOST = 32
+_S = TypeVar("_S")
 _SUFFIX = ".morse-state"
 
 
-class Saveable(Protocol):
+class Saveable(Protocol[_S]):
     """The part of a simulation that the services need."""
 
-    def save(self, path: Path | None = None) -> Any:
+    def save(self, path: Path | None = None) -> _S:
         """Return the present state."""
 
-    def restore(self, state: Any) -> None:
+    def restore(self, state: _S | Path) -> None:
         """Restore a state."""
 
 
-class StateServices(AbstractObject):
+class StateServices(AbstractObject, Generic[_S]):
     """Stores states by name, in memory or in files in the directory in which the simulation was started."""
 
-    def __init__(self, simulation: Saveable) -> None:
+    def __init__(self, simulation: Saveable[_S]) -> None:
         super().__init__()
         self._simulation = simulation
-        self._states: dict[str, Any] = {}
+        self._states: dict[str, _S] = {}
 
     def name(self) -> str:
         """``simulation``."""

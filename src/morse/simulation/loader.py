@@ -78,7 +78,7 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
     watch_threads()
     loaded = Loaded()
     declarations = context.scene.components if declarations is None else declarations
-    by_node: dict[Any, Robot] = {}
+    by_node: dict[object, Robot] = {}
     for declaration in declarations:
         if declaration.kind in ("robot", "external_robot"):
             robot = make_component(context, declaration, None)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import linecache
 import os
-from typing import Any
 
 from morse.system.regular_files import SOURCE_LIMIT, is_regular
 
 
-def source_line(file: str, line: int, names: dict[str, Any] | None = None) -> str:
+def source_line(file: str, line: int, names: dict[str, object] | None = None) -> str:
     """Return a line of a file without the space around it.
 
     Args:

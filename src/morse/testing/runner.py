@@ -21,7 +21,9 @@ class MorseSwitchTimeMode(unittest.TestSuite):
         mode: a member of ``TimeStrategies``, or its name or number.
     """
 
-    def __init__(self, tests: Iterable[unittest.TestCase | unittest.TestSuite] = (), mode: Any = BEST_EFFORT) -> None:
+    def __init__(
+        self, tests: Iterable[unittest.TestCase | unittest.TestSuite] = (), mode: object = BEST_EFFORT
+    ) -> None:
         super().__init__(tests)
         self.mode = _mode_name(mode)
 

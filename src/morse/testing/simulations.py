@@ -26,7 +26,7 @@ class Trials:
         at_least: share of the seeds with which the test has to pass.
     """
 
-    def __init__(self, item: pytest.Function, scene: Any = None, *, seeds: Any = 1, at_least: float = 1.0) -> None:
+    def __init__(self, item: pytest.Function, scene: object = None, *, seeds: Any = 1, at_least: float = 1.0) -> None:
         self._item = item
         self.scene: Any = scene if scene is not None else getattr(item.module, "scene", None)
         self.seeds = list(range(seeds)) if isinstance(seeds, int) else list(seeds)

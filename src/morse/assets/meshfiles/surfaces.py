@@ -34,7 +34,7 @@ class Surfaces:
         images: by name of the first material that shows them.
     """
 
-    def __init__(self, turn: Any, *, is_linear: bool) -> None:
+    def __init__(self, turn: object, *, is_linear: bool) -> None:
         self._turn, self._is_linear = np.asarray(turn, dtype=np.float32), is_linear
         self._meshes: dict[int, Mesh] = {}
         self._materials: dict[int, Material] = {}

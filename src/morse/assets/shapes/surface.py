@@ -126,7 +126,7 @@ def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
     return measured(points, faces)
 
 
-def without_equal_triangles(faces: NDArray[Any]) -> NDArray[Any]:
+def without_equal_triangles(faces: NDArray[np.generic]) -> NDArray[Any]:
     """Triangles (T, 3), without those with the corners and the orientation of an earlier one."""
     first = faces.argmin(axis=1)[:, None]
     rows = np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)

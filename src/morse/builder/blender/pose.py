@@ -31,7 +31,7 @@ class LiveVector(Vector):
 
     __copy__ = copy  # type: ignore[assignment]
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> Vector:  # type: ignore[override]
+    def __deepcopy__(self, memo: dict[int, object]) -> Vector:  # type: ignore[override]
         return self.copy()
 
 
@@ -59,7 +59,7 @@ class LiveEuler(Euler):
 
     __copy__ = copy  # type: ignore[assignment]
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> Euler:  # type: ignore[override]
+    def __deepcopy__(self, memo: dict[int, object]) -> Euler:  # type: ignore[override]
         return self.copy()
 
 

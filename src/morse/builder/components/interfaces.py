@@ -48,7 +48,7 @@ class Interfaces:
         path: str | None = None,
         classpath: str | None = None,
         direction: str | None = None,
-        **kwargs: Any,
+        **kwargs: object,
     ) -> None:
         """Stream the data of this component.
 
@@ -128,7 +128,7 @@ class Interfaces:
     # --- services ---------------------------------------------------------------------------
 
     def add_service(
-        self, interface: str, component: Interfaces | None = None, config: dict[str, Any] | None = None
+        self, interface: str, component: Interfaces | None = None, config: dict[str, object] | None = None
     ) -> None:
         """Offer the services of this component.
 
@@ -181,7 +181,7 @@ class Interfaces:
             self.add_interface(interface)
 
     def add_overlay(
-        self, datastream: str, overlay: str, config: dict[str, Any] | None = None, **kwargs: object
+        self, datastream: str, overlay: str, config: dict[str, object] | None = None, **kwargs: object
     ) -> None:
         """Offer the services of an overlay instead of those of the component.
 

@@ -114,7 +114,7 @@ class BarePR2(GroundRobot):
             super()._stream(part, middleware, options)
 
 
-def _joint_options(middleware: str, options: dict[str, Any]) -> dict[str, Any]:
+def _joint_options(middleware: str, options: dict[str, object]) -> dict[str, Any]:
     """Return the options of the stream of all joints; on ROS 1, it has a topic that is not one of the robot."""
     return {"topic": "/joint_states", **options} if middleware == "ros" else options
 

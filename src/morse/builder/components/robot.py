@@ -107,7 +107,7 @@ class Robot(Matter, Component):
         path: str | None = None,
         classpath: str | None = None,
         direction: str | None = None,
-        **kwargs: Any,
+        **kwargs: object,
     ) -> None:
         """Stream the data of each component of the robot that the middleware carries.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.abstractcomponent import HIGHEST_FREQUENCY
 from morse.builder.assembly.description import EnvironmentDescription
@@ -189,7 +189,7 @@ class TimeMethods(EnvironmentDescription):
         if middleware.request_manager is not None:
             self.add_service(middleware.name)
 
-    def add_stream(self, datastream: str, *_: Any, **__: Any) -> None:
+    def add_stream(self, datastream: str, *_: object, **__: object) -> None:
         """Accepted for old scripts, without effect, because the simulation itself has no data to stream.
 
         Raises:

@@ -91,7 +91,7 @@ def _definitions(package: str) -> tuple[tuple[str, Definition], ...]:
     return tuple(sources.classes(package))
 
 
-def _text(defaults: dict[str, Any], doc: str) -> str:
+def _text(defaults: dict[str, object], doc: str) -> str:
     return str(defaults.get("doc") or doc).strip()
 
 

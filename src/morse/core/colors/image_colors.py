@@ -32,7 +32,7 @@ class Levels(NamedTuple):
     high: float
 
 
-def depth_levels(image: NDArray[Any]) -> Levels:
+def depth_levels(image: NDArray[np.generic]) -> Levels:
     """Depths (H, W) as grey values from 255, the smallest, to `FARTHEST_LEVEL`; 0 for depths that are not finite."""
     is_finite = np.isfinite(image)
     if not is_finite.any():
@@ -73,7 +73,7 @@ def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
     return depth_levels(image).grey
 
 
-def as_coordinates(normals: NDArray[Any]) -> NDArray[np.uint8]:
+def as_coordinates(normals: NDArray[np.generic]) -> NDArray[np.uint8]:
     """Colours of unit vectors (H, W, 3): right is red, up is green, towards the camera is blue; zeros are black."""
     colors: NDArray[np.float64] = 127.5 + 127.5 * np.clip(np.nan_to_num(normals), -1.0, 1.0) * np.array(
         (1.0, -1.0, -1.0)
@@ -82,7 +82,7 @@ def as_coordinates(normals: NDArray[Any]) -> NDArray[np.uint8]:
     return np.asarray(colors + 0.5, np.float64).astype(np.uint8)
 
 
-def as_heat(image: NDArray[Any]) -> NDArray[np.uint8]:
+def as_heat(image: NDArray[np.generic]) -> NDArray[np.uint8]:
     """Colours of temperatures (H, W) from dark, cold, to bright, hot, as pages show them."""
     finite_values = image[np.isfinite(image)]
     low, high = (float(finite_values.min()), float(finite_values.max())) if finite_values.size else (0.0, 0.0)

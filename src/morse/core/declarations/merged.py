@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def _merged(cls: type, attribute: str) -> dict[str, Any]:
-    merged: dict[str, Any] = {}
+    merged: dict[str, object] = {}
     for base in reversed(cls.__mro__):
         merged.update(vars(base).get(attribute, {}))
     return merged

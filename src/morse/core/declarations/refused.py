@@ -79,7 +79,7 @@ def _check_default(field: DataField) -> None:
         raise MorseDeclarationError(f"the default {shown(default)} of a quaternion does not have the length 1")
 
 
-def _has_shape(value: Any, shape: tuple[int | None, ...]) -> bool:
+def _has_shape(value: object, shape: tuple[int | None, ...]) -> bool:
     shape_of_value = shape_of(value)
     if shape_of_value == (0,) and shape[0] is None:  # an empty list has rows of any length
         return True

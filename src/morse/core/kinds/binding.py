@@ -177,7 +177,7 @@ class BoundKind:
         """Whether the value of a slot depends on more than the data of the component."""
         return slot.name in self._turns or not (source.is_of_data or source.properties)
 
-    def message_of_rows(self, values: Sequence[Any], stamps: Any) -> Message:
+    def message_of_rows(self, values: Sequence[object], stamps: Any) -> Message:
         """Return many messages as one, whose slots have a first axis of rows.
 
         Args:

@@ -38,8 +38,8 @@ class Message:
         kind: Kind,
         stamp: int | Callable[[], int],
         frame: str,
-        slots: Mapping[str, Any] | Callable[[], Mapping[str, Any]],
-        fields: Mapping[str, Any] | None = None,
+        slots: Mapping[str, object] | Callable[[], Mapping[str, object]],
+        fields: Mapping[str, object] | None = None,
         topic: str = "",
     ) -> None:
         self.kind, self.frame, self.topic = kind, frame, topic

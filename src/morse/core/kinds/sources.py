@@ -82,7 +82,7 @@ class Constant(Source):
 
     is_of_data = True
 
-    def __init__(self, value: Any) -> None:
+    def __init__(self, value: object) -> None:
         self._value = value
 
     def get(self, component: object) -> Any:
@@ -114,7 +114,7 @@ class FromProperty(Source):
 class FromFunction(Source):
     """A function of the component; its frame is the frame of the field with the name of the slot, if there is one."""
 
-    def __init__(self, function: Callable[[Any], Any], frame: str) -> None:
+    def __init__(self, function: Callable[[Any], object], frame: str) -> None:
         self._function, self.frame = function, frame
 
     def get(self, component: object) -> Any:

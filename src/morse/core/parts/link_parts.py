@@ -46,7 +46,7 @@ def link_parts(
     frames = chain.frames(chain.start)
     moving = [index for index, bone in enumerate(chain.linked) if bone.kind.has_value]
     parts: list[MovingPart] = []
-    first: dict[int, Any] = {}
+    first: dict[int, object] = {}
     for link in links:
         above, path = link.bone, []
         while above >= 0 and above not in first:
@@ -68,7 +68,7 @@ def link_parts(
 def _links(armature: Any, chain: Chain, components: Container[str]) -> Iterator[_Link]:
     """Iterate over the objects that are links: all named objects of a file, otherwise the first object on each bone."""
     in_file = any(bone.dynamics is not None for bone in chain.bones)
-    on: dict[int, list[Any]] = {}
+    on: dict[int, list[object]] = {}
     for child in armature.children:
         properties = child.node.properties
         if _TARGET in properties or child.name in components or "Component_Tag" in properties:

@@ -44,20 +44,20 @@ def in_columns(columns: Columns) -> Callable[[_F], _F]:
     return mark
 
 
-def columns_of(cls: type[Any]) -> Columns | None:
+def columns_of(cls: type[object]) -> Columns | None:
     """The columns of a class; None if it measures in no other way than by its action."""
     columns: Columns | None = mark_of(cls, "columns")
     return columns
 
 
-def _poses_of(snapshots: Sequence[Any], _kept: Any) -> dict[str, Sequence[NDArray[np.float64]]]:
+def _poses_of(snapshots: Sequence[Any], _kept: object) -> dict[str, Sequence[NDArray[np.float64]]]:
     positions, rotations = snapshots[0].poses_at(snapshots)
     roll, pitch, yaw = euler_rows(rotations)
     named = zip(POSES.fields, (*positions, yaw, pitch, roll), strict=True)
     return {name: each.T for name, each in named}
 
 
-def _positions_of(snapshots: Sequence[Any], _kept: Any) -> dict[str, Sequence[NDArray[np.float64]]]:
+def _positions_of(snapshots: Sequence[Any], _kept: object) -> dict[str, Sequence[NDArray[np.float64]]]:
     positions, _ = snapshots[0].poses_at(snapshots)
     return {name: each.T for name, each in zip(POSITIONS.fields, positions, strict=True)}
 
@@ -67,7 +67,7 @@ POSES = Columns(("x", "y", "z", "yaw", "pitch", "roll"), _poses_of)
 POSITIONS = Columns(("x", "y", "z"), _positions_of)
 
 
-def arrays_of(kept: Sequence[Sequence[NDArray[Any]]]) -> list[Any]:
+def arrays_of(kept: Sequence[Sequence[NDArray[np.generic]]]) -> list[Any]:
     """The arrays of each sensor in R ticks as one; as they are if their sizes differ."""
     return [stacked(one) if len({array.shape for array in one}) == 1 else one for one in zip(*kept, strict=True)]
 

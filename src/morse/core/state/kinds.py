@@ -157,7 +157,7 @@ def assigned_by(cls: Any) -> frozenset[str]:
     return frozenset(names)
 
 
-def _functions(cls: type[Any]) -> list[FunctionType]:
+def _functions(cls: type[object]) -> list[FunctionType]:
     functions = [
         inspect.unwrap(getattr(one, "fget", None) or getattr(one, "__func__", one)) for one in vars(cls).values()
     ]

@@ -287,14 +287,14 @@ class Reader:
         target.bit_generator.state = state
         return target
 
-    def _legacy_random(self, data: list[Any], now: object) -> Any:
+    def _legacy_random(self, data: list[object], now: object) -> Any:
         target = self._target(now, np.random.RandomState, lambda: np.random.RandomState(0))
         state = self.value(data[1])
         arrays.check_place(state[2], 624)
         target.set_state(state)
         return target
 
-    def _python_random(self, data: list[Any], now: object) -> Any:
+    def _python_random(self, data: list[object], now: object) -> Any:
         target = self._target(now, random.Random, random.Random)
         target.setstate(self.value(data[1]))
         return target

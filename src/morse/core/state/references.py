@@ -23,7 +23,7 @@ class References(Protocol):
     def find_class(self, path: str) -> type[object] | None:
         """The class of that path (``module:name``), if it belongs to the simulation or the user's project."""
 
-    def met_class(self, cls: type[Any]) -> None:
+    def met_class(self, cls: type[object]) -> None:
         """Record that an object of that class was saved, so that this process may recreate such objects."""
 
     def global_name(self, value: object) -> str | None:
@@ -52,7 +52,7 @@ class NoReferences:
         """There are no classes."""
         return None
 
-    def met_class(self, cls: type[Any]) -> None:
+    def met_class(self, cls: type[object]) -> None:
         """Do nothing, because such data do not contain objects of classes."""
 
     def global_name(self, value: object) -> str | None:

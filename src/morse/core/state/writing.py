@@ -236,7 +236,7 @@ class Writer:
             self._path.pop()
         return pairs
 
-    def _items(self, value: dict[Any, Any]) -> list[list[Any]]:
+    def _items(self, value: dict[object, object]) -> list[list[Any]]:
         return [[self.value(key), self.value(item)] for key, item in value.items()]
 
     def _sorted(self, values: Iterable[object]) -> list[Any]:
@@ -281,7 +281,7 @@ def attributes_of(value: object) -> StateData:
     return attributes
 
 
-def is_apparatus(cls: type[Any]) -> bool:
+def is_apparatus(cls: type[object]) -> bool:
     """Whether objects of a class are created from declarations and have no state: all of MORSE below its components."""
     room, _, rest = cls.__module__.partition(".")
     return getattr(cls, APPARATUS, False) or (room == "morse" and rest.partition(".")[0] not in _WITH_STATE)

@@ -53,7 +53,7 @@ class Arguments:
         service: name of the service.
     """
 
-    def __init__(self, callback: Callable[..., Any], service: str) -> None:
+    def __init__(self, callback: Callable[..., object], service: str) -> None:
         self._service = service
         self._signature: inspect.Signature | None = None
         self._checks: list[tuple[str, Callable[[Any], object]]] = []
@@ -63,7 +63,7 @@ class Arguments:
         except (TypeError, ValueError):
             return
         hints = hints_of(callback)
-        rest: Callable[[Any], Any] | None = None
+        rest: Callable[[Any], object] | None = None
         for parameter in self._signature.parameters.values():
             check = check_of(hints.get(parameter.name))
             if parameter.kind is parameter.VAR_POSITIONAL:

@@ -2,13 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol, Self
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
+    from morse.core.interfaces import Server
     from morse.core.world.body import Body
+
+
+class Sight(Protocol):
+    """The results of one cast; they do not change."""
+
+    @property
+    def distances(self) -> NDArray[np.float64]:
+        """(N,) distance of each hit, m; infinite for no hit."""
+
+    @property
+    def ranges(self) -> NDArray[np.float64]:
+        """(N,) distance of each hit, m; the reach for no hit."""
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(N, 3) hit points in the frame of the sensor, m; [0, 0, 0] for no hit."""
+
+    @property
+    def hit(self) -> NDArray[np.int64]:
+        """(N,) number of the solid at each hit; -1 for no hit."""
 
 
 class RayBundle(Protocol):
@@ -25,12 +46,12 @@ class RayBundle(Protocol):
     def __len__(self) -> int: ...
 
     @property
-    def server(self) -> Any:
+    def server(self) -> Server[Self]:
         """The server that casts these rays together with those of other sensors (see `morse.core.requests`)."""
 
     @property
-    def sight(self) -> Any:
-        """The results of the last cast, which do not change: ``distances``, ``ranges``, ``points``, ``hit``."""
+    def sight(self) -> Sight:
+        """The results of the last cast, which do not change."""
 
     def turn_to(self, directions: ArrayLike) -> None:
         """Set other directions: (N, 3) vectors of nonzero length, in the frame of the object."""

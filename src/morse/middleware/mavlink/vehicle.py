@@ -133,7 +133,7 @@ class Vehicle:
         """
         self.send_from(_AUTOPILOT, name, *values)
 
-    def send_from(self, component: int, name: str, *values: Any) -> None:
+    def send_from(self, component: int, name: str, *values: object) -> None:
         """Send a message of a component of the vehicle, such as a camera; see `send`."""
         sender = self._senders.get(component)
         if sender is None:

@@ -168,7 +168,7 @@ class ActionServer:
         status = _SUCCEEDED if state == SUCCESS else _PREEMPTED if state == PREEMPTED else _ABORTED
         self._close_goal(goal, status, self.result(outcome, is_canceled=goal.is_canceled))
 
-    def _close_goal(self, goal: _Goal, status: int, result: Any) -> None:
+    def _close_goal(self, goal: _Goal, status: int, result: object) -> None:
         goal.status, goal.ended_at = status, self._now
         made = self._stamped_result()
         if result is not None:

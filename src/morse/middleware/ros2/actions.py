@@ -83,7 +83,7 @@ class ActionServer:
         """The arguments of the service for a goal."""
         return [goal]
 
-    def result(self, outcome: tuple[str, Any], *, is_canceled: bool) -> RosObject | None:
+    def result(self, outcome: tuple[str, object], *, is_canceled: bool) -> RosObject | None:
         """The result of a goal whose service has ended; None for an empty one.
 
         Args:
@@ -127,7 +127,7 @@ class ActionServer:
             message.feedback = feedback
             self._feedback.publish(message)
 
-    def _take(self, caller: Any, request: RosObject, stamp: int) -> None:
+    def _take(self, caller: object, request: RosObject, stamp: int) -> None:
         answer = self.kind.Impl.SendGoalService.Response()
         number = bytes(request.goal_id.uuid)
         answer.accepted = number not in self._goals and self.accepts(request.goal)
@@ -142,7 +142,7 @@ class ActionServer:
             del self._goals[old.number]
         self._tell()
 
-    def _give_up(self, caller: Any, request: RosObject) -> None:
+    def _give_up(self, caller: object, request: RosObject) -> None:
         number, stamp = bytes(request.goal_info.goal_id.uuid), request.goal_info.stamp
         before = stamp.sec * _SECOND + stamp.nanosec
         going = [goal for goal in self._goals.values() if goal.status == _EXECUTING and goal.call is not None]
@@ -173,7 +173,7 @@ class ActionServer:
         goal.waiting.clear()
         self._tell()
 
-    def _answer(self, caller: Any, status: int, result: Any) -> None:
+    def _answer(self, caller: object, status: int, result: object) -> None:
         response = self.kind.Impl.GetResultService.Response()
         response.status = status
         if result is not None:

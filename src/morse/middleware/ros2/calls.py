@@ -41,7 +41,7 @@ class Call:
         type: of the ROS service.
     """
 
-    def __init__(self, callback: Callable[..., Any]) -> None:
+    def __init__(self, callback: Callable[..., object]) -> None:
         try:
             parameters = list(signature_of(callback).parameters.values())
         except (TypeError, ValueError):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from time import thread_time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core import status
 from morse.helpers.descriptions import is_description
@@ -66,7 +66,7 @@ class SimulationInterfaces(Served):
         call: calls a service of MORSE: component, service, arguments, and a callback for the outcome.
     """
 
-    def __init__(self, context: Context, backend: Backend, call: Callable[..., Any]) -> None:
+    def __init__(self, context: Context, backend: Backend, call: Callable[..., object]) -> None:
         self._context, self._call = context, call
         handlers = {
             "get_simulator_features": ("GetSimulatorFeatures", self._features),

@@ -221,7 +221,7 @@ class WebRequestManager(RequestManager):
             self._context.network.post(self._deliver, answers)
 
 
-def encoded(value: Any) -> bytes:
+def encoded(value: object) -> bytes:
     """A value as JSON.
 
     Raises:

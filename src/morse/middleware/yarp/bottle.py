@@ -46,7 +46,7 @@ class BottleError(ValueError):
     """Data are not a bottle, or a value cannot be part of a bottle."""
 
 
-def encode(values: Sequence[Any] | np.ndarray) -> bytes:
+def encode(values: Sequence[object] | np.ndarray) -> bytes:
     """A bottle of some values: numbers, booleans as 0 and 1, strings, bytes, lists, dictionaries as lists of pairs.
 
     Raises:
@@ -143,7 +143,7 @@ class _Reader:
             raise BottleError("it is nested too deeply" if depth > _DEEPEST else f"a list has {count} values")
         if common in _NUMBERS:
             size, form = _NUMBERS[common].size, _NUMBERS[common].format
-            numbers: list[Any] = np.frombuffer(self._take(count * size), dtype=form).tolist()
+            numbers: list[object] = np.frombuffer(self._take(count * size), dtype=form).tolist()
             return numbers
         return [self._value(common or self.number(INT32), depth + 1) for _ in range(count)]
 

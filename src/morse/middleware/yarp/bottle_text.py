@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
 from morse.middleware.yarp.bottle import BottleError, Vocab
 
@@ -45,7 +44,7 @@ def from_text(text: str) -> list[object]:
     Raises:
         BottleError: a bracket or a quote is not closed, or it is nested too deeply.
     """
-    stack: list[list[Any]] = [[]]
+    stack: list[list[object]] = [[]]
     place = 0
     text = text.rstrip()
     while place < len(text):

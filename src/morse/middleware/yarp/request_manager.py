@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.calls.answered_requests import AnsweredRequests
 from morse.core.clients.time_share import TimeShare
@@ -72,7 +72,7 @@ class YarpRequestManager(AnsweredRequests):
         return True
 
     def _taker(self, component: str) -> Callable[[list[object], int], object]:
-        def take(values: list[Any], count: int) -> None:
+        def take(values: list[object], count: int) -> None:
             self._arrived.append((component, values), count)
             self._context.wake()
 

@@ -24,7 +24,7 @@ class YarpJsonDatastreamManager(YarpDatastreamManager):
         return bottle(stream, [to_json(message.fields).decode("ascii")])
 
     @maps("general", direction="IN")
-    def command(self, stream: YarpStream, kind: BoundKind, data: list[Any]) -> Any:
+    def command(self, stream: YarpStream, kind: BoundKind, data: list[object]) -> Any:
         """The fields of a bottle.
 
         Raises:

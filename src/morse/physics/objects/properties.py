@@ -23,7 +23,7 @@ def scene_properties(node: Node) -> dict[str, Any]:
     return {name: _copy(value) for name, value in node.properties.items()}
 
 
-def are_changed(properties: dict[str, Any], node: Node) -> bool:
+def are_changed(properties: dict[str, object], node: Node) -> bool:
     """Whether properties differ from those of the scene, in value or type."""
     original = node.properties
     return properties.keys() != original.keys() or not all(map(_are_equal, properties.values(), original.values()))
@@ -45,7 +45,7 @@ def _are_equal(one: Any, other: Any) -> bool:
     return isinstance(one, (bool, int, float, str, bytes)) and repr(one) == repr(other)
 
 
-def plain_properties(owner: str, properties: dict[str, Any]) -> dict[str, Any]:
+def plain_properties(owner: str, properties: dict[str, object]) -> dict[str, Any]:
     """Return a copy of the properties that are plain data, and log a warning once for each other property."""
     result = {}
     for name, value in properties.items():
@@ -64,7 +64,7 @@ def plain_properties(owner: str, properties: dict[str, Any]) -> dict[str, Any]:
     return result
 
 
-def keep_unsaved(present: dict[str, Any], target: dict[str, Any]) -> None:
+def keep_unsaved(present: dict[str, object], target: dict[str, object]) -> None:
     """Add the present properties that cannot be saved to restored properties."""
     for name, value in present.items():
         if name not in target and not _is_plain(value):

@@ -155,7 +155,7 @@ class Transfer:
             control = motors.control_of(self._old.model.actuator_biasprm[before[joint.name].actuator])
             motors.write(model, joint.actuator, joint.dof, joint.motor.setting(control))
 
-    def _carry_shapes(self, a: Slot, b: Slot, model: dict[str, NDArray[Any]], names: Iterable[str]) -> None:
+    def _carry_shapes(self, a: Slot, b: Slot, model: dict[str, NDArray[np.generic]], names: Iterable[str]) -> None:
         """Transfer changes of the shapes of a slot by drives and explicit calls."""
         old = self._old.model
         for one, other in zip(_geoms(a), _geoms(b), strict=True):

@@ -105,7 +105,7 @@ def _column(values: Any) -> Column:
     return Column(_OTHER, "", [], [_packed(value) for value in values])
 
 
-def _alike(first: NDArray[Any], value: object) -> bool:
+def _alike(first: NDArray[np.generic], value: object) -> bool:
     return isinstance(value, np.ndarray) and value.shape == first.shape and value.dtype == first.dtype
 
 
@@ -113,7 +113,7 @@ def _is_list(value: object, length: int) -> bool:
     return type(value) is list and len(value) == length and set(map(type, value)) == {float}
 
 
-def _little(numbers: NDArray[Any]) -> bytes:
+def _little(numbers: NDArray[np.generic]) -> bytes:
     return numbers.astype(numbers.dtype.newbyteorder("<"), copy=False).tobytes()
 
 

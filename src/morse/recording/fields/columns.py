@@ -70,7 +70,7 @@ class Columns:
     """
 
     def __init__(
-        self, names: Sequence[str], kinds: Sequence[type], keeper: Keeper, live: Sequence[Callable[[], Any]]
+        self, names: Sequence[str], kinds: Sequence[type], keeper: Keeper, live: Sequence[Callable[[], object]]
     ) -> None:
         numbers = [index for index, kind in enumerate(kinds) if kind in NUMBERS]
         others = [index for index, kind in enumerate(kinds) if kind not in NUMBERS]
@@ -119,7 +119,7 @@ class Columns:
         if self._number_names:
             numbers = np.frombuffer(b"".join(packed), dtype=self._dtype)
             columns.update({name: np.ascontiguousarray(numbers[name]) for name in self._number_names})
-        live: Sequence[Sequence[Any]] = ()
+        live: Sequence[Sequence[object]] = ()
         if not self._is_plain:
             values = list(zip(*others, strict=True))
             columns.update(zip(self._other_names, values, strict=False))

@@ -128,7 +128,7 @@ class KeptRows:
         some = self._rows[:]
         count = _STRIDE * bisect_right(some[::_STRIDE], until)
         del self._rows[:count]
-        by_plan: dict[int, list[tuple[Any, ...]]] = {}
+        by_plan: dict[int, list[tuple[object, ...]]] = {}
         for row in zip(*(some[k:count:_STRIDE] for k in range(_STRIDE)), strict=True):
             by_plan.setdefault(id(row[1]), []).append(row)
         for each in by_plan.values():

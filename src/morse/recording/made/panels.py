@@ -21,7 +21,7 @@ PANEL = "recorded panel"
 class _Recorded:
     """Has the fields that the recording describes, and does nothing."""
 
-    def __init__(self, obj: Any, parent: Any = None) -> None:
+    def __init__(self, obj: Any, parent: object = None) -> None:
         panel: PanelForm = obj.node.properties[PANEL]
         self._fields = {
             one.name: DataField(one.value, one.type, one.doc, unit=one.unit, low=one.low, high=one.high)

@@ -38,7 +38,7 @@ def component_handles(simulation: Handles, kept: dict[str, ComponentHandle]) -> 
     from pymorse.names import normalize_name, series
 
     context = simulation.context
-    handles: dict[str, Any] = {}
+    handles: dict[str, object] = {}
     for name in [name for name in kept if context.component(name) is None]:
         del kept[name]
     for name, robot in context.robots.items():
@@ -339,5 +339,5 @@ class RobotHandle(ComponentHandle):
         return len(self.parts)
 
 
-def _copy(data: dict[str, Any]) -> dict[str, Any]:
+def _copy(data: dict[str, object]) -> dict[str, Any]:
     return {key: value if type(value) in _PLAIN else copied(value) for key, value in data.items()}

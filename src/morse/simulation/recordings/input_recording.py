@@ -143,7 +143,7 @@ def entry_from_bytes(data: bytes) -> Entry:
         raise StateError(f"an input is damaged: {error}") from None
 
 
-def waiting_to_bytes(waiting: dict[str, dict[str, Any]]) -> bytes:
+def waiting_to_bytes(waiting: dict[str, dict[str, object]]) -> bytes:
     """Convert the commands that have not been applied yet, for a file."""
     return _encoder.encode(Writer(NoReferences()).value(waiting))
 

@@ -229,7 +229,7 @@ def _state_of(name: str, holder: Any) -> object:
         raise StateError(f"{name} cannot be saved: {describe(error)}") from error
 
 
-def _with_attributes(holder: Any) -> object:
+def _with_attributes(holder: object) -> object:
     """The holder, if its state consists of its attributes; None if MORSE itself writes it as data."""
     return holder if isinstance(holder, (Object, AbstractModifier, MorseOverlay)) else None
 

@@ -73,7 +73,7 @@ class StateParts:
 
     # -- the project -----------------------------------------------------------------------
 
-    def met_class(self, cls: type[Any]) -> None:
+    def met_class(self, cls: type[object]) -> None:
         """Record a class whose objects are in the simulation."""
         self._classes[f"{cls.__module__}:{cls.__qualname__}"] = cls
 
@@ -112,7 +112,7 @@ class StateParts:
         """Return the modules of the components of the user."""
         context = self._simulation.context
         project = getattr(self._simulation.scene.project, "module", lambda _name: None)
-        parts: list[Any] = [*context.robots.values(), *context.components.values(), *context.overlays.values()]
+        parts: list[object] = [*context.robots.values(), *context.components.values(), *context.overlays.values()]
         parts += self._simulation.loaded.modifier_objects
         names = {cls.__module__ for part in parts for cls in type(part).__mro__}
         users = sorted(name for name in names if not name.startswith("morse.") and name not in sys.stdlib_module_names)

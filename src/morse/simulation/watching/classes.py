@@ -163,7 +163,7 @@ class _Exchange:
         self._simulation.component_replaced(old, new)
 
 
-def _modules(part: Any) -> set[str]:
+def _modules(part: object) -> set[str]:
     """Return the modules of the class of an object and of its bases."""
     return {cls.__module__ for cls in type(part).__mro__}
 

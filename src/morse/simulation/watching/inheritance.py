@@ -37,7 +37,7 @@ class _Replaced:
     def find_class(self, path: str) -> type[object] | None:
         return self._parts.find_class(path)
 
-    def met_class(self, cls: type[Any]) -> None:
+    def met_class(self, cls: type[object]) -> None:
         self._parts.met_class(cls)
 
     def global_name(self, value: object) -> str | None:
@@ -107,7 +107,7 @@ class Inheritance:
 
 
 def _adapt_fields(
-    data: dict[str, Any], fresh: dict[str, Any], before: Mapping[str, DataField], after: Mapping[str, DataField]
+    data: dict[str, object], fresh: dict[str, object], before: Mapping[str, DataField], after: Mapping[str, DataField]
 ) -> None:
     """Arrange data by the fields of the new class, in order; fields that were added by others are kept."""
     values = {name: value for name, value in dict.items(data) if name not in before or name in after}

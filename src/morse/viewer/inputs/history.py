@@ -7,7 +7,7 @@ import logging
 import math
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from morse.core.exceptions import MorseError
 from morse.viewer.view_messages import History, Refused
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.viewer.server import ViewServer
+
+_S = TypeVar("_S")
 
 logger = logging.getLogger(__name__)
 
@@ -31,13 +33,13 @@ _ROUNDING = 1e-9
 _OVERHEAD = 64
 
 
-class Restorable(Protocol):
+class Restorable(Protocol[_S]):
     """The part of a simulation that the history uses."""
 
-    def save(self) -> object:
+    def save(self) -> _S:
         """The state, as plain data."""
 
-    def restore(self, state: Any) -> None:
+    def restore(self, state: _S) -> None:
         """Restore a state."""
 
     def pause(self) -> None:
@@ -45,18 +47,18 @@ class Restorable(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class _Kept:
+class _Kept(Generic[_S]):
     time: float
-    state: object
+    state: _S
     size: int
     wall: float
 
 
-def _time_of(entry: _Kept) -> float:
+def _time_of(entry: _Kept[_S]) -> float:
     return entry.time
 
 
-class Rewinder:
+class Rewinder(Generic[_S]):
     """A ring of states: every half second of the last minute, and every single tick.
 
     A simulation that runs much faster than real time is saved less often, so that its ticks are not slowed.
@@ -68,7 +70,7 @@ class Rewinder:
 
     def __init__(
         self,
-        simulation: Restorable,
+        simulation: Restorable[_S],
         now: Callable[[], float],
         server: ViewServer,
         wall: Callable[[], float] = time.monotonic,
@@ -79,7 +81,7 @@ class Rewinder:
         self._rest_until = -math.inf
         self._is_warned = False
         self._server = server
-        self._kept: list[_Kept] = []
+        self._kept: list[_Kept[_S]] = []
         self._bytes = 0
         self._told: list[float] = []
         #: the time of the present state of the simulation
@@ -116,7 +118,7 @@ class Rewinder:
         end = self._wall()
         self._rest_until = end + (end - begin) * (1.0 / _SHARE - 1.0)
 
-    def _add(self, entry: _Kept) -> None:
+    def _add(self, entry: _Kept[_S]) -> None:
         self._kept.append(entry)
         self._bytes += entry.size
         first = 0
@@ -126,7 +128,7 @@ class Rewinder:
         del self._kept[:first]
 
     @staticmethod
-    def _is_old(entry: _Kept, newest: _Kept) -> bool:
+    def _is_old(entry: _Kept[_S], newest: _Kept[_S]) -> bool:
         return entry.time < newest.time - _SPAN and entry.wall < newest.wall - _SPAN
 
     def _cut(self, length: int) -> None:

@@ -124,7 +124,7 @@ class ServiceCalls(RequestManager):
             self._server.send(Answer(event.request, True, value))
 
     def _property(self, component: str, name: str) -> object:
-        owner: Any = self._context.component(component)
+        owner: object = self._context.component(component)
         declarations = properties(type(owner)).items()
         return next((getattr(owner, python_name) for python_name, p in declarations if p.name == name), None)
 

@@ -28,7 +28,7 @@ class _Blocks(NamedList[Any]):
 class _Named:
     """Data of an object, with the name of the object."""
 
-    def __init__(self, obj: SceneObject, data: Any) -> None:
+    def __init__(self, obj: SceneObject, data: object) -> None:
         object.__setattr__(self, "name", obj.name)
         object.__setattr__(self, "_data", data)
 

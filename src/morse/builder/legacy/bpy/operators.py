@@ -142,7 +142,7 @@ class MeshOperators(Facade):
         return _solid("Torus", shapes.torus(), (r, r, tube / 0.25), location, rotation)
 
 
-def _half(radius: object, old: dict[str, Any]) -> float:
+def _half(radius: object, old: dict[str, object]) -> float:
     """Half the size: ``size`` of newer versions of Blender is the whole edge, ``radius`` of older ones is half."""
     if "size" in old:
         return checks.number(old["size"], "size", above=0.0) / 2.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import kinds
 from morse.middleware.mavlink.autopilot.camera import Camera
@@ -54,7 +54,7 @@ class Cameras:
             camera.tick(stamp)
 
 
-def _has_photos(component: Any) -> bool:
+def _has_photos(component: object) -> bool:
     """Whether a component has colour images."""
     uses = kinds(type(component))
     return any(use.kind == "image" and use.slots.get("encoding") == "rgba8" for use in uses)

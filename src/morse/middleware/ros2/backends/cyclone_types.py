@@ -50,7 +50,7 @@ def sample_type(type_name: str) -> type[Any]:
 def _described(type_name: str) -> type[Any]:
     package, _, name = type_name.partition("/msg/")
     annotations = {field.name: _type(field.type, field.size) for field in fields_of(type_name)}
-    new_type: type[Any] = types.new_class(
+    new_type: type[object] = types.new_class(
         f"{name}_",
         (idl.IdlStruct,),
         {"typename": f"{package}::msg::dds_::{name}_"},
@@ -60,7 +60,7 @@ def _described(type_name: str) -> type[Any]:
 
 
 def _type(name: str, size: int) -> Any:
-    item: Any = {"string": str, "bool": bool}.get(name)
+    item: object = {"string": str, "bool": bool}.get(name)
     if item is None:
         item = getattr(dds, name, None) or _described(name)
     if size == SINGLE:
