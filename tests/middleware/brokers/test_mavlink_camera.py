@@ -75,6 +75,8 @@ def ask(ground: Any, number: int) -> Any:
 def test_a_photo(ground: Any) -> None:
     beats = [m for m in ground.heard if m.get_type() == "HEARTBEAT" and m.get_srcComponent() != AUTOPILOT]
     assert {(m.get_srcComponent(), m.type, m.autopilot) for m in beats} == {(CAMERA, 30, 8)}, "one with colours"
+    senders = [m.get_srcComponent() for m in ground.heard if m.get_type() == "HEARTBEAT"]
+    assert senders[-4:] == [CAMERA, AUTOPILOT] * 2, "the heartbeat of the vehicle is the last one"
     information = ask(ground, INFORMATION)
     assert bytes(information.vendor_name).rstrip(b"\0") == b"MORSE"
     assert (information.resolution_h, information.resolution_v) == (64, 48)

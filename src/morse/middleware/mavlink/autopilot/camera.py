@@ -48,7 +48,6 @@ class Camera:
 
     def __init__(self, component: int, sensor: Object, flight: Craft, photos: Photos) -> None:
         self.component, self._sensor, self._flight, self._photos = component, sensor, flight, photos
-        self._next_heartbeat = 0
         self._stamp = 0
         #: number of photos to be taken, infinite without a limit; their interval, ns; the time of the next one, ns
         self._left, self._interval, self._due = 0.0, 0, 0
@@ -155,14 +154,12 @@ class Camera:
     def tick(self, stamp: int) -> None:
         """Take the photos that are due at a simulated time, ns."""
         if stamp < self._stamp:  # the simulation has started again
-            self._left, self._spacing, self._next_heartbeat = 0.0, 0.0, 0
+            self._left, self._spacing = 0.0, 0.0
         self._stamp = stamp
-        if stamp >= self._next_heartbeat:
-            self._next_heartbeat = stamp + _SECOND
-            self._beat()
         self._shoot()
 
-    def _beat(self) -> None:
+    def beat(self) -> None:
+        """Send a heartbeat."""
         self._send("heartbeat", _CAMERA, _NO_AUTOPILOT, 0, 0, _ACTIVE)
 
     def _inform(self) -> None:
@@ -195,7 +192,7 @@ class Camera:
         self._send("camera_capture_status", boot_ms(self._stamp), state, 0, self._interval / _SECOND, 0, free, count)
 
     _MESSAGES: ClassVar[dict[float, Callable[[Camera], None]]] = {
-        _HEARTBEAT: _beat, _INFORMATION: _inform, _SETTINGS: _settings, _STORAGE: _storage, _STATUS: _status,
+        _HEARTBEAT: beat, _INFORMATION: _inform, _SETTINGS: _settings, _STORAGE: _storage, _STATUS: _status,
     }  # fmt: skip
 
     _COMMANDS: ClassVar[dict[int, Callable[[Camera, tuple[float, ...]], int]]] = {

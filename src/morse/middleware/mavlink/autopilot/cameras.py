@@ -48,6 +48,11 @@ class Cameras:
         camera = self._cameras.get(component) or next(iter(self._cameras.values()))
         return camera.obey(command, params)
 
+    def beat(self) -> None:
+        """Send the heartbeats of all cameras."""
+        for camera in self._cameras.values():
+            camera.beat()
+
     def tick(self, stamp: int) -> None:
         """The end of a tick, at a simulated time, ns."""
         for camera in self._cameras.values():

@@ -96,6 +96,8 @@ class Reports:
 
     def _heartbeat(self) -> None:
         flight, active, standby = self._flight, 4, 3
+        # those of cameras just before: MAVSDK's follow_me takes the mode from the heartbeat of any component
+        flight.cameras.beat()
         state = active if flight.is_armed or flight.helm is None else standby
         kind = self._vehicle.kind
         self._vehicle.send(
