@@ -417,3 +417,12 @@ def test_values_that_cannot_be_are_refused_in_their_line(
 
 def test_objects_may_have_blanks_in_their_names(load: Callable[..., Scene]) -> None:
     assert load(HEAD + "Cube('my box')\n" + END).roots[0].name == "my box"
+
+
+def test_a_script_beside_a_project_is_told_where_its_classes_are_known(tmp_path) -> None:
+    (tmp_path / "rover_sim" / "src" / "rover_sim" / "builder").mkdir(parents=True)
+    script = tmp_path / "scene.py"
+    script.write_text("from morse.builder import *\nfrom rover_sim.builder import Rover\nenv = Environment('empty')\n")
+    with pytest.raises(ScriptError) as error:
+        load_scene(RunOptions(script=str(script)))
+    assert f"the project {tmp_path / 'rover_sim'}" in error.value.report()

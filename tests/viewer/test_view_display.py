@@ -40,6 +40,37 @@ def test_what_a_script_shows_is_shown_unasked(running, open_page) -> None:
     assert page.evaluate("localStorage.getItem('morse.panels')") is None
 
 
+def test_a_page_tells_that_it_has_drawn_the_world(running, open_page) -> None:
+    driver, url = running
+    open_page(url)
+    until(lambda: driver.server.drawn)
+
+
+IN_PICTURE = "morse.world.value.find('robot1').frame.position.clone().project(morse.stage.view.camera).toArray()"
+
+
+def test_a_followed_robot_outside_of_the_picture_is_brought_into_it(running, open_page) -> None:
+    driver, url = running
+    scene, moving = playground()
+    view = scene.settings.view
+    view.display.follow, view.camera_location, view.camera_rotation = "robot1", (0.0, -6.0, 4.0), (1.2, 0.0, 3.0)
+    driver.server.set_scene(scene, moving)
+    page = open_page(url)
+    until(lambda: page.evaluate("morse.follow.mode.value") == "along")
+    until(lambda: max(map(abs, page.evaluate(IN_PICTURE)[:2])) < 1.0)
+    assert page.evaluate(IN_PICTURE)[2] < 1.0  # in front of the camera
+
+
+def test_messages_have_the_room_of_plots_that_are_not_there(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, width=1200, height=700)
+    page.evaluate("morse.shell.show('bottom')")
+    widths = "['.plots', '.log'].map((name) => document.querySelector(name).clientWidth)"
+    until(lambda: page.evaluate(widths)[0] > 0)
+    plots, log = page.evaluate(widths)
+    assert log > 2 * plots
+
+
 def test_what_the_user_has_closed_stays_closed(running, open_page) -> None:
     driver, url = running
     scene, moving = playground()

@@ -80,6 +80,16 @@ def test_watched_only_while_a_page_is_there(served) -> None:
     until(lambda: not server.watched)
 
 
+def test_a_world_counts_as_drawn_when_a_page_has_said_so(served) -> None:
+    server, url = served
+    with Client(url) as page:
+        page.expect("welcome")
+        assert not server.drawn
+        page.send("shown")
+        until(lambda: server.drawn)
+    until(lambda: not server.drawn)
+
+
 @pytest.mark.parametrize(
     ("frame", "code", "reason"),
     [

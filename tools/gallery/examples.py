@@ -31,9 +31,11 @@ morse demo laser
 morse demo laser --copy .
 ```
 
-The first command lists them. The second command runs a scene in the live view together with its client. The third
-command copies both files, as a basis for your own scene. With `--headless` there is no live view, and the simulation
-ends with the client. The tests run all examples.
+The first command lists them. The second command runs a scene in the live view; its client starts when the page shows the
+scene. The third command copies both files, as a basis for your own scene. With `--headless` there is no live view, and
+the simulation ends with the client.
+
+[Programs that others wrote](../examples/README.md), such as KISS-ICP, OpenCV, a planner and MAVSDK, drive robots too.
 """
 #: simulated seconds after which the picture is taken, if not at the end of the client
 MOMENTS = {
@@ -76,7 +78,7 @@ def _client(example: Example, simulation: morse.Simulation) -> None:
 
 def page() -> str:
     """The page that shows all examples."""
-    parts = [_HEAD]
+    parts = [_HEAD.rstrip("\n") + "\n"]
     for each in examples().values():
         picture = f"![{each.what}](pictures/examples/{each.name}.webp)"
         files = ", ".join(f"[{file.name}]({_LINK}/{each.name}/{file.name})" for file in (each.scene, each.client))

@@ -53,6 +53,8 @@ export class App {
   /** the camera pose that services have set since the world was described */
   private viewpoint: Viewpoint | null = null;
   private loading = Promise.resolve();
+  /** the simulator knows that this page has drawn the world */
+  private announced = false;
   /** changes since the world was described, applied to a world that is loaded later */
   private readonly appearances = new Map<string, Appearance>();
 
@@ -83,11 +85,17 @@ export class App {
     });
     this.connection.on("refused", ({ why }) => this.toasts.show(why, "error"));
     this.connection.on("welcome", ({ title }) => {
+      this.announced = false;
       document.title = title;
       this.appearances.clear(); // valid changes are sent again
     });
     this.connection.onPoses = (frame) => this.take(frame);
-    this.stage.onDrawn(() => this.connection.drawn());
+    this.stage.onDrawn(() => {
+      this.connection.drawn();
+      if (this.announced || !this.stage.world) return;
+      this.announced = true;
+      this.connection.send({ type: "shown" });
+    });
     this.stage.start();
   }
 

@@ -79,7 +79,7 @@ def command(
         say(f"Missing: {result.name} ({result.detail}). To install it: {result.install}")
     for result in results:
         if not result.found and not result.required and result.install:
-            say(f"Optional: {result.name}, for {result.gives}. To install it: {result.install}")
+            say(f"Optional: {result.name} ({result.gives}): {result.install}")
     if problems:
         raise typer.Exit(1)
     say("All requirements of MORSE are met.")

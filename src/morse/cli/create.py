@@ -39,7 +39,7 @@ def command(
     say(f"Change the scene in:     {directory / 'default.py'}")
     say(f"Drive its robot from:    {directory / 'scripts' / f'{name}_client.py'}")
     say(f"Test it with:            pytest {name}")
-    say(f"Add your own robot: morse add robot my_robot {name}")
+    say(f"Add your own robot: morse add robot rover {name}")
 
 
 def _make_room(directory: Path, force: bool) -> None:

@@ -8,8 +8,9 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -18,11 +19,15 @@ from morse.cli.messages import CommandError, say
 from morse.cli.run import parse_speed
 from morse.core.reports import log
 from morse.simulation.options import RunOptions
+from morse.viewer.display import has_display
 
 if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
+    from morse.viewer.live_view import View
 
 _PATIENCE = 5.0
+#: seconds between two looks whether a page shows the scene
+_PAUSE = 0.1
 
 
 def command(
@@ -103,6 +108,22 @@ class _Client:
         self.status = 0
 
     def start(self, simulation: Simulation) -> None:
+        """Start the program when a page of the live view shows the scene; at once if there is no live view."""
+        if simulation.options.view == "web":
+            threading.Thread(target=self._start_with_a_page, args=[simulation], name="client", daemon=True).start()
+        else:
+            self._start(simulation)
+
+    def _start_with_a_page(self, simulation: Simulation) -> None:
+        view = cast("View", simulation.view)
+        if not (simulation.options.open_browser and has_display()):
+            say(f"Open {view.url}: the client starts when a page shows the scene.")
+        while not self._ended and not view.drawn:
+            time.sleep(_PAUSE)
+        if not self._ended:
+            self._start(simulation)
+
+    def _start(self, simulation: Simulation) -> None:
         """Start the program, which gets the port of the simulation."""
         managers: list[object] = list(simulation.context.services.request_managers().values())
         port = next(manager.port for manager in managers if hasattr(manager, "port"))

@@ -94,6 +94,10 @@ def _module(module: str, distribution: str, gives: str, install: str, *, require
         detail = importlib.metadata.version(distribution)
     except importlib.metadata.PackageNotFoundError:
         return Finding(module, True, "of unknown version", gives, install, required)
+    except ModuleNotFoundError as error:
+        # a package that is there, but lacks one of its own, names that one
+        lacks = error.name not in (None, module, module.partition(".")[0])
+        return Finding(module, False, str(error) if lacks else "not installed", gives, install, required)
     except Exception as error:  # a broken binary package may raise any exception
         return Finding(module, False, f"{type(error).__name__}: {error}", gives, install, required)
     return Finding(module, True, detail, gives, install, required)
@@ -158,7 +162,7 @@ def _data() -> Finding:
 
 
 def _browser() -> Finding:
-    gives = "the live view opens by itself (else: open the address that `morse run` prints)"
+    gives = "opens the live view by itself; else open the address that `morse run` prints"
     install = "sudo apt-get install firefox-esr"
     if sys.platform not in ("win32", "darwin") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return Finding(

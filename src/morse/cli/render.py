@@ -33,7 +33,7 @@ def command(
         typer.Option("--from", metavar="X,Y,Z", help="Position of the viewpoint, m (default: that of the script)."),
     ] = None,
     target: Annotated[
-        str | None, typer.Option("--to", metavar="X,Y,Z", help="Point to look at, m (default: the origin).")
+        str | None, typer.Option("--to", "--at", metavar="X,Y,Z", help="Point to look at, m (default: the origin).")
     ] = None,
     camera: Annotated[
         str | None,

@@ -54,6 +54,9 @@ class Clock:
         self._mean = 0.0
         self._square = 0.0
 
+    def __repr__(self) -> str:
+        return f"<Clock at tick {self.tick}, {self.time:.6g} s; {self.frequency:.6g} Hz>"
+
     def advance(self, ticks: int = 1) -> None:
         """Begin the next tick."""
         own = self._own

@@ -120,6 +120,9 @@ class Context:
     time_shares: TimeShares = field(default_factory=TimeShares)
     _servers: dict[object, object] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        return f"<Context of {self.scene!r}>"
+
     def __post_init__(self) -> None:
         self.guard = self.services.guard = Guard(self)
         self.journal = Journal(self.clock, self.guard)

@@ -206,6 +206,10 @@ class Object(Requesting, AbstractObject):
             setattr(self, declaration.attribute, getattr(other, declaration.attribute))
             self._offered.append(declaration)
 
+    def __repr__(self) -> str:
+        body = getattr(self, "bge_object", None)  # a class of a user may fail before it has one
+        return f"<{type(self).__name__}{'' if body is None else f' {body.name}'}>"
+
     def name(self) -> str:
         """The fully qualified name, e.g. ``robot.arm.pose``."""
         return str(self.bge_object.name)

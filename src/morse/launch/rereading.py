@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from morse.builder.script import ScriptError, load_scene
 from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
+from morse.core.observer import SHOWN
 from morse.launch.stamps import Stamps, script_stamp, source_stamps, sources_of
 from morse.simulation.watching.files import stamp
 from morse.simulation.watching.watch import Watch
@@ -68,9 +69,14 @@ class Rereading:
         except (ScriptError, MorseError) as error:
             text = error.report() if isinstance(error, ScriptError) else str(error)
             first, _, rest = text.partition("\n")
-            logger.error("[ERROR][MORSE] the edited scene cannot be loaded, the previous scene is restarted: %s", first)
+            said = {SHOWN: True}
+            logger.error(
+                "[ERROR][MORSE] the edited scene cannot be loaded, the previous scene is restarted: %s",
+                first,
+                extra=said,
+            )
             if rest:
-                logger.error("%s", rest)
+                logger.error("%s", rest, extra=said)
             for path in edited:
                 simulation.edits.take(path)
             mend = error.mend if isinstance(error, ScriptError) else ""

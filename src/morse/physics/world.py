@@ -88,6 +88,9 @@ class World(ObjectWorld):
         self._build()
         self.reset()
 
+    def __repr__(self) -> str:
+        return f"<World '{self.scene.environment}': {len(self._objects)} objects>"
+
     def _build(self) -> None:
         """Create the parts that belong to the present compiled model."""
         # contacts at the poses of the scene are not needed: spawned robots may all have come at one place

@@ -78,6 +78,10 @@ class Scene:
                 memo[id(part)] = part
         return deepcopy(self, memo)
 
+    def __repr__(self) -> str:
+        robots = ", ".join(robot.name for robot in self.robots()) or "none"
+        return f"<Scene in '{self.environment}': {sum(1 for _ in self.nodes())} nodes; robots: {robots}>"
+
     def nodes(self) -> Iterator[Node]:
         """Every node, parents before their children."""
         for root in self.roots:

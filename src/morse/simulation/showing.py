@@ -32,7 +32,9 @@ class Showing:
         self._check_open()
         show = getattr(self.view, "show", None)
         if show is None:
-            raise RuntimeError("there is no live view: load the simulation with view='web'")
+            raise RuntimeError(
+                "there is no live view: load the scene with morse.load(SCENE, view='web'), or draw it by sim.picture()"
+            )
         return show(height)
 
     def picture(self, width: int = 960, height: int = 600, **view: Any) -> Any:

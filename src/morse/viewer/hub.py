@@ -109,6 +109,11 @@ class Hub:
         """Whether any page is connected."""
         return bool(self._pages)
 
+    @property
+    def drawn(self) -> bool:
+        """Whether any page has drawn the world."""
+        return any(page.drawn for page in list(self._pages.values()))
+
     async def open(self, host: str, ports: Iterable[int]) -> int:
         """Bind to the first free port, and return it.
 
@@ -243,6 +248,8 @@ class Hub:
                 self.seat.hear(page.number)
             case pm.Taken():
                 page.took(message.count)
+            case pm.Shown():
+                page.drawn = True
             case pm.Keys():
                 self.seat.hold(page.number, frozenset(message.held))
             case pm.Gamepad():

@@ -150,6 +150,9 @@ class View(Observer):
             PageLeft: self._services.forget,
         }
 
+    def __repr__(self) -> str:
+        return f"<View at {self._url}>"
+
     @property
     def url(self) -> str:
         """The address for a browser."""
@@ -159,6 +162,11 @@ class View(Observer):
     def address(self) -> tuple[int, str | None]:
         """TCP port, and the token that a page must present, if there is one."""
         return self._server.address
+
+    @property
+    def drawn(self) -> bool:
+        """Whether any page has drawn the world."""
+        return self._server.drawn
 
     def show(self, height: int) -> Frame:
         """The page in a frame, for a notebook; see `morse.viewer.notebook.frame`."""

@@ -31,6 +31,7 @@ class Page:
     Attributes:
         number: its id for other pages.
         watch: what it shows.
+        drawn: whether it has drawn the world.
         memory: for its requests without an answer, and for unsent messages that no newer ones replace.
     """
 
@@ -38,6 +39,7 @@ class Page:
         self.number = number
         self.connection = connection
         self.watch: Watch | None = None
+        self.drawn = False
         self.memory = Budget()
         self._waiting: dict[Subject | int, str | bytes] = {}
         self._unique = 0

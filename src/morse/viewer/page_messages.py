@@ -44,6 +44,10 @@ class Taken(PageMessage, frozen=True):
     count: int
 
 
+class Shown(PageMessage, frozen=True):
+    """The page has drawn the world for the first time."""
+
+
 class Watch(PageMessage, frozen=True):
     """What the page shows; replaces the previous message.
 

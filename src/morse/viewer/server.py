@@ -118,6 +118,11 @@ class ViewServer:
         return self._hub.watched
 
     @property
+    def drawn(self) -> bool:
+        """Whether any page has drawn the world."""
+        return self._hub.drawn
+
+    @property
     def wishes(self) -> Wishes:
         """The data, overlays and images that the pages show now: nothing else need be sent."""
         return self._hub.wishes

@@ -16,10 +16,12 @@ export class Shortcuts {
 
   constructor() {
     addEventListener("keydown", (event) => {
-      if (isTyping(event) || event.altKey || event.repeat) return;
+      const prefix = event.ctrlKey || event.metaKey ? "Ctrl+" : "";
+      // the browser's own Ctrl+S would save the page, also while somebody types
+      const saves = prefix !== "" && event.key.toLowerCase() === "s";
+      if ((isTyping(event) && !saves) || event.altKey || event.repeat) return;
       if (["Space", "Enter"].includes(event.code) && isPressed(event.target)) return;
       if (event.key === "Escape" && document.querySelector("dialog[open]")) return;
-      const prefix = event.ctrlKey || event.metaKey ? "Ctrl+" : "";
       const shortcut = this.list.find(({ keys }) => keys.includes(prefix + event.key) || keys.includes(prefix + event.code));
       if (!shortcut) return;
       event.preventDefault();

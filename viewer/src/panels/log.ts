@@ -57,7 +57,7 @@ export class LogPanel {
 }
 
 function firstLine(text: string): string {
-  const [line = ""] = text.split("\n");
+  const [line = ""] = text.replace(/^(\[\w+\])+ /, "").split("\n");
   return line.length > 300 ? `${line.slice(0, 300)}…` : line;
 }
 

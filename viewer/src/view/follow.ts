@@ -14,6 +14,8 @@ const PRESETS = {
   top: new Vector3(0, -0.001, 1),
   corner: new Vector3(-0.8, -0.8, 0.65),
 };
+/** share of the picture, from its middle, in which a followed node may be */
+const WITHIN = 0.8;
 export type Preset = keyof typeof PRESETS;
 
 /** Lets the camera follow a node, or moves it to a viewpoint. */
@@ -58,6 +60,7 @@ export class Follow {
 
   /** Use the present viewpoint as home, which moves along with a node if there is one. */
   setHome(followed: WorldNode | null = null): void {
+    if (followed) this.bringIntoView(followed);
     this.home = this.stage.view.pose;
     this.followed = followed;
     this.homeOffset.copy(this.stage.view.position);
@@ -74,6 +77,16 @@ export class Follow {
       this.offset.copy(this.homeOffset);
     }
     this.stage.invalidate();
+  }
+
+  /** A followed node that stands outside of the picture would stay there: turn to it. */
+  private bringIntoView(node: WorldNode): void {
+    const { view, world } = this.stage;
+    if (!world) return;
+    const { center } = world.boundsOf(node);
+    view.update();
+    const { x, y, z } = center.clone().project(view.camera);
+    if (Math.abs(x) > WITHIN || Math.abs(y) > WITHIN || z > 1) view.lookAt(center);
   }
 
   /** Go near the next robot and look at it. */

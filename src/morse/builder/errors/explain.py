@@ -9,6 +9,7 @@ import pkgutil
 import re
 import sys
 import traceback
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import ScriptError, Step, checks
@@ -108,6 +109,11 @@ def _no_module(name: str) -> tuple[str, str]:
     near = checks.closest(last, [*candidates, *(info.name for info in pkgutil.iter_modules(paths))])
     if near is not None:
         return f"there is no module '{name}'", f"Did you mean '{f'{parent}.{near}' if parent else near}'?"
+    if (project := _project_of(name)) is not None:
+        return (
+            f"there is no module '{name}'",
+            f"It belongs to the project {project}: only scripts in this folder find it.",
+        )
     if spec is not None:
         # a project imports the components that were added to it
         return f"there is no module '{name}'", f"If '{last}' was deleted or renamed, delete or change this line."
@@ -115,6 +121,13 @@ def _no_module(name: str) -> tuple[str, str]:
         f"there is no module '{name}'",
         "The packages of a project are in its folder 'src'; others have to be installed.",
     )
+
+
+def _project_of(module: str) -> Path | None:
+    """The folder of a project beside the script that contains the module, found as a package of its folder's name."""
+    first, *_ = parts = module.split(".")
+    places = (Path(folder) / first for folder in sys.path)
+    return next((place for place in places if place.joinpath("src", *parts).exists()), None)
 
 
 def _no_member(name: str, error: ImportError) -> tuple[str, str]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.journal import RESET, RESTORE
-from morse.core.observer import Observer
+from morse.core.observer import SHOWN, Observer
 from morse.core.state import StateError
 
 if TYPE_CHECKING:
@@ -151,7 +151,9 @@ class FlightRecorder(Observer):
         _remove_old(path)
         span = _span(ticks, ticks / self._simulation.clock.frequency)
         script = self._script()
-        logger.error("[ERROR][MORSE] %s in %s: morse replay %s --resimulate%s", span, path, path, script)
+        command = f"morse replay {path} --resimulate{script}"
+        # the failure itself is what a page announces
+        logger.error("[ERROR][MORSE] %s in %s: %s", span, path, command, extra={SHOWN: True})
         return path
 
     def _script(self) -> str:

@@ -143,11 +143,13 @@ class Loop:
             return
         cause = self._diagnosis.cause(self._context.clock.period / self.pacer.speed)
         self._stop_measuring()
+        factor, speed = self.pacer.real_time_factor, self.pacer.speed
+        # it catches up after a pause: then its present speed would contradict what is said
+        pace = f", running at {factor:.2f} times real time (requested: {speed:.2f})" if factor < speed else ""
         logger.warning(
-            "the simulation cannot keep up: %.1f s lost, running at %.2f times real time (requested: %.2f)%s",
+            "the simulation cannot keep up: %.1f s lost%s%s",
             delay,
-            self.pacer.real_time_factor,
-            self.pacer.speed,
+            pace,
             f"; {cause}" if cause else "",
             extra={SHOWN: True},
         )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
 from morse.core.journal import EDIT
-from morse.core.observer import Observer
+from morse.core.observer import SHOWN, Observer
 from morse.core.reports.faults import ENDINGS, describe
 from morse.simulation.watching import models
 from morse.simulation.watching.classes import exchange
@@ -174,7 +174,10 @@ class Watch(Observer):
     def _refuse(self, path: str, reason: str) -> None:
         self._simulation.edits.refuse(path, reason)
         logger.error(
-            "[ERROR][MORSE] %s was saved, but the simulation continues with the previous version: %s", path, reason
+            "[ERROR][MORSE] %s was saved, but the simulation continues with the previous version: %s",
+            path,
+            reason,
+            extra={SHOWN: True},
         )
 
 
