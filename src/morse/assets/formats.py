@@ -46,6 +46,11 @@ def suffixes() -> tuple[str, ...]:
     return tuple(dict.fromkeys((*_READERS, *(f".{point.name.lower()}" for point in entry_points("morse.formats")))))
 
 
+def is_model(path: Path) -> bool:
+    """Whether a file is a model by its suffix; any other one that is run as a scene is a program."""
+    return path.suffix.lower() in suffixes()
+
+
 def reader_of(path: Path) -> Callable[[Path], Library]:
     """The function that reads a file.
 

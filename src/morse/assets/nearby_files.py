@@ -5,12 +5,13 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-from itertools import chain
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets import search
 from morse.system import variables
+from morse.system.shared_folders import folders_above
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -137,10 +138,10 @@ def _folders(model: Path) -> Iterator[Path]:
     above = _marked(model)
     if above:
         yield above[0]
-    elif folder.parent != Path(folder.anchor):
-        yield folder.parent
+    else:
+        yield from folders_above(model)[1:2]
         yield from _above_models(model)
-        yield from _project(folder)
+        yield from _project(model)
     yield from search.resource_dirs()
     yield from search.component_dirs()
     yield from _listed()
@@ -148,22 +149,25 @@ def _folders(model: Path) -> Iterator[Path]:
 
 def _marked(model: Path) -> list[Path]:
     """The folders above a model that are marked as packages, the nearest first."""
-    return [one for one in model.absolute().parents if any((one / mark).is_file() for mark in _MARKS)]
+    return [one for one in folders_above(model) if _is_marked(one)]
+
+
+def _is_marked(folder: Path) -> bool:
+    return any((folder / mark).is_file() for mark in _MARKS)
 
 
 def _above_models(model: Path) -> list[Path]:
     """The package of a model by the usual names of its folders: ``lab`` of ``lab/urdf/arm/arm.urdf``; nearest first."""
-    outside = (Path(model.absolute().anchor), Path.home())
-    above = list(model.absolute().parents)[:_LEVELS]
-    return [one.parent for one in above if one.name in _MODEL_FOLDERS and one.parent not in outside]
+    above = folders_above(model)[: _LEVELS + 1]
+    return [package for one, package in pairwise(above) if one.name in _MODEL_FOLDERS]
 
 
-def _project(folder: Path) -> Iterator[Path]:
+def _project(model: Path) -> Iterator[Path]:
     """The folders of the Python packages around a model, or of the repository, if they are a few folders above."""
     inside = False
-    for one in list(folder.parents)[:_LEVELS]:
+    for one in folders_above(model)[1 : _LEVELS + 1]:
         marks = [mark for mark in _PROJECT_MARKS if (one / mark).exists()]
-        if one in (Path(one.anchor), Path.home()) or (inside and _PYTHON not in marks):
+        if inside and _PYTHON not in marks:
             return
         if marks:
             yield one
@@ -196,10 +200,11 @@ def _candidates(name: str, model: Path) -> Iterator[tuple[Path, Owners]]:
         return
     for folder in _packages(package, model):
         yield folder / inside, (folder,)
+    above = folders_above(model)
     for folder in list(model.absolute().parents)[:_LEVELS]:
-        if folder.name == package:
+        if folder.name == package and folder in above:
             yield folder / inside, (folder,)
-        if folder != Path(folder.anchor):
+        if folder in above or _is_marked(folder / package):
             yield folder / package / inside, (folder / package,)
             if scheme == "model":
                 yield folder / "models" / package / inside, (folder / "models" / package,)

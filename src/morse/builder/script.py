@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from morse import mathutils
 from morse.assets import search
-from morse.assets.formats import suffixes
+from morse.assets.formats import is_model
 from morse.builder import workspace
 from morse.builder.assembly.finalise import build_scene
 from morse.builder.errors import ScriptError
@@ -68,7 +68,7 @@ def load_scene(options: RunOptions, *, anew: bool = False, code: CodeType | None
         project.offer(bpy.NAME, bpy.stand_in())
 
     def describe() -> None:
-        if script.suffix.lower() in suffixes():
+        if is_model(script):
             _make_environment(script)
         else:
             _run(script, project, code)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morse.assets.formats import is_model
 from morse.cli.messages import CommandError, nearest, warn
 from morse.cli.sites import Sites
 from morse.simulation.options import RunOptions
@@ -136,8 +137,11 @@ def _unknown_scene(name: str, path: Path, sites: Sites) -> CommandError:
 
 
 def _project_of(script: Path, sites: Sites) -> Path | None:
-    """The environment that contains a script: a registered one, or a directory with ``src`` or ``data``."""
-    if (owner := sites.owner(script)) is not None:
+    """The environment that contains a script: a registered one, or a directory with ``src`` or ``data``.
+
+    A model that is run as a scene is data, and brings no code of folders that the user has not registered.
+    """
+    if (owner := sites.owner(script)) is not None or is_model(script):
         return owner
     beside = script.parent
     return beside if (beside / "src").is_dir() or (beside / "data").is_dir() else None

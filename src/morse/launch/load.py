@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from morse.assets.formats import is_model
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted
 from morse.kernel import loading, threads
@@ -177,7 +178,8 @@ def described(scene: str | os.PathLike[str] | Callable[[], object] | Scene, opti
         raise FileNotFoundError(f"the scene script {script} does not exist")
     options.script = str(script)
     for folder, paths in (("src", options.source_paths), ("data", options.resource_paths)):
-        if not paths and (script.parent / folder).is_dir():
+        # a model that is run as a scene is data: it brings no code
+        if not paths and (script.parent / folder).is_dir() and not (folder == "src" and is_model(script)):
             paths.append(str(script.parent / folder))
     return load_scene(options)
 

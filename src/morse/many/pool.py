@@ -13,6 +13,7 @@ import sys
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.many.worker import end_child, fork_worker
+from morse.system.own_programs import command
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -61,7 +62,7 @@ class Pool:
         self._control, theirs = socket.socketpair()
         with theirs:
             self._server = subprocess.Popen(
-                [sys.executable, "-m", "morse.many.forking", str(theirs.fileno()), str(self._reading)],
+                command("morse.many.forking", str(theirs.fileno()), str(self._reading)),
                 pass_fds=(theirs.fileno(), self._reading),
                 env={**os.environ, **ONE_THREAD},
                 stdin=subprocess.DEVNULL,

@@ -6,10 +6,10 @@ import dataclasses
 import json
 import os
 import subprocess
-import sys
 import threading
 from typing import TYPE_CHECKING, Any
 
+from morse.system.own_programs import command
 from morse.verification.replay import Replay
 
 if TYPE_CHECKING:
@@ -82,11 +82,11 @@ def _replay(options: RunOptions, hashes: str, **options_of_replay: Any) -> list[
     replay = Replay(options=dataclasses.asdict(plain), **options_of_replay)
     # another hash seed reveals programs that depend on the order of sets
     environment = {**os.environ, "PYTHONHASHSEED": hashes, "MORSE_SOCKET_PORT": "0"}
-    command = [sys.executable, "-m", "morse.verification.replay", json.dumps(dataclasses.asdict(replay))]
+    words = command("morse.verification.replay", json.dumps(dataclasses.asdict(replay)))
     pipe = subprocess.PIPE
     # its standard input stays open until this process ends, even if it is killed
     with subprocess.Popen(
-        command, stdin=pipe, stdout=pipe, stderr=pipe, encoding="utf-8", errors="replace", env=environment
+        words, stdin=pipe, stdout=pipe, stderr=pipe, encoding="utf-8", errors="replace", env=environment
     ) as process:
         try:
             records, errors = _read(process)

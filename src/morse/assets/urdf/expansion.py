@@ -8,7 +8,6 @@ import json
 import os
 import re
 import subprocess
-import sys
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
@@ -16,12 +15,14 @@ from morse.assets.arguments import ARGUMENTS
 from morse.assets.errors import AssetError
 from morse.assets.nearby_files import FileRefusedError, find_near, find_package
 from morse.assets.xml_files import parse_xml, read_xml
+from morse.system.own_programs import command
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 #: of the expansion of a file of xacro, s
 TIME_LIMIT = 30.0
+_PROGRAM = "morse.assets.urdf.xacro_program"
 #: package://, file://
 _URL = re.compile(r"[a-z][a-z0-9+.-]*://")
 _SUBSTITUTION = re.compile(r"\$\((optenv|env|find|dirname)\s*([^)]*)\)")
@@ -88,14 +89,12 @@ def _package(name: str, path: Path) -> str:
 def _expanded(path: Path) -> bytes:
     if importlib.util.find_spec("xacro") is None:
         raise AssetError(path, "files of xacro need: pip install 'morse-simulator[xacro]'")
-    command = [sys.executable, "-P", "-m", "morse.assets.urdf.xacro_program"]
     try:
         result = subprocess.run(
-            [*command, str(path.absolute()), json.dumps(ARGUMENTS.get({}))],
+            command(_PROGRAM, str(path.absolute()), json.dumps(ARGUMENTS.get({}))),
             stdin=subprocess.DEVNULL,
             capture_output=True,
             timeout=TIME_LIMIT,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
             check=False,
         )
         answer = json.loads(result.stdout)

@@ -1,7 +1,7 @@
 """The program that expands a file of xacro: ``python -m morse.assets.urdf.xacro_program FILE ARGUMENTS``.
 
-The expressions in such a file are Python, and may need any amount of time and memory, which are limited here. The
-result is a line of JSON, an object with ``text`` or ``error``.
+The expressions in such a file are Python: `morse.assets.urdf.xacro_limits` limits what they can reach, and this program
+the time and memory that they take. The result is a line of JSON, an object with ``text`` or ``error``.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from morse.assets.nearby_files import FileRefusedError, find_package
+from morse.assets.urdf.xacro_limits import limit
 
 #: bytes
 MOST_MEMORY = 2 << 30
@@ -23,10 +24,12 @@ def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
     from xacro import substitution_args
 
     refused: list[str] = []
+    packages: list[Path] = []
 
     def package(name: str) -> str:
         try:
-            return str(find_package(name, path))
+            packages.append(find_package(name, path))
+            return str(packages[-1])
         except FileRefusedError as error:
             # xacro raises errors of its own instead
             refused.append(f"$(find {name[:60]}): {error}")
@@ -34,6 +37,7 @@ def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
 
     # without ROS, xacro cannot find packages
     substitution_args._eval_find = package
+    limit(path, packages)
     try:
         document = xacro.process_file(str(path), mappings=arguments)
     except Exception as error:  # the expressions of the file raise anything

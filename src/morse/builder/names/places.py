@@ -2,31 +2,33 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets.formats import is_model
+from morse.system.shared_folders import folders_above
+
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from pathlib import Path
 
 #: number of folders above a script that may contain the project
 _LEVELS = 4
 
 
-def _around(script: Path) -> Iterator[Path]:
-    """The folder of a script and those above it, without folders that contain many projects."""
-    shared_folders = {Path.home(), Path(tempfile.gettempdir()), Path(script.anchor)}
-    for folder in list(script.absolute().parents)[:_LEVELS]:
-        if folder in shared_folders:
-            return
-        yield folder
-
-
 def source_folders(script: Path) -> list[str]:
-    """Folders of Python packages: ``src`` beside the script or above it, nearest first; then that of the script."""
-    return [str(folder / "src") for folder in _around(script) if (folder / "src").is_dir()] + [str(script.parent)]
+    """Folders of Python packages: ``src`` beside the script or above it, nearest first; then that of the script.
+
+    A model that is run as a scene is data: it brings no code.
+    """
+    if is_model(script):
+        return []
+    return [*_named("src", script), str(script.parent)]
 
 
 def resource_folders(script: Path) -> list[str]:
     """Folders of models: ``data`` beside the script or above it, nearest first; then that of the script."""
-    return [str(folder / "data") for folder in _around(script) if (folder / "data").is_dir()] + [str(script.parent)]
+    return [*_named("data", script), str(script.parent)]
+
+
+def _named(name: str, script: Path) -> list[str]:
+    folders = [folder / name for folder in folders_above(script)[:_LEVELS]]
+    return [str(folder) for folder in folders if folder.is_dir()]

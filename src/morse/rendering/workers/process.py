@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import os
 import subprocess
-import sys
 import threading
 from typing import TYPE_CHECKING
 
 from morse.kernel import threads
 from morse.rendering.workers.pipes import receive, send
+from morse.system.own_programs import command
 
 if TYPE_CHECKING:
     from typing import IO
@@ -31,8 +31,7 @@ class WorkerProcess:
 
     def __init__(self) -> None:
         self._process = subprocess.Popen(
-            # -P: a file of the user such as copy.py in the present folder hides no module
-            [sys.executable, "-P", "-m", "morse.rendering.workers.main"],
+            command("morse.rendering.workers.main"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             bufsize=0,

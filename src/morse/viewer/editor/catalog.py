@@ -6,10 +6,10 @@ import base64
 import json
 import queue
 import subprocess
-import sys
 import threading
 from typing import TYPE_CHECKING, Any
 
+from morse.system.own_programs import command
 from morse.viewer.view_messages import Model, ModelPicture, Models
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class Catalog:
         if self._process is not None:
             return
         self._process = subprocess.Popen(
-            [sys.executable, "-m", _PROGRAM, *self._arguments],
+            command(_PROGRAM, *self._arguments),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
