@@ -8,10 +8,14 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
+#: the value of a field, a slot, a property or an option, which has the type of its declaration
+Value: TypeAlias = Any
 #: values of data fields, by name: ``local_data``, commands, measurements
-Fields: TypeAlias = dict[str, Any]
+Fields: TypeAlias = dict[str, Value]
+#: properties of an object, by name: numbers, texts, lists and others that scripts and files set
+Properties: TypeAlias = dict[str, Value]
 #: options that scripts give to streams, modifiers and managers
-Options: TypeAlias = dict[str, Any]
+Options: TypeAlias = dict[str, Value]
 #: the state of a part as plain data, see `morse.core.state`
 StateData: TypeAlias = dict[str, Any]
 #: a message of ROS: names of its fields to numbers, texts, arrays, lists and messages

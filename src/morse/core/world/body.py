@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, overload
+from typing import TYPE_CHECKING, Protocol, TypeAlias, TypeVar, overload
 
 from morse.core.world.body_names import BodyNames
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from morse.core.values import Properties, Value
     from morse.core.world.joints import Joints
     from morse.mathutils import Vector
     from morse.scene import Node
+
+_D = TypeVar("_D")
 
 Pose: TypeAlias = tuple["Sequence[float]", "Sequence[float]"]
 """Position (3), m, and rotation (9, row by row)."""
@@ -48,7 +51,7 @@ class Bodies(Protocol):
     @overload
     def __getitem__(self, key: slice) -> Sequence[Body]: ...
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: _D | None = None) -> Body | _D | None:
         """Return the body of that name, or ``default``."""
 
 
@@ -82,7 +85,7 @@ class Body(BodyNames, Protocol):
     node: Node
     slot: int
     visible: bool
-    properties: dict[str, Any]
+    properties: Properties
 
     @property
     def offset(self) -> Pose:
@@ -126,7 +129,7 @@ class Body(BodyNames, Protocol):
     def removeParent(self) -> None:  # noqa: N802
         """Undo `setParent`."""
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> Value:
         """Return a property."""
 
     def __setitem__(self, name: str, value: object) -> None:
@@ -135,7 +138,7 @@ class Body(BodyNames, Protocol):
     def __contains__(self, name: object) -> bool:
         """Whether a property exists."""
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: object = None) -> Value:
         """Return a property, or ``default``."""
 
     def getPropertyNames(self) -> list[str]:  # noqa: N802

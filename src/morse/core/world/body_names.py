@@ -110,5 +110,5 @@ class BodyNames(Protocol):
     def applyMovement(self, movement: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Move the object immediately, m."""
 
-    def applyRotation(self, rotation: Sequence[float] | Sequence[Sequence[float]], local: bool = False) -> None:  # noqa: N802
+    def applyRotation(self, rotation: Sequence[float], local: bool = False) -> None:  # noqa: N802
         """Rotate the object immediately, rad about each axis."""

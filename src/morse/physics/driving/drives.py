@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from morse.physics.poses import rigid
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.values import StateData
     from morse.kernel.driving.arrays import GliderWork
     from morse.physics.bodies import Bodies
     from morse.physics.driving.fleet import Fleet
@@ -65,7 +66,7 @@ class Drives:
         self._turn_after.clear()
         self._drag.ends.clear()
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """See `morse.physics.state.saved.SavedDrives`."""
         names = self._state.names
         return {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -44,7 +44,7 @@ class Fleet:
         self._others = np.zeros(count, dtype=np.int64)
         self._settled = np.zeros(count, dtype=np.int64)
         self._settled_count = 0
-        self._commands: list[Any] = [None] * count
+        self._commands: list[Command | None] = [None] * count
         self._withdrawn: set[int] = set()
         self._work: GliderWork | None = None
         self._state: EngineState | None = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -78,7 +78,7 @@ class AddedJoint:
     frame: Frame
     bone: Bone
     slot: JointSlot
-    joint: Any
+    joint: mujoco.MjsJoint
     anchor: NDArray[np.float64]
     limit: JointDynamics
     of_file: bool = False
@@ -99,7 +99,7 @@ class Group:
 class Articulated:
     """The joints of all armatures of a scene whose joints the physics moves."""
 
-    def __init__(self, spec: Any) -> None:
+    def __init__(self, spec: mujoco.MjSpec) -> None:
         self._spec = spec
         self._groups: dict[Frame, Group] = {}
         self._made: list[AddedJoint] = []
@@ -108,7 +108,7 @@ class Articulated:
 
     # -- masses ----------------------------------------------------------------------------
 
-    def set_inertia(self, frame: Frame, pose: RigidFrame, body: Any, *, of_file: bool = False) -> bool:
+    def set_inertia(self, frame: Frame, pose: RigidFrame, body: mujoco.MjsBody, *, of_file: bool = False) -> bool:
         """Set mass and inertia of a body from its links; return False if the model of the frame has no links.
 
         Args:
@@ -160,7 +160,9 @@ class Articulated:
 
     # -- joints ----------------------------------------------------------------------------
 
-    def add_joints(self, frame: Frame, pose: RigidFrame, body: Any, *, of_file: bool = False) -> list[JointSlot]:
+    def add_joints(
+        self, frame: Frame, pose: RigidFrame, body: mujoco.MjsBody, *, of_file: bool = False
+    ) -> list[JointSlot]:
         """Add the joints that move a frame, or take those of an MJCF file."""
         armature = frame.armature
         assert armature is not None
@@ -226,7 +228,7 @@ class Articulated:
         self,
         frame: Frame,
         bone: Bone,
-        body: Any,
+        body: mujoco.MjsBody,
         anchor: NDArray[np.float64],
         place: NDArray[np.float64],
         axes: NDArray[np.float64],

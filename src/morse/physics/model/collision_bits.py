@@ -6,7 +6,13 @@ all other shapes, because these have the bits of `ALL_BITS`.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import mujoco
+
 
 #: masks have 31 bits: one for all shapes that are not floors, others for floors and planes, then those of files
 MOST_FLOORS, MOST_PLANES, _MOST_OF_FILES = 14, 4, 11
@@ -19,7 +25,7 @@ _FIRST_OF_FILES = MOST_FLOORS + 1 + MOST_PLANES
 OF_FILE = 1 << 30
 
 
-def file_bits(geoms: Any) -> None:
+def file_bits(geoms: Iterable[mujoco.MjsGeom]) -> None:
     """Replace the masks of the geoms of a file."""
     used = 0
     for geom in geoms:

@@ -6,7 +6,7 @@ import copy
 import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -181,7 +181,7 @@ def _not_moved_by_engine(frame: Frame) -> bool:
     return not frame.has_body or frame.motion in (Motion.FIXED, Motion.VIRTUAL)
 
 
-def _set_options(spec: Any, gravity: float, step: float) -> None:
+def _set_options(spec: mujoco.MjSpec, gravity: float, step: float) -> None:
     spec.compiler.degree = False
     option = spec.option
     option.timestep = step
@@ -195,14 +195,14 @@ def _set_options(spec: Any, gravity: float, step: float) -> None:
 
 
 class _Builder:
-    def __init__(self, spec: Any, *, has_wheels: bool) -> None:
+    def __init__(self, spec: mujoco.MjSpec, *, has_wheels: bool) -> None:
         self._spec = spec
         self._has_wheels = has_wheels
         self.articulated = Articulated(spec)
         self.planes = PlaneBuilder()
-        self._bodies: dict[Frame, Any] = {}
-        self._geoms: list[tuple[Any, Node, Slot]] = []
-        self._feet: list[tuple[Any, Node, Slot]] = []
+        self._bodies: dict[Frame, mujoco.MjsBody] = {}
+        self._geoms: list[tuple[mujoco.MjsGeom, Node, Slot]] = []
+        self._feet: list[tuple[mujoco.MjsGeom, Node, Slot]] = []
         self._hulls: dict[bytes, str] = {}
         self._step = spec.option.timestep
         self.files, self.as_in_files = Files(spec), False
@@ -255,7 +255,7 @@ class _Builder:
                 body.gravcomp = 1.0
         return body
 
-    def _add_geoms(self, frame: Frame, slot: Slot, body: Any, has_links: bool) -> None:
+    def _add_geoms(self, frame: Frame, slot: Slot, body: mujoco.MjsBody, has_links: bool) -> None:
         heavy = [node for node in frame.solid if node.body.type is not PhysicsType.SENSOR]
         total = sum(volume(shape) for node in heavy or frame.solid for shape in node.shapes or ()) or 1.0
         mass = frame.node.body.mass if frame.motion is Motion.FREE and not has_links else 0.0
@@ -320,7 +320,7 @@ class _Builder:
         points = [corners(shape, *relative_pose(node, slot.pose)) for node in solid for shape in node.shapes or ()]
         return stance(np.vstack(points)) if points else None
 
-    def _add_feet(self, frame: Frame, slot: Slot, body: Any, stand: Stance | None) -> None:
+    def _add_feet(self, frame: Frame, slot: Slot, body: mujoco.MjsBody, stand: Stance | None) -> None:
         if stand is None:
             return
         # the engine has to be prepared for weightless bodies; see resolve
@@ -331,8 +331,8 @@ class _Builder:
             self._feet.append((foot, frame.node, slot))
 
     def _add_geom(
-        self, body: Any, shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]
-    ) -> Any:
+        self, body: mujoco.MjsBody, shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]
+    ) -> mujoco.MjsGeom:
         if shape.kind is ShapeKind.CONVEX:
             mesh = self._hull(shape)
             return body.add_geom(type=_TYPES[shape.kind], meshname=mesh, pos=position, quat=_quaternion(rotation))
@@ -374,7 +374,7 @@ class _Builder:
             self._spec.add_mesh(name=name, uservert=vertices, inertia=inertia)
         return self._hulls[key]
 
-    def _set_surface(self, geom: Any, node: Node, frame: Frame) -> None:
+    def _set_surface(self, geom: mujoco.MjsGeom, node: Node, frame: Frame) -> None:
         friction = node.body.friction if node.body.friction is not None else frame.node.body.friction
         if self.physics_of_1_4 and _is_free_robot(frame):
             friction = friction_of(node.body if node.body.friction is not None else frame.node.body)
@@ -393,7 +393,7 @@ class _Builder:
         if (not node.body.collides and not frame.node.body.collides) or node.body.type is PhysicsType.SENSOR:
             geom.contype = geom.conaffinity = 0
 
-    def _add_wheel(self, frame: Frame, slot: Slot, body: Any) -> None:
+    def _add_wheel(self, frame: Frame, slot: Slot, body: mujoco.MjsBody) -> None:
         node = frame.node
         assert frame.parent is not None
         axis = wheel_axis(node, frame.parent.node)
@@ -429,7 +429,8 @@ class _Builder:
     def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
         """Store the ids that the compiler has assigned."""
         self.articulated.resolve(model)
-        geom_node: list[Any] = [None] * model.ngeom
+        # every geom gets its node: here, or by `Files.resolve`
+        geom_node: list[Node] = [None] * model.ngeom  # type: ignore[list-item]
         for geom, node, slot in self._geoms:
             geom_node[geom.id] = node
             slot.geoms.setdefault(node, []).append(geom.id)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from morse.physics.model.collision_bits import ALL_BITS, OF_FILE
 
+if TYPE_CHECKING:
+    import mujoco
+
+
 #: smallest weight of contact parameters that counts
 _LEAST = 1e-15
 
 
-def add_pair(spec: Any, one: Any, other: Any) -> None:
+def add_pair(spec: mujoco.MjSpec, one: mujoco.MjsGeom, other: mujoco.MjsGeom) -> None:
     """Add a pair of geoms to a `mujoco.MjSpec`, with the parameters that a contact of these geoms has.
 
     The rules are those of the section "Contact parameters" of MuJoCo's documentation; the engine does not apply them to
@@ -36,7 +40,7 @@ def add_pair(spec: Any, one: Any, other: Any) -> None:
     pair.friction = [slide, slide, torsion, roll, roll]
 
 
-def touch_floors(spec: Any, floors: set[str]) -> None:
+def touch_floors(spec: mujoco.MjSpec, floors: set[str]) -> None:
     """Let the shapes that an MJCF file pairs with floors touch the objects of a scene as they would touch these.
 
     The floors are not part of the scene. The objects of the scene touch any shape with the bits of a file, those of the

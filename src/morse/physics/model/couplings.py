@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -60,7 +60,7 @@ class CouplingBuilder:
         bodies: of the engine, by frame.
     """
 
-    def __init__(self, spec: Any, slots: Sequence[Slot], bodies: Mapping[Frame, Any]) -> None:
+    def __init__(self, spec: mujoco.MjSpec, slots: Sequence[Slot], bodies: Mapping[Frame, mujoco.MjsBody]) -> None:
         self._spec, self._bodies = spec, bodies
         self._slot_of = {node: slot for slot in slots for node in slot.frame.members}
         for armature in self._slot_of:

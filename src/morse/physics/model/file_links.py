@@ -7,7 +7,7 @@ with the robot.
 from __future__ import annotations
 
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mujoco
 
@@ -21,7 +21,7 @@ _BODY, _SITE = mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_SITE
 _OF_PAIRS = ("condim", "friction", "solref", "solimp", "solreffriction", "margin", "gap")
 
 
-def add_links(spec: Any, parts: Sequence[Part]) -> None:
+def add_links(spec: mujoco.MjSpec, parts: Sequence[Part]) -> None:
     """Add what joins the parts of each file.
 
     Args:
@@ -45,7 +45,7 @@ def _of_one_file(parts: Sequence[Part]) -> Iterator[list[Part]]:
 
 
 class _Links:
-    def __init__(self, spec: Any, parts: list[Part]) -> None:
+    def __init__(self, spec: mujoco.MjSpec, parts: list[Part]) -> None:
         self._spec = spec
         self._source = parts[0].model.file.spec()
         self._prefixes = {name: part.prefix for part in parts for name in part.model.links.values()}
@@ -81,7 +81,7 @@ class _Links:
             if self._is_between(places):
                 self._spec.add_exclude(bodyname1=places[0] + pair.bodyname1, bodyname2=places[1] + pair.bodyname2)
 
-    def _of_element(self, equality: Any, name: str) -> str | None:
+    def _of_element(self, equality: mujoco.MjsEquality, name: str) -> str | None:
         """The prefix of the part to which one of the two elements of a constraint belongs."""
         if equality.objtype == _BODY and equality.type in (_WELD, mujoco.mjtEq.mjEQ_CONNECT):
             return self._prefixes.get(name)

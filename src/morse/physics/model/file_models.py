@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.physics.model.layout import Motion
 from morse.scene import is_dynamic
@@ -11,6 +11,9 @@ from morse.scene import is_dynamic
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    import mujoco
+
+    from morse.core.values import Options
     from morse.physics.model.layout import Frame
     from morse.scene import Node
     from morse.scene.mjcf import MjcfModel
@@ -30,9 +33,9 @@ class Part:
     root: Frame
     model: MjcfModel
     prefix: str
-    option: Any
-    bodies: list[Any] = field(default_factory=list)
-    geoms: list[Any] = field(default_factory=list)
+    option: Options
+    bodies: list[mujoco.MjsBody] = field(default_factory=list)
+    geoms: list[mujoco.MjsGeom] = field(default_factory=list)
 
 
 def model_of(frame: Frame) -> MjcfModel | None:

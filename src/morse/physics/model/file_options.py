@@ -7,7 +7,7 @@ kinds, whose drives are tuned for the options of MORSE, those of files do not ap
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mujoco
 
@@ -42,7 +42,7 @@ def are_all_from_files(frames: Sequence[Frame]) -> bool:
     return bool(robots) and all(model_of(frame) is not None for frame in robots)
 
 
-def set_ground(spec: Any, ground: Sequence[float]) -> None:
+def set_ground(spec: mujoco.MjSpec, ground: Sequence[float]) -> None:
     """Set the contact parameters of the objects of a scene; see `MjcfModel.ground`."""
     geom, place = spec.default.geom, 0
     for name, count in _FIELDS:
@@ -52,7 +52,7 @@ def set_ground(spec: Any, ground: Sequence[float]) -> None:
         setattr(geom, name, int(values[0]) if name in ("condim", "priority") else value)
 
 
-def set_options(spec: Any, part: Part) -> None:
+def set_options(spec: mujoco.MjSpec, part: Part) -> None:
     """Set the options of a file."""
     option = spec.option
     for name, value in part.option.items():
@@ -65,7 +65,7 @@ def set_options(spec: Any, part: Part) -> None:
         option.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
 
 
-def level(geom: Any) -> None:
+def level(geom: mujoco.MjsGeom) -> None:
     """Replace a wide floor at height 0, or a little below it as in the worlds of MORSE 1.4, by a plane at height 0.
 
     Robots of files are compared with those in other programs, whose floors are planes there.

@@ -8,7 +8,7 @@ the motors of single joints, which can change their control modes.
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -22,6 +22,7 @@ from morse.physics.model.layout import Motion
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.values import Options
     from morse.physics.model.layout import Frame
     from morse.physics.model.slot import Slot
     from morse.scene import Node
@@ -41,11 +42,11 @@ class Files:
         motors: the actuators that are no motors of single joints.
     """
 
-    def __init__(self, spec: Any) -> None:
+    def __init__(self, spec: mujoco.MjSpec) -> None:
         self._spec = spec
         self._parts: dict[Frame, Part] = {}
         self._of_link: dict[Node, Part] = {}
-        self._terrain: dict[Node, tuple[Any, dict[str, str]]] = {}
+        self._terrain: dict[Node, tuple[mujoco.MjSpec, dict[str, str]]] = {}
         self.motors: list[FileMotor] = []
 
     def __bool__(self) -> bool:
@@ -62,7 +63,7 @@ class Files:
 
     # -- bodies ----------------------------------------------------------------------------
 
-    def add(self, frame: Frame, slot: Slot, add_body: Callable[[Frame, Slot], Any]) -> Any | None:
+    def add(self, frame: Frame, slot: Slot, add_body: Callable[[Frame, Slot], mujoco.MjsBody]) -> mujoco.MjsBody | None:
         """Add the bodies of a frame, and return its own body; None if it does not come from a file."""
         part = self.part_of(frame)
         if part is not None:
@@ -74,7 +75,9 @@ class Files:
         model = model_of(frame)
         return None if model is None else self._attach(frame, slot, model, add_body)
 
-    def _attach(self, frame: Frame, slot: Slot, model: MjcfModel, add_body: Callable[[Frame, Slot], Any]) -> Any:
+    def _attach(
+        self, frame: Frame, slot: Slot, model: MjcfModel, add_body: Callable[[Frame, Slot], mujoco.MjsBody]
+    ) -> mujoco.MjsBody:
         spec = model.file.spec()
         armature = next((node for node in frame.members if node.bones), frame.node)
         part = self._parts[frame] = Part(frame, model, f"{armature.name}/", copy_of(spec.option))
@@ -117,10 +120,10 @@ class Files:
         The engine ignores contacts of a moving body with its parent, unless the latter belongs to the world; the fixed
         bodies of a file do, those of a robot that can be placed elsewhere do not.
         """
-        fixed: list[Any] = []
-        moving: list[tuple[Any, list[Any]]] = []
+        fixed: list[mujoco.MjsGeom] = []
+        moving: list[tuple[mujoco.MjsBody, list[mujoco.MjsGeom]]] = []
 
-        def walk(body: Any, group: list[Any]) -> None:
+        def walk(body: mujoco.MjsBody, group: list[mujoco.MjsGeom]) -> None:
             for child in body.bodies:
                 if list(child.joints):
                     if group is fixed:
@@ -142,7 +145,7 @@ class Files:
 
     # -- shapes ----------------------------------------------------------------------------
 
-    def geom(self, frame: Frame, node: Node) -> Any | None:
+    def geom(self, frame: Frame, node: Node) -> mujoco.MjsGeom | None:
         """Return the geom of a node, or None if it is not a shape of the file."""
         part = self.part_of(frame)
         name = None if part is None else part.model.shapes.get(node.source_name or node.name)
@@ -163,7 +166,7 @@ class Files:
 
     # -- after the compilation -------------------------------------------------------------
 
-    def resolve(self, model: mujoco.MjModel, data: mujoco.MjData, geom_node: list[Any]) -> None:
+    def resolve(self, model: mujoco.MjModel, data: mujoco.MjData, geom_node: list[Node]) -> None:
         """Give shapes without a node that of their root, set the masses, and find the actuators."""
         is_changed = False
         for part in self.parts:
@@ -187,7 +190,7 @@ class Files:
             mujoco.mj_resetData(model, data)
 
 
-def _move_to_origin(spec: Any, base: Any) -> None:
+def _move_to_origin(spec: mujoco.MjSpec, base: mujoco.MjsBody) -> None:
     """Place a free body so that its frame in the compiled model is that of the world."""
     base.set_frame(spec.worldbody.add_frame())
     base.pos, base.quat = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
@@ -204,7 +207,7 @@ def _move_to_origin(spec: Any, base: Any) -> None:
         base.pos, base.quat = place, turned
 
 
-def _reduce(spec: Any, model: MjcfModel) -> None:
+def _reduce(spec: mujoco.MjSpec, model: MjcfModel) -> None:
     """Remove what does not belong to a part of a file, or what the scene has in another form."""
     needed = {name for pair in spec.pairs for name in (pair.geomname1, pair.geomname2)}
     for body in list(spec.worldbody.bodies):
@@ -239,7 +242,7 @@ def _reduce(spec: Any, model: MjcfModel) -> None:
         spec.delete(mesh)
 
 
-def copy_of(option: object) -> dict[str, Any]:
+def copy_of(option: object) -> Options:
     """Return the options of a model."""
     names = (name for name in dir(option) if not name.startswith("_"))
     values = {name: getattr(option, name) for name in names}

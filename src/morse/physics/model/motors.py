@@ -31,7 +31,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import mujoco
 
@@ -149,7 +149,7 @@ class Motor:
             slowing += 0.5 * gain * step
         return Setting(gain, gain, slowing, rotor)
 
-    def add_to(self, actuator: Any, joint: Any, control: Control) -> None:
+    def add_to(self, actuator: mujoco.MjsActuator, joint: mujoco.MjsJoint, control: Control) -> None:
         """Set up an actuator of a `mujoco.MjSpec` at a joint."""
         setting = self.setting(control)
         actuator.dyntype, actuator.gaintype = mujoco.mjtDyn.mjDYN_NONE, mujoco.mjtGain.mjGAIN_FIXED

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.physics.poses import rigid
 from morse.physics.poses.kinematics import sync
@@ -10,6 +10,7 @@ from morse.physics.poses.kinematics import sync
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from morse.core.values import StateData
     from morse.physics.bodies import Bodies
     from morse.physics.objects.posed import Posed
     from morse.physics.state.engine_state import EngineState
@@ -41,7 +42,7 @@ class Attachments:
         self._suspended.clear()
         self._tick.rearrange()
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """See `morse.physics.state.saved.SavedAttachments`."""
         names = self._state.names
         return {

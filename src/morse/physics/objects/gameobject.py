@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 from morse.mathutils import Matrix, Vector
 from morse.physics.driving.command import Command
@@ -25,6 +25,7 @@ from morse.scene.frames import rigid_frame
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from morse.core.values import Properties, StateData, Value
     from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.objects.posed import Posed
     from morse.physics.reactions import ContactMoment, JointMoment
@@ -39,7 +40,7 @@ _Pose = tuple["Sequence[float]", "Sequence[float]"]
 class _OnDemand:
     """The mounting of an object whose mounting was invalidated; an attribute of the object takes precedence."""
 
-    def __get__(self, obj: GameObject | None, owner: type) -> Any:
+    def __get__(self, obj: GameObject | None, owner: type) -> Mounting | _OnDemand:
         if obj is None:
             return self
         mounting = obj.mounting = Mounting.of(obj._carried_offset())
@@ -63,7 +64,7 @@ class GameObject(LegacyNames):
 
     def __init__(self, world: ObjectWorld, node: Node, slot: int) -> None:
         self._world = world
-        self.properties: dict[str, Any] = scene_properties(node)
+        self.properties: Properties = scene_properties(node)
         # poses in the frame of the parent are stored, and poses in the rigid group are derived from them, so that
         # rotating a part repeatedly does not accumulate rounding errors
         self._local: _Pose = (_ORIGIN, rigid.IDENTITY)
@@ -129,9 +130,9 @@ class GameObject(LegacyNames):
 
     # -- saving ----------------------------------------------------------------------------
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the differences from the scene; see `morse.physics.state.saved.SavedObject`."""
-        state: dict[str, Any] = {}
+        state: StateData = {}
         if are_changed(self.properties, self.node):
             state["properties"] = plain_properties(self.name, self.properties)
         if self.visible != self.node.visible:
@@ -211,10 +212,10 @@ class GameObject(LegacyNames):
 
     # -- properties ------------------------------------------------------------------------
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> Value:
         return self.properties[name]
 
-    def __setitem__(self, name: str, value: Any) -> None:
+    def __setitem__(self, name: str, value: object) -> None:
         self.properties[name] = value
 
     def __delitem__(self, name: str) -> None:
@@ -226,7 +227,7 @@ class GameObject(LegacyNames):
     def __iter__(self) -> Iterator[str]:
         return iter(self.properties)
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: object = None) -> Value:
         """Return a property, or ``default``."""
         return self.properties.get(name, default)
 
@@ -487,4 +488,4 @@ def _point(place: object) -> tuple[float, float, float]:
     if isinstance(place, GameObject):
         x, y, z = place.world_pose()[0]
         return x, y, z
-    return floats3(place, POINT)
+    return floats3(place, POINT)  # type: ignore[arg-type] # which refuses what is no point

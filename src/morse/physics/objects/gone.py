@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NoReturn
+from typing import NoReturn
 
 
 class RemovedError(LookupError):
@@ -16,5 +16,5 @@ class Gone:
         self._name = name
 
     def __getattr__(self, attribute: str) -> NoReturn:
-        name: Any = self.__dict__["_name"]
+        name = self.__dict__["_name"]
         raise RemovedError(f"'{name}' has been removed from the world")

@@ -56,7 +56,7 @@ class LegacyNames:
         return Vector(self.world_pose()[0])
 
     @worldPosition.setter
-    def worldPosition(self, value: object) -> None:
+    def worldPosition(self, value: Sequence[float]) -> None:
         self.set_pose(floats3(value, POSITION), self.world_pose()[1])
 
     @property
@@ -74,7 +74,7 @@ class LegacyNames:
         return Vector(self.local_pose()[0])
 
     @localPosition.setter
-    def localPosition(self, value: object) -> None:
+    def localPosition(self, value: Sequence[float]) -> None:
         self.set_local_pose(floats3(value, POSITION), self.local_pose()[1])
 
     @property
@@ -99,7 +99,7 @@ class LegacyNames:
         return Matrix(((*r[0:3], p[0]), (*r[3:6], p[1]), (*r[6:9], p[2]), (0.0, 0.0, 0.0, 1.0)))
 
     @worldTransform.setter
-    def worldTransform(self, value: Any) -> None:
+    def worldTransform(self, value: Sequence[Sequence[float]]) -> None:
         self.set_pose(floats3([value[i][3] for i in range(3)], POSITION), rotation_of([row[:3] for row in value][:3]))
 
     @property
@@ -108,7 +108,7 @@ class LegacyNames:
         return Vector(self.velocity()[0])
 
     @worldLinearVelocity.setter
-    def worldLinearVelocity(self, value: object) -> None:
+    def worldLinearVelocity(self, value: Sequence[float]) -> None:
         self.set_velocity(floats3(value, VELOCITY), None)
 
     @property
@@ -117,7 +117,7 @@ class LegacyNames:
         return Vector(self.velocity()[1])
 
     @worldAngularVelocity.setter
-    def worldAngularVelocity(self, value: object) -> None:
+    def worldAngularVelocity(self, value: Sequence[float]) -> None:
         self.set_velocity(None, floats3(value, ANGULAR_VELOCITY))
 
     @property
@@ -126,7 +126,7 @@ class LegacyNames:
         return Vector(rigid.turn_back(self.world_pose()[1], self.velocity()[0]))
 
     @localLinearVelocity.setter
-    def localLinearVelocity(self, value: object) -> None:
+    def localLinearVelocity(self, value: Sequence[float]) -> None:
         self.set_velocity(rigid.turn(self.world_pose()[1], floats3(value, VELOCITY)), None)
 
     @property
@@ -135,7 +135,7 @@ class LegacyNames:
         return Vector(rigid.turn_back(self.world_pose()[1], self.velocity()[1]))
 
     @localAngularVelocity.setter
-    def localAngularVelocity(self, value: object) -> None:
+    def localAngularVelocity(self, value: Sequence[float]) -> None:
         self.set_velocity(None, rigid.turn(self.world_pose()[1], floats3(value, ANGULAR_VELOCITY)))
 
     linearVelocity = property(
@@ -149,7 +149,7 @@ class LegacyNames:
         """Velocity of its origin, m/s."""
         return self.localLinearVelocity if local else self.worldLinearVelocity
 
-    def setLinearVelocity(self, velocity: object, local: bool = False) -> None:
+    def setLinearVelocity(self, velocity: Sequence[float], local: bool = False) -> None:
         """Set the velocity of its origin, m/s."""
         if local:
             self.localLinearVelocity = velocity
@@ -160,14 +160,14 @@ class LegacyNames:
         """Angular velocity, rad/s."""
         return self.localAngularVelocity if local else self.worldAngularVelocity
 
-    def setAngularVelocity(self, velocity: object, local: bool = False) -> None:
+    def setAngularVelocity(self, velocity: Sequence[float], local: bool = False) -> None:
         """Set the angular velocity, rad/s."""
         if local:
             self.localAngularVelocity = velocity
         else:
             self.worldAngularVelocity = velocity
 
-    def applyForce(self, force: Any, local: bool = False) -> None:
+    def applyForce(self, force: Sequence[float], local: bool = False) -> None:
         """Apply a force at the centre of mass during the next tick, N."""
         self.wrench(force, (0.0, 0.0, 0.0), local)
 
@@ -175,14 +175,14 @@ class LegacyNames:
         """Apply a torque during the next tick, N m."""
         self.wrench((0.0, 0.0, 0.0), torque, local)
 
-    def applyMovement(self, movement: object, local: bool = False) -> None:
+    def applyMovement(self, movement: Sequence[float], local: bool = False) -> None:
         """Move the object immediately, m."""
         p, r = self.world_pose()
         m = floats3(movement, MOVEMENT)
         x, y, z = rigid.turn(r, m) if local else m
         self.set_pose((p[0] + x, p[1] + y, p[2] + z), r)
 
-    def applyRotation(self, rotation: object, local: bool = False) -> None:
+    def applyRotation(self, rotation: Sequence[float], local: bool = False) -> None:
         """Rotate the object immediately, rad about each axis."""
         p, r = self.world_pose()
         matrix = rotation_of(list(floats3(rotation, ROTATION)))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.scene import shared_image
 
 if TYPE_CHECKING:
+    from morse.core.values import StateData
     from morse.physics.state.saved import SavedObject
     from morse.scene import Node
 
@@ -30,10 +31,10 @@ class Looks:
         node.color, node.light, node.image = self._start
         return True
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """Return the lamp, and a colour that differs from the scene; see `morse.physics.state.saved.SavedObject`."""
         node = self._node
-        state: dict[str, Any] = {}
+        state: StateData = {}
         if node.color != self._start[0] and node.color is not None:
             state["color"] = tuple(map(float, node.color))
         if node.image is not None and node.image is not self._start[2]:

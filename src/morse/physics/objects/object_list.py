@@ -23,6 +23,7 @@ class Named(Protocol):
 
 
 T = TypeVar("T", bound=Named)
+_D = TypeVar("_D")
 
 
 class ObjectList(Sequence[T], Generic[T]):
@@ -63,7 +64,7 @@ class ObjectList(Sequence[T], Generic[T]):
     def __iter__(self) -> Iterator[T]:
         return iter(self._objects)
 
-    def get(self, name: str, default: T | None = None) -> T | None:
+    def get(self, name: str, default: _D | None = None) -> T | _D | None:
         """Return the object of that name, or ``default``."""
         return self._named(name) or default
 

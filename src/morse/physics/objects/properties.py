@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from morse.physics.state.plain import NotPlainError, plain_copy
 
 if TYPE_CHECKING:
+    from morse.core.values import Properties, Value
     from morse.scene import Node
 
 logger = logging.getLogger(__name__)
@@ -18,18 +19,18 @@ logger = logging.getLogger(__name__)
 _said: set[tuple[str, str]] = set()
 
 
-def scene_properties(node: Node) -> dict[str, Any]:
+def scene_properties(node: Node) -> Properties:
     """Return a deep copy of the properties of a node."""
     return {name: _copy(value) for name, value in node.properties.items()}
 
 
-def are_changed(properties: dict[str, object], node: Node) -> bool:
+def are_changed(properties: Properties, node: Node) -> bool:
     """Whether properties differ from those of the scene, in value or type."""
     original = node.properties
     return properties.keys() != original.keys() or not all(map(_are_equal, properties.values(), original.values()))
 
 
-def _are_equal(one: Any, other: Any) -> bool:
+def _are_equal(one: Value, other: Value) -> bool:
     """Whether two values are equal in all types and bits; of objects that are not plain data, only the same one is."""
     if one is other:
         return True
@@ -45,7 +46,7 @@ def _are_equal(one: Any, other: Any) -> bool:
     return isinstance(one, (bool, int, float, str, bytes)) and repr(one) == repr(other)
 
 
-def plain_properties(owner: str, properties: dict[str, object]) -> dict[str, Any]:
+def plain_properties(owner: str, properties: Properties) -> Properties:
     """Return a copy of the properties that are plain data, and log a warning once for each other property."""
     result = {}
     for name, value in properties.items():
@@ -64,7 +65,7 @@ def plain_properties(owner: str, properties: dict[str, object]) -> dict[str, Any
     return result
 
 
-def keep_unsaved(present: dict[str, object], target: dict[str, object]) -> None:
+def keep_unsaved(present: Properties, target: Properties) -> None:
     """Add the present properties that cannot be saved to restored properties."""
     for name, value in present.items():
         if name not in target and not _is_plain(value):

@@ -9,7 +9,7 @@ from morse.mathutils import Euler, Matrix, Quaternion
 from morse.physics.model.limits import MATRIX_ENTRY
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from morse.physics.model.limits import Quantity
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _LONGEST = 200
 
 
-def floats3(value: Any, what: Quantity) -> tuple[float, float, float]:
+def floats3(value: Iterable[float], what: Quantity) -> tuple[float, float, float]:
     """Convert a value to three floats within the limits of a quantity.
 
     Raises:

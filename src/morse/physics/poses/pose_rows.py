@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -79,14 +79,14 @@ class PoseRows(NamedTuple):
 
     def carried(self, slots: NDArray[np.intp] | Sequence[int]) -> tuple[Numbers, Numbers]:
         """The poses (R, N) of objects in the world, as by `Mounting.carried`."""
-        p: list[Any] = [self.positions[:, slots, k] for k in range(3)]
-        r: list[Any] = [self.rotations[:, slots, k] for k in range(9)]
+        p: list[NDArray[np.float64]] = [self.positions[:, slots, k] for k in range(3)]
+        r: list[NDArray[np.float64]] = [self.rotations[:, slots, k] for k in range(9)]
         apart = np.stack([one.apart for one in self.mountings])
         if apart.any():
             own = np.stack([one.numbers for one in self.mountings])
             if len(own) > 1:  # else the places are the same at all moments
                 apart, own = apart[self.places], own[self.places]
-            moved = turn(r, [own[:, k] for k in range(3)])  # type: ignore[misc]
+            moved = turn(r, [own[:, k] for k in range(3)])  # type: ignore[arg-type, misc]
             p = [np.where(apart != _NONE, a + b, a) for a, b in zip(p, moved, strict=True)]
             if (apart == _TURNED).any():
                 turned = product(tuple(r), tuple(own[:, k] for k in range(3, 12)))  # type: ignore[arg-type]

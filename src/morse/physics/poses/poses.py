@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -11,13 +11,15 @@ from morse.mathutils.portable import matmul
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from morse.scene import Node
     from morse.scene.frames import RigidFrame
 
 
-def as_array(matrix: Any) -> NDArray[np.float64]:
+def as_array(matrix: Iterable[Iterable[float]]) -> NDArray[np.float64]:
     """Convert a matrix to an array (R, C)."""
     return np.array([list(row) for row in matrix], dtype=np.float64)
 

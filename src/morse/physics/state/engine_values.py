@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -17,6 +17,7 @@ from morse.physics.weightless import count_weightless
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.values import StateData
     from morse.physics.state.engine_state import EngineState
     from morse.physics.state.saved import SavedEngine
 
@@ -59,7 +60,7 @@ def rewind(state: EngineState, numbers: NDArray[np.float64], asleep: NDArray[np.
     state.sleep.set(asleep)
 
 
-def get_state(state: EngineState) -> dict[str, Any]:
+def get_state(state: EngineState) -> StateData:
     """See `morse.physics.state.saved.SavedEngine`."""
     model, data = state.model, state.data
     numbers = np.empty(mujoco.mj_stateSize(model, STATE))

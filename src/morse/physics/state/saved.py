@@ -14,7 +14,7 @@ VERSION = 3
 Vector3 = tuple[float, float, float]
 Quaternion4 = tuple[float, float, float, float]
 Rotation9 = tuple[float, float, float, float, float, float, float, float, float]
-Array = np.ndarray[Any, Any]
+Array = np.ndarray
 _Ticks = Annotated[int, Meta(ge=-1, le=2**62)]
 
 
@@ -204,7 +204,7 @@ def checked(state: object) -> SavedWorld:
     return world
 
 
-def _array(_kind: type, value: object) -> Any:
+def _array(_kind: type, value: object) -> np.ndarray:
     # arrays are the only type that msgspec does not support
     if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
         return value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol
 
 from morse.physics.model.layout import Motion
 from morse.physics.objects.properties import keep_unsaved
@@ -10,8 +10,9 @@ from morse.physics.poses import kinematics
 from morse.physics.state import engine_values, saved
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
+    from morse.core.values import StateData
     from morse.physics.gliding.gliding import Gliding
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.object_world import ObjectWorld
@@ -27,7 +28,7 @@ class Saving:
         self._steps = steps
         self._objects = objects
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> StateData:
         """See `World.get_state`; the structure is that of `morse.physics.state.saved.SavedWorld`."""
         world = self._world
         names = world.names
@@ -131,11 +132,16 @@ class Saving:
         world.rearranged.update(world.slot_of)
 
 
+class _OfSlot(Protocol):
+    @property
+    def slot(self) -> str: ...
+
+
 def _slots_of(state: saved.SavedWorld) -> Iterator[str]:
     """Iterate over all slots in a state."""
     drives, attachments, gliding = state.drives, state.attachments, state.gliding
     yield from (*state.loose, *drives.sliding)
-    groups: tuple[Any, ...] = (
+    groups: tuple[Sequence[_OfSlot], ...] = (
         state.placed,
         state.stale,
         state.kinematic,

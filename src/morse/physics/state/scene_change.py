@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from morse.scene import ComponentDeclaration, Node, Scene, Zone
+
+_T = TypeVar("_T")
 
 
 class SceneChange:
@@ -19,15 +21,20 @@ class SceneChange:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self._lists: list[tuple[list[Any], list[Any]]] = []
+        self._undo: list[Callable[[], None]] = []
         self._parents: list[tuple[Node, Node | None]] = []
         self._declared: list[tuple[ComponentDeclaration, Node, Node]] = []
-        lists: tuple[list[Any], ...] = (scene.roots, scene.components, scene.zones)
-        for items in lists:
-            self._remember(items)
+        self._remember(scene.roots)
+        self._remember(scene.components)
+        self._remember(scene.zones)
 
-    def _remember(self, items: list[Any]) -> None:
-        self._lists.append((items, list(items)))
+    def _remember(self, items: list[_T]) -> None:
+        before = list(items)
+
+        def restore() -> None:
+            items[:] = before
+
+        self._undo.append(restore)
 
     def add(self, roots: Sequence[Node], components: Iterable[ComponentDeclaration]) -> None:
         """Add nodes without parents, with all nodes below them, and declarations of components.
@@ -114,8 +121,8 @@ class SceneChange:
 
     def undo(self) -> None:
         """Restore the scene before the change."""
-        for items, before in reversed(self._lists):
-            items[:] = before
+        for restore in reversed(self._undo):
+            restore()
         for node, parent in reversed(self._parents):
             node.parent = parent
         for component, node, robot in reversed(self._declared):

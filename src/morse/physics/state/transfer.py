@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -14,7 +14,7 @@ from morse.physics.sleep import WIDE_AWAKE
 from morse.physics.state import engine_values, saved
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Collection, Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -146,7 +146,7 @@ class Transfer:
         if b.body >= 0:
             new.xfrc_applied[b.body] = old.xfrc_applied[a.body]
 
-    def _carry_controls(self, a: Slot, b: Slot, model: dict[str, NDArray[Any]]) -> None:
+    def _carry_controls(self, a: Slot, b: Slot, model: Mapping[str, NDArray[np.float64]]) -> None:
         """Transfer the control modes of the motors of a slot."""
         before = {joint.name: joint for joint in a.joints if joint.motor is not None}
         for joint in b.joints:
