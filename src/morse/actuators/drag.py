@@ -1,11 +1,10 @@
 """Resistance of air or water."""
 
-from typing import Any
-
 from morse.core.actuator import Actuator
+from morse.core.limits import Limits
 from morse.helpers.components import add_property
 
-_COEFFICIENT: dict[str, Any] = {"unit": "kg/m", "low": 0.0}
+_COEFFICIENT: Limits = {"unit": "kg/m", "low": 0.0}
 
 
 class Drag(Actuator):

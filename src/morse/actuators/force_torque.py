@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.limits import FORCE, TORQUE
@@ -31,7 +31,7 @@ class ForceTorque(Actuator):
     _robot_frame: bool
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return the frame of the fields, which depends on the property."""
         return {"force": {"frame": "robot"}, "torque": {"frame": "robot"}} if self._robot_frame else {}
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.actuators.joint_gains import JointGains
 from morse.core import status
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.services import async_service, interruptible
+from morse.core.values import RosMessage
 from morse.helpers.components import add_state
 from morse.helpers.joint_trajectory import Plan, Trajectory, plan_of
 from morse.helpers.trajectory_tolerances import beyond
@@ -72,7 +73,7 @@ class JointPaths(JointGains):
 
     @interruptible
     @async_service
-    def trajectory(self, trajectory: dict[str, Any]) -> None:
+    def trajectory(self, trajectory: RosMessage) -> None:
         """Move joints along a trajectory; the service ends at the time of the last point, or when the joints have
         arrived there.
 

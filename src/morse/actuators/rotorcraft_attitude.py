@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.actuators.rotorcraft import Rotorcraft
 from morse.core.limits import ANGLE
@@ -75,7 +75,7 @@ class RotorcraftAttitude(Rotorcraft):
         self._yaw_wanted: float | None = None
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return the unit of the yaw field, which depends on the property YawRateControl."""
         return {"yaw": {"unit": "rad/s"}} if self._yaw_rate_control else {}
 

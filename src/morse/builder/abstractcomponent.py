@@ -26,6 +26,7 @@ from morse.scene import ComponentDeclaration
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from morse.core.values import Properties, Value
     from morse.scene import Node, SourceLine
 
 __all__ = ["AbstractComponent", "Configuration", "timer"]
@@ -224,7 +225,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
 
         A property that the component does not declare is kept, with a warning.
         """
-        properties: dict[str, Any] = kwargs
+        properties: Properties = kwargs
         if "classpath" in kwargs:
             self.classpath = kwargs["classpath"]
         elif self._kind in ("sensor", "actuator") and (cls := self.component_class()) is not None:
@@ -234,7 +235,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         if "frequency" in properties:
             self.frequency(properties["frequency"])
 
-    def property_value(self, name: str) -> Any:
+    def property_value(self, name: str) -> Value:
         """Return the value of a property, or None if it is not set."""
         return self.scene_node.properties.get(name)
 
@@ -280,7 +281,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
     def classpath(self, value: str) -> None:
         self.scene_node.properties["classpath"] = checks.text(value, "classpath")
 
-    def component_class(self) -> type[Any] | None:
+    def component_class(self) -> type | None:
         """Load the class of `classpath`.
 
         Raises:
@@ -337,6 +338,6 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
     def _scene_kind(self) -> str:
         return self._kind
 
-    def _scene_options(self) -> dict[str, object]:
+    def _scene_options(self) -> Properties:
         """The part of the declaration that depends on the kind of component."""
         return {}

@@ -19,6 +19,8 @@ from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentErro
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from morse.core.values import Properties
+
 __all__ = [
     "delete",
     "fullscreen",
@@ -87,7 +89,7 @@ def properties(obj: SceneObject, **kwargs: object) -> None:
         node.properties[key] = checked_property(key, value)
 
 
-def get_properties(obj: SceneObject) -> dict[str, object]:
+def get_properties(obj: SceneObject) -> Properties:
     """The properties of an object by name."""
     return dict(_object(obj, "bpymorse.get_properties(obj)").node.properties)
 

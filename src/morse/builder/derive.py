@@ -129,7 +129,7 @@ def _with_methods(classpath: str) -> Iterator[type[Component]]:
             yield from _with_methods(base)
 
 
-def builder_class(cls: type[object], product: str | None = None, module: str | None = None) -> type[Component]:
+def builder_class(cls: type, product: str | None = None, module: str | None = None) -> type[Component]:
     """The builder class of a loaded component class.
 
     Args:

@@ -47,7 +47,7 @@ class GlobalOptions:
     reverse_color: bool = False
 
 
-def _plain_switches(options: list[Any]) -> list[Any]:
+def _plain_switches(options: list[Any]) -> list[object]:
     """Options whose help names no type where they take no value."""
     for option in options:
         if getattr(option, "is_flag", False):

@@ -10,7 +10,7 @@ import re
 import socket
 import sys
 from datetime import date
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -189,7 +189,7 @@ def _leave(status: int) -> None:
     os._exit(status)
 
 
-def _options(context: typer.Context) -> list[Any]:
+def _options(context: typer.Context) -> list[object]:
     return [parameter for parameter in context.command.params if parameter.param_type_name == "option"]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from copy import deepcopy
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.declarations import add_state, fields_of_component
 from morse.core.guard import modify, read
@@ -36,7 +36,7 @@ class Actuator(Object):
     turns_wheels: ClassVar[bool] = False
     command_end: float | None = None
     #: values of the fields before the first command
-    _values_at_first: Mapping[str, Any] = MappingProxyType({})
+    _values_at_first: Mapping[str, object] = MappingProxyType({})
     #: the shortest time after which commands end, simulated seconds; None if they do not end
     _command_limit: float | None = None
 

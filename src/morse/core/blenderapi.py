@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.context import current
 
 if TYPE_CHECKING:
+    from morse.core.abstractobject import AbstractObject
+    from morse.core.clock import Clock
+    from morse.core.interfaces import Middleware
     from morse.core.object import Object
+    from morse.core.overlay import MorseOverlay
+    from morse.core.request_manager import MorseServices
+    from morse.core.world import Bodies
 
 #: version of Blender whose names are used here; components of 1.4 compare with it
 _VERSION = (2, 79, 0)
@@ -25,7 +31,7 @@ class _Scene:
     """The world under the names of Blender's game engine."""
 
     @property
-    def objects(self) -> Any:
+    def objects(self) -> Bodies:
         """All objects; indexed with a name, it returns the object of that name."""
         return current().world.object_list()
 
@@ -39,7 +45,7 @@ class _PersistantStorage:
     """The state of the simulation under the names of 1.4."""
 
     @property
-    def time(self) -> Any:
+    def time(self) -> Clock:
         return current().clock
 
     @property
@@ -51,7 +57,7 @@ class _PersistantStorage:
         return {robot.bge_object: robot for robot in current().external_robots.values()}
 
     @property
-    def componentDict(self) -> dict[str, Any]:  # noqa: N802
+    def componentDict(self) -> dict[str, Object]:  # noqa: N802
         return dict(current().components)
 
     @property
@@ -71,19 +77,19 @@ class _PersistantStorage:
         }
 
     @property
-    def stream_managers(self) -> dict[str, Any]:
+    def stream_managers(self) -> dict[str, Middleware]:
         return current().stream_managers
 
     @property
-    def overlayDict(self) -> dict[str, Any]:  # noqa: N802
+    def overlayDict(self) -> dict[str, MorseOverlay]:  # noqa: N802
         return current().overlays
 
     @property
-    def serviceObjectDict(self) -> dict[str, Any]:  # noqa: N802
+    def serviceObjectDict(self) -> dict[str, AbstractObject]:  # noqa: N802
         return {obj.name(): obj for obj in reversed(current().service_objects)}
 
     @property
-    def morse_services(self) -> Any:
+    def morse_services(self) -> MorseServices:
         return current().services
 
 

@@ -6,7 +6,7 @@ import hashlib
 import logging
 import threading
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
+from typing import TYPE_CHECKING, NamedTuple, TypeVar, cast
 from weakref import WeakSet
 
 from morse.core.classes.fixed import check_class
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.overlay import MorseOverlay
     from morse.core.request_manager import MorseServices
+    from morse.core.rows.sensor_rows import SensorRows
     from morse.core.world import World
     from morse.scene import Scene
 
@@ -105,7 +106,7 @@ class Context:
     components: dict[str, Object] = field(default_factory=dict)
     stream_managers: dict[str, Middleware] = field(default_factory=dict)
     service_objects: list[AbstractObject] = field(default_factory=list)
-    row_taps: list[Callable[[Any], object]] = field(default_factory=list)
+    row_taps: list[Callable[[SensorRows], object]] = field(default_factory=list)
     overlays: dict[str, MorseOverlay] = field(default_factory=dict)
     failed: set[str] = field(default_factory=set)
     controls: Controls = _NOTHING_HELD

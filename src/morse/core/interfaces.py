@@ -6,7 +6,7 @@ modifiers and middlewares by these protocols.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Protocol, Self, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, MutableSequence, Sequence
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from morse.core.clients.arrivals import Arrivals
     from morse.core.clients.complaints import Complaints
     from morse.core.clock import Clock
+    from morse.core.rows.sensor_rows import SensorRows
     from morse.core.services import ServiceDeclaration
     from morse.core.values import Fields
     from morse.core.world import Body, World
@@ -102,7 +103,7 @@ class Modifier(Protocol):
         component_instance: the component.
     """
 
-    component_instance: Any
+    component_instance: Component
 
     def modify(self) -> None:
         """Change the data."""
@@ -132,7 +133,7 @@ class Simulated(Protocol):
         """The share of the time for what clients send."""
 
     @property
-    def row_taps(self) -> list[Callable[[Any], object]]:
+    def row_taps(self) -> list[Callable[[SensorRows], object]]:
         """Callbacks, called after each action of sensors that measure when they are read."""
 
     @property
@@ -206,7 +207,7 @@ class Stream(Protocol):
     """A stream of a component, see `morse.core.datastream.AbstractDatastream`."""
 
     @property
-    def component_instance(self) -> Any:
+    def component_instance(self) -> Component:
         """The component."""
 
     def default(self, component: Component | None = None, /) -> object:
@@ -231,7 +232,7 @@ class Middleware(Protocol):
         """Close the streams of a component that is deleted."""
 
     @property
-    def streams(self) -> Mapping[str, Sequence[Any]]:
+    def streams(self) -> Mapping[str, Sequence[Stream]]:
         """The open streams of each component, by name."""
 
     def drain(self) -> None:

@@ -7,19 +7,28 @@ The ranges are wide enough for ships and satellites, and narrow enough for the p
 1e10 m away. A value outside its range is a mistake of the sender.
 """
 
-from typing import Annotated, Any
+from typing import Annotated, TypedDict
 
 from morse.core.validation.arguments import Range
 
+
+class Limits(TypedDict, total=False):
+    """The unit and the range of a quantity."""
+
+    unit: str
+    low: float
+    high: float
+
+
 #: m; the centre of the earth is 6.4e6 m away
-POSITION: dict[str, Any] = {"unit": "m", "low": -1e7, "high": 1e7}
-LENGTH: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e7}
-SPEED: dict[str, Any] = {"unit": "m/s", "low": -1e4, "high": 1e4}
-TURN_RATE: dict[str, Any] = {"unit": "rad/s", "low": -1e4, "high": 1e4}
-FORCE: dict[str, Any] = {"unit": "N", "low": -1e6, "high": 1e6}
-TORQUE: dict[str, Any] = {"unit": "N·m", "low": -1e6, "high": 1e6}
+POSITION: Limits = {"unit": "m", "low": -1e7, "high": 1e7}
+LENGTH: Limits = {"unit": "m", "low": 0.0, "high": 1e7}
+SPEED: Limits = {"unit": "m/s", "low": -1e4, "high": 1e4}
+TURN_RATE: Limits = {"unit": "rad/s", "low": -1e4, "high": 1e4}
+FORCE: Limits = {"unit": "N", "low": -1e6, "high": 1e6}
+TORQUE: Limits = {"unit": "N·m", "low": -1e6, "high": 1e6}
 #: rad; commands may be several turns
-ANGLE: dict[str, Any] = {"unit": "rad", "low": -1e6, "high": 1e6}
+ANGLE: Limits = {"unit": "rad", "low": -1e6, "high": 1e6}
 
 Position = Annotated[float, Range(**POSITION)]
 Length = Annotated[float, Range(**LENGTH)]

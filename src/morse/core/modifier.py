@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from abc import ABC, abstractmethod
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.state.attributes import replace, state_of
 from morse.core.validation.options import checked_options
@@ -13,9 +13,12 @@ from morse.core.validation.options import checked_options
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from morse.core.declarations import Option
     from morse.core.object import Object
-    from morse.core.values import Fields, Options, StateData
+    from morse.core.values import Fields, Options, StateData, Value
 
 logger = logging.getLogger(__name__)
 
@@ -38,8 +41,8 @@ class AbstractModifier(ABC):
     """
 
     options: ClassVar[Mapping[str, Option] | None] = None
-    changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({})
-    covariances: Mapping[str, Callable[[], Any]] = MappingProxyType({})
+    changes: Mapping[str, Mapping[str, object]] = MappingProxyType({})
+    covariances: Mapping[str, Callable[[], NDArray[np.float64] | None]] = MappingProxyType({})
     #: attributes that are not part of the state: they are created from the scene
     not_state: ClassVar[tuple[str, ...]] = ("component_instance", "kwargs", "_complaints", "covariances")
 
@@ -61,7 +64,7 @@ class AbstractModifier(ABC):
         """The data of the component."""
         return self.component_instance.local_data
 
-    def parameter(self, arg: str, prop: str | None = None, default: object = None) -> Any:
+    def parameter(self, arg: str, prop: str | None = None, default: object = None) -> Value:
         """Return an option of the script, else a property of the environment, else the default."""
         if arg in self.kwargs:
             return self.kwargs[arg]

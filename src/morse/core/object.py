@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import logging
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from morse.core import context as _context
 from morse.core.abstractobject import AbstractObject
@@ -16,6 +16,7 @@ from morse.core.requests import Requesting
 from morse.core.services import ServiceDeclaration, declared_services, service
 from morse.core.state.attributes import replace, state_of
 from morse.core.state.errors import StateError
+from morse.core.values import JsonObject, Value
 from morse.helpers.transformation import FollowingPose, Transformation3d
 
 if TYPE_CHECKING:
@@ -65,12 +66,12 @@ class Object(Requesting, AbstractObject):
         super().__init_subclass__(**kwargs)
         cls._is_checked = not cls.__module__.startswith("morse.")
 
-    def __new__(cls, *args: object, **kwargs: object) -> Any:
+    def __new__(cls, *args: object, **kwargs: object) -> Self:
         """In a scene script, ``Sonar()`` and ``Sonar("name")`` return the builder object of the component."""
         if describing.describe is not None and (isinstance(args[0], str) if args else "obj" not in kwargs):
             described = describing.describe(cls, *args, **kwargs)
             if described is not None:
-                return described
+                return described  # type: ignore[no-any-return] # what scripts use in place of the component
         return super().__new__(cls)
 
     def __init__(self, obj: Body, parent: Carrier | None = None) -> None:
@@ -139,7 +140,7 @@ class Object(Requesting, AbstractObject):
     _is_read = False
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return changes of the declarations of fields that depend on the properties of this component.
 
         For example ``{"x": {"frame": "enu"}}``; ``stddev`` is the standard deviation of noise that the component itself
@@ -272,7 +273,7 @@ class Object(Requesting, AbstractObject):
         return inside
 
     @service(changes=False)
-    def get_properties(self) -> dict[str, dict[str, tuple[Any, str, str, str]]]:
+    def get_properties(self) -> dict[str, dict[str, tuple[Value, str, str, str]]]:
         """Return the properties: name to (value, type, documentation, name in Python)."""
         return {
             "properties": {
@@ -282,7 +283,7 @@ class Object(Requesting, AbstractObject):
         }
 
     @service
-    def set_property(self, name: str, value: Any) -> None:
+    def set_property(self, name: str, value: Value) -> None:
         """Change a property while the simulation runs."""
         from morse.core.validation import checked_property
 
@@ -292,7 +293,7 @@ class Object(Requesting, AbstractObject):
             self._in_rows.is_changed = True
 
     @service(changes=False)
-    def get_configurations(self) -> dict[str, Any]:
+    def get_configurations(self) -> JsonObject:
         """Return the values of the properties, and the pose of the component on its robot."""
         configuration: Fields = {
             prop.name: getattr(self, python_name) for python_name, prop in properties(type(self)).items()

@@ -10,7 +10,7 @@ from morse.core.state.attributes import replace, state_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.core.values import StateData
+    from morse.core.values import JsonObject, StateData
 
 
 class MorseOverlay(AbstractObject):
@@ -55,7 +55,7 @@ class MorseOverlay(AbstractObject):
 
         return done
 
-    def progress(self) -> dict[str, Any]:
+    def progress(self) -> JsonObject:
         """Return the progress of the overlaid object."""
         return self.overlaid_object.progress()
 

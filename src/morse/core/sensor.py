@@ -12,6 +12,7 @@ from morse.core.rows.marks import is_on_read
 from morse.core.rows.unread import Unread, present_data
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
+from morse.core.values import Fields
 from morse.scene.realism import is_numeric
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ class Sensor(Object):
     capturing: bool | None = None
 
     @service(changes=False)
-    def get_local_data(self) -> dict[str, Any]:
+    def get_local_data(self) -> Fields:
         """The present data of the sensor."""
         return present_data(self)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.ackermann_robot import PhysicsAckermannRobot
 from morse.core.declarations import add_property
@@ -13,7 +13,7 @@ from morse.mathutils.rotations import rows_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.core.world import Body
+    from morse.core.world import Body, Wheel
 
 _STANDSTILL = 1e-3
 
@@ -61,7 +61,7 @@ class PhysicsDifferentialRobot(Robot):
         """Radius of the wheels, m."""
         return self._radius
 
-    def get_wheels(self) -> list[Any]:
+    def get_wheels(self) -> list[Wheel]:
         """The driven wheels."""
         return list(self._wheels)
 

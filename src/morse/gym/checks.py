@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.reports.hints import nearest
+from morse.core.values import Fields
 from morse.gym.task import Command, Task
 
 if TYPE_CHECKING:
@@ -15,10 +16,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-class Data(dict[str, Any]):
+class Data(Fields):
     """Arrays by name; a name that is not there is named with the nearest one."""
 
-    def __missing__(self, name: object) -> Any:
+    def __missing__(self, name: object) -> object:
         raise KeyError(f"the task has no data '{name}'{nearest(str(name), list(self))}")
 
 

@@ -170,7 +170,7 @@ class Episodes:
         )
 
 
-def row_of(values: Any, row: int) -> Any:
+def row_of(values: Any, row: int) -> object:
     """Return the values of a row, of an array or a dictionary of arrays."""
     if isinstance(values, dict):
         return {name: array[row] for name, array in values.items()}

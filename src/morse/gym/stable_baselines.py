@@ -74,7 +74,7 @@ class BaselinesVecEnv(VecEnv):
         pictures: Sequence[object] = self.envs.render() or [None] * self.num_envs
         return pictures
 
-    def get_attr(self, attr_name: str, indices: object = None) -> list[Any]:
+    def get_attr(self, attr_name: str, indices: object = None) -> list[object]:
         """Return an attribute of the vector, once for each row."""
         return [getattr(self.envs, attr_name) for _ in self._get_indices(indices)]
 
@@ -84,7 +84,7 @@ class BaselinesVecEnv(VecEnv):
 
     def env_method(
         self, method_name: str, *method_args: object, indices: object = None, **method_kwargs: object
-    ) -> list[Any]:
+    ) -> list[object]:
         """Rows are no objects, and have no methods.
 
         Raises:
@@ -92,7 +92,7 @@ class BaselinesVecEnv(VecEnv):
         """
         raise AttributeError(f"rows of a vector have no method '{method_name}': call it on the task")
 
-    def env_is_wrapped(self, wrapper_class: type[object], indices: object = None) -> list[bool]:
+    def env_is_wrapped(self, wrapper_class: type, indices: object = None) -> list[bool]:
         """Return that no row is wrapped."""
         return [False for _ in self._get_indices(indices)]
 

@@ -76,7 +76,7 @@ class Task:
     ticks: ClassVar[int] = 6
     limit: ClassVar[int | None] = None
     action: ClassVar[Command]
-    observation: ClassVar[Any]
+    observation: ClassVar[object]
     data: ClassVar[Mapping[str, Read | Touch]] = {}
     arguments: ClassVar[Mapping[str, Distribution]] = {}
     vary: ClassVar[Mapping[str, Mapping[str, Distribution]]] = {}

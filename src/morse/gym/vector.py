@@ -82,7 +82,7 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
     episode, ``infos["final_obs"][k]`` the last one of the old episode.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {
+    metadata: ClassVar[dict[str, object]] = {
         "autoreset_mode": AutoresetMode.SAME_STEP,
         "render_modes": ["rgb_array"],
         "render_fps": 10,

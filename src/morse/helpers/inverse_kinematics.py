@@ -175,7 +175,7 @@ def _step(
     jacobian: NDArray[np.float64],
     errors: NDArray[np.float64],
     damping: float,
-) -> NDArray[Any]:
+) -> NDArray[np.generic]:
     """(N,) a step of the joints; joints that would exceed their limits are not moved."""
     free = np.ones(len(movable), dtype=bool)
     step: NDArray[Any] = np.zeros(len(movable))

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.values import Fields
     from morse.many.layout import Layout
     from morse.simulation.handles.component_handles import ComponentHandle
 
@@ -129,11 +130,11 @@ class CommandColumn:
             self._actuators[row] = component
         return pending
 
-    def _message(self, row: int) -> dict[str, object]:
+    def _message(self, row: int) -> Fields:
         layout, values = self._layout, self._plain[row]
         if len(layout.fields) == 1:
             return {layout.fields[0]: values.tolist() if isinstance(values, np.ndarray) else _item(values)}
-        message: dict[str, Any] = {}
+        message: Fields = {}
         for index, (name, whole) in enumerate(zip(layout.fields, self._whole, strict=True)):
             part = values[layout.columns(index)].reshape(layout.shapes[index]).tolist()
             is_whole = whole and isinstance(part, float) and part.is_integer()

@@ -130,7 +130,7 @@ class Layout:
         )
 
 
-def _array(value: object) -> NDArray[Any]:
+def _array(value: object) -> NDArray[np.generic]:
     """Return numbers as an array of their type, everything else as an array of one object."""
     try:
         array = np.asarray(value)

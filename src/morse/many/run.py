@@ -81,7 +81,7 @@ class Runs(Protocol):
 
 def run_once(
     study: Runs, run: Run, record: str | os.PathLike[str] | None = None, stock: Stock | None = None
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Do one run in this process.
 
     Args:
@@ -133,7 +133,7 @@ def _failure(error: BaseException) -> dict[str, str]:
     return {"error": summary(error), "where": place(error).strip()}
 
 
-def _results(returned: object, row: dict[str, object]) -> dict[str, Any]:
+def _results(returned: object, row: dict[str, object]) -> dict[str, object]:
     """The results of a run.
 
     Raises:

@@ -104,7 +104,7 @@ class Table:
             raise ImportError("Parquet needs pyarrow: pip install 'morse-simulator[parquet]'") from None
         parquet.write_table(pyarrow.table(self.to_dict()), path)
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> object:
         """Return a `pandas.DataFrame`; pandas has to be installed."""
         import pandas
 

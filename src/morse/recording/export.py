@@ -133,7 +133,7 @@ class _Writing:
         self.topic = channel.topic
         self.count = 0
         self._sink: _Sink = (_Csv if form == "csv" else _Parquet)(self.path, self.table)
-        self._rows: list[list[Any]] = []
+        self._rows: list[list[object]] = []
         self._bytes = 0
 
     def add(self, message: Any) -> None:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind
     from morse.core.object import Object
+    from morse.core.values import Fields
     from morse.recording.fields.columns import Rows
     from morse.recording.fields.values import Keeper
     from morse.recording.streams import RecordedStreams
@@ -106,7 +107,7 @@ class RecordedStream(TopicStream):
         component = self.component_instance
         if isinstance(component, Sensor) and component.capturing is False:
             return False
-        data: dict[str, Any] = component.local_data
+        data: Fields = component.local_data
         values = tuple(dict.values(data))
         key = tuple(dict.keys(data)), tuple(map(type, values))
         if Later in key[1]:
@@ -120,7 +121,7 @@ class RecordedStream(TopicStream):
                 self.manager.transforms.moved(self, self.motion(bound.gather()).pose)
         return False
 
-    def _measured(self, data: dict[str, object], key: _Key) -> tuple[tuple[Any, ...], _Key]:
+    def _measured(self, data: Fields, key: _Key) -> tuple[tuple[object, ...], _Key]:
         """The values of fields, without those that are computed on demand and follow from others."""
         names = self._chosen.get(key)
         if names is None:
@@ -130,7 +131,7 @@ class RecordedStream(TopicStream):
         values = tuple([value.make() if type(value) is Later else value for value in chosen])
         return values, (names, tuple(map(type, chosen)))
 
-    def _choose(self, data: dict[str, object]) -> Iterator[str]:
+    def _choose(self, data: Fields) -> Iterator[str]:
         declared = fields_of(self.component_instance)
         general = any(bound.kind.name == GENERAL for bound, _ in self.sending)
         for name, value in dict.items(data):

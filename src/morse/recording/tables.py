@@ -12,6 +12,7 @@ from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from morse.core.values import RosMessage
     from morse.recording.mcap.records import Message
     from morse.rosmsgs.definitions import MessageField
 
@@ -45,7 +46,7 @@ class Table:
         self.left_out: list[str] = []
         self._type = type_name
         self._without_data = without_data
-        self._getters: list[Callable[[dict[str, Any]], object]] = []
+        self._getters: list[Callable[[RosMessage], object]] = []
         try:
             fields = fields_of(type_name)
         except MorseError as error:
@@ -56,12 +57,12 @@ class Table:
         self._add(fields, (), lambda message: message)
 
     def _add(
-        self, fields: tuple[MessageField, ...], above: tuple[str, ...], owner: Callable[[dict[str, Any]], Any]
+        self, fields: tuple[MessageField, ...], above: tuple[str, ...], owner: Callable[[RosMessage], Any]
     ) -> None:
         for field in fields:
             path = (*above, field.name)
 
-            def get(message: dict[str, Any], name: str = field.name) -> Any:
+            def get(message: RosMessage, name: str = field.name) -> Any:
                 return owner(message)[name]
 
             if "/" in field.type and field.size == SINGLE:
@@ -69,7 +70,7 @@ class Table:
             else:
                 self._column(".".join(path), field, get)
 
-    def _column(self, name: str, field: MessageField, get: Callable[[dict[str, Any]], Any]) -> None:
+    def _column(self, name: str, field: MessageField, get: Callable[[RosMessage], Any]) -> None:
         if self._without_data and field.type == "uint8" and field.size == SEQUENCE:
             self.left_out.append(name)
         elif field.size == SINGLE:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.rendering.lights import lamps_of, light_nodes, sky_of
 
@@ -19,7 +19,7 @@ class LitWorld:
 
     def __init__(self, world: World) -> None:
         self._world, self._nodes = world, light_nodes(world.scene)
-        self._key: Any = None
+        self._key: object = None
         self._now: tuple[Lamps, NDArray[np.float32]] | None = None
 
     def now(self) -> tuple[Lamps, NDArray[np.float32]]:

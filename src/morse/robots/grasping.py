@@ -51,7 +51,7 @@ class GraspingRobot(Robot):
             obj.setParent(hand)
         return obj is not None
 
-    def _hand(self) -> Any:
+    def _hand(self) -> object:
         parts = [self.bge_object, *self.bge_object.childrenRecursive]
         hands = [part for part in parts if part.properties.get(_HAND)]
         right = [part for part in parts if part.node.bone == self.hand_bone]

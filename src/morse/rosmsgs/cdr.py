@@ -434,7 +434,7 @@ def _reader(field: MessageField, order: str) -> Read:
     if field.type in PRIMITIVES:
         dtype = np.dtype(order + PRIMITIVES[field.type])
 
-        def read_numbers(source: _Bytes) -> Any:
+        def read_numbers(source: _Bytes) -> object:
             count = field.size or count_of(source)
             data = source.take(count * dtype.itemsize, dtype.itemsize if count else 1)
             return np.frombuffer(bytes(data), dtype=np.uint8 if dtype.kind == "b" else dtype)

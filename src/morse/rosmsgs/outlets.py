@@ -37,7 +37,7 @@ class Outlet(NamedTuple):
     """
 
     type: str
-    make: Callable[[Message, str], dict[str, object] | None]
+    make: Callable[[Message, str], RosMessage | None]
     topic: str = ""
     qos: Qos = Qos()
     frame: str = ""

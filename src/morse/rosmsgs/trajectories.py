@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,7 +19,7 @@ def seconds(time: Mapping[str, int]) -> float:
     return float(time["sec"] + time["nanosec"] / _SECOND)
 
 
-def service_call(message: RosMessage, bound: BoundKind) -> tuple[str, list[Any]] | None:
+def service_call(message: RosMessage, bound: BoundKind) -> tuple[str, list[object]] | None:
     """The service that a trajectory calls, and its arguments; None for a single point at once, which is a command.
 
     Raises:

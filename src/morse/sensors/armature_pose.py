@@ -10,6 +10,7 @@ from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 from morse.core.sensor import Sensor
 from morse.core.services import service
+from morse.core.values import Fields
 from morse.helpers.chain import Chain
 from morse.helpers.components import add_kind, add_state, each
 from morse.scene import JointKind
@@ -153,7 +154,7 @@ class ArmaturePose(Sensor):
         return dict(zip(self.joints, self.efforts or (), strict=False))
 
     @service(changes=False)
-    def get_loose_joints(self) -> dict[str, dict[str, Any]]:
+    def get_loose_joints(self) -> dict[str, Fields]:
         """Return the joints that move in several directions: name to ``type``, ``position`` and ``velocity``.
 
         Positions are displacements along the axes of the joint, m, then an angle, rad (``planar``), or a quaternion w,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.helpers.components import add_data, add_kind, add_property, euler
@@ -48,7 +48,7 @@ class Attitude(MotionSensor):
         self._north = angle_against_north(self.context.scene.properties)
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return the frame of the attitude, which is east-north-up with ``UseAngleAgainstNorth``."""
         return {"rotation": {"frame": "enu"}} if self._use_angle_against_north else {}
 

@@ -161,7 +161,7 @@ class Camera(Sensor):
     capturing: bool
     on_demand: bool
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
         if "uses" not in vars(cls) and not _OF_AN_IMAGE.isdisjoint(vars(cls)):
             cls.uses = None
@@ -329,7 +329,7 @@ class Camera(Sensor):
         data: Fields = self.local_data
         return data
 
-    def note(self) -> Any:
+    def note(self) -> object:
         """Return the data of the world for `take` at the tick of an image, as plain data; see ``noted``."""
         return None
 

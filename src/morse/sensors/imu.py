@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.rows.marks import on_read
@@ -172,7 +172,7 @@ class IMU(MotionSensor):
         return ErrorTerms(density, self._accel_instability, self._accel_walk, self._correlation_time)
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
         """Return the errors of angular velocity and specific force."""
         return {
             "angular_velocity": self._gyro_terms().deviations(self.frequency),

@@ -97,7 +97,7 @@ def _seen(sight: Any) -> NDArray[np.float64]:
     return ranges
 
 
-def _ranges_at(_snapshots: object, kept: Sequence[Sequence[NDArray[np.float64]]]) -> dict[str, Sequence[Any]]:
+def _ranges_at(_snapshots: object, kept: Sequence[Sequence[NDArray[np.float64]]]) -> dict[str, Sequence[object]]:
     """The distances of many casts, from which the points follow."""
     return {"range_list": arrays_of(kept)}
 

@@ -156,7 +156,7 @@ class SegmentationCamera(Camera):
         super().set_state(state)
         self._of_nodes = None
 
-    def note(self) -> dict[str, list[Any]] | None:
+    def note(self) -> dict[str, list[object]] | None:
         """Return all objects, for an image with a delay: it is not complete, so that the visible ones are not known."""
         if not self.request.beside:
             return None

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.values import JsonObject
     from morse.scene import ComponentDeclaration
 
 
-def details(context: Context) -> dict[str, Any]:
+def details(context: Context) -> JsonObject:
     """Return the robots with their components, services and streams, and the environment."""
     declarations = {d.name: d for d in context.scene.components}
     return {
@@ -19,8 +20,8 @@ def details(context: Context) -> dict[str, Any]:
     }
 
 
-def _robot(context: Context, name: str, robot: object, declarations: dict[str, ComponentDeclaration]) -> dict[str, Any]:
-    description: dict[str, Any] = {"name": name, "type": type(robot).__name__, "components": {}}
+def _robot(context: Context, name: str, robot: object, declarations: dict[str, ComponentDeclaration]) -> JsonObject:
+    description: JsonObject = {"name": name, "type": type(robot).__name__, "components": {}}
     for component_name, component in context.components.items():
         if component.robot_parent is robot:
             description["components"][component_name] = _component(context, component, declarations[component_name])
@@ -31,7 +32,7 @@ def _robot(context: Context, name: str, robot: object, declarations: dict[str, C
     return description
 
 
-def _component(context: Context, component: Object, declaration: ComponentDeclaration) -> dict[str, Any]:
+def _component(context: Context, component: Object, declaration: ComponentDeclaration) -> JsonObject:
     return {
         "type": type(component).__name__,
         "services": _services(context, declaration.name),

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.values import Fields
 
 
 class Stepping(Protocol):
@@ -46,7 +47,7 @@ class ExchangeServices(AbstractObject):
     def exchange(
         self,
         ended: Callable[[tuple[str, Any]], object],
-        commands: dict[str, dict[str, Any]],
+        commands: dict[str, Fields],
         read: list[str],
         n: Steps = 1,
     ) -> Any:

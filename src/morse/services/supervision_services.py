@@ -13,6 +13,7 @@ from morse.core.reports import log
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted, short
 from morse.core.services import service
+from morse.core.values import JsonObject
 from morse.services import looks
 from morse.services.details import details
 
@@ -117,7 +118,7 @@ class Supervision(AbstractObject):
         return "Physics is resumed"
 
     @service(changes=False)
-    def details(self) -> dict[str, Any]:
+    def details(self) -> JsonObject:
         """Return robots, components, services and streams, from which clients build their proxies."""
         return details(self.context)
 
@@ -139,12 +140,12 @@ class Supervision(AbstractObject):
         log.set_level(component, level)
 
     @service(changes=False)
-    def get_scene_objects(self) -> dict[str, Any]:
+    def get_scene_objects(self) -> JsonObject:
         """Return the tree of objects: name to children, position (m) and quaternion (x, y, z, w)."""
         return self._tree(obj for obj in self.context.world.objects() if obj.parent is None)
 
-    def _tree(self, objects: Iterable[Any]) -> dict[str, Any]:
-        tree: dict[str, Any] = {}
+    def _tree(self, objects: Iterable[Any]) -> JsonObject:
+        tree: JsonObject = {}
         for obj in objects:
             w, x, y, z = obj.worldOrientation.to_quaternion()
             tree[obj.name] = [self._tree(obj.children), list(obj.worldPosition), [x, y, z, w]]

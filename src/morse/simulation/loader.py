@@ -168,7 +168,7 @@ def _instance(cls: type[Any], obj: Body, robot: Robot | None) -> Any:
         raise
 
 
-def _class_of_level(cls: type[object], level: str | None) -> type[object]:
+def _class_of_level(cls: type, level: str | None) -> type:
     choices = levels(cls)
     choice = choices.get(level) if level is not None else next((v for v in choices.values() if v.default), None)
     return load_class(choice.classpath) if choice is not None and choice.classpath else cls

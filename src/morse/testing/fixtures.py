@@ -36,6 +36,8 @@ from pymorse import Morse
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from morse.core.values import Options
+
     #: starts a simulation and returns the connection to it
     Simulate = Callable[..., object]
 
@@ -141,9 +143,9 @@ def _load(
     return simulation
 
 
-def _in_process(options: tuple[str, ...]) -> dict[str, Any]:
+def _in_process(options: tuple[str, ...]) -> Options:
     words = iter(options)
-    settings: dict[str, object] = {}
+    settings: Options = {}
     for word in words:
         name, equals, value = word.partition("=")
         if name not in ("--seed", "--speed"):

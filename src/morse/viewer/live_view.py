@@ -123,7 +123,7 @@ class View(Observer):
         except OSError:
             self._log.close()
             raise
-        self._handlers: dict[type[object], Callable[[Any], object]] = {
+        self._handlers: dict[type, Callable[[Any], object]] = {
             page.Play: lambda _: self._set_paused(False),
             page.Pause: lambda _: self._set_paused(True),
             page.Step: lambda event: simulation.request_steps(event.count) if simulation.paused else None,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from morse.simulation.simulation import Simulation
 
-    Handlers = dict[type[object], Callable[[object], object]]
+    Handlers = dict[type, Callable[[object], object]]
 
 #: wall-clock seconds between two pictures; and the largest share of the time that they may take
 _INTERVAL, _SHARE = 1.0 / 30.0, 0.1

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.values import Fields
 from morse.mathutils.portable import matmul
 from morse.wire.encoding import to_json
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
 
 #: fields of every image and cloud: arrays among them are lists in JSON
 _NOT_OTHERS = frozenset(("timestamp", "height", "width", "intrinsic_matrix"))
@@ -19,7 +21,7 @@ _NOT_OTHERS = frozenset(("timestamp", "height", "width", "intrinsic_matrix"))
 _LUMA = (0.2126, 0.7152, 0.0722)
 
 
-class PictureFields(dict[str, Any]):
+class PictureFields(Fields):
     """Fields of a message whose pixels, points and other arrays are in base64 in lines of JSON."""
 
     def line(self) -> bytes:

@@ -139,7 +139,7 @@ def without_equal_triangles(faces: NDArray[np.generic]) -> NDArray[Any]:
     return np.delete(faces, order[1:][again], axis=0)
 
 
-def rows_of_three(values: ArrayLike, what: str) -> NDArray[Any]:
+def rows_of_three(values: ArrayLike, what: str) -> NDArray[np.generic]:
     """An array of shape (N, 3); empty arrays may have any shape.
 
     Raises:

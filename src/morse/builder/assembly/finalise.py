@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from morse.builder.assembly.description import EnvironmentDescription
     from morse.builder.workspace import Workspace
+    from morse.core.values import Properties
 
 logger = logging.getLogger(__name__)
 
@@ -104,7 +105,7 @@ def _slow_down(parts: Iterable[AbstractComponent], tick: float) -> None:
             part.frequency(tick)
 
 
-def _properties(environment: EnvironmentDescription) -> dict[str, object]:
+def _properties(environment: EnvironmentDescription) -> Properties:
     """Return the properties of the world; the engine of 1.4 stored numbers in single precision."""
     properties = dict(environment.environment_properties)
     for name in _ORIGIN if environment.settings.physics_of_1_4 else ():

@@ -6,7 +6,7 @@ import re
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder import workspace
 from morse.builder.abstractcomponent import AbstractComponent
@@ -103,7 +103,7 @@ def _checked(newcomer: Newcomer, others: Iterable[Node]) -> Newcomer:
     return newcomer
 
 
-def maker_of(kind: str) -> Callable[[], Any]:
+def maker_of(kind: str) -> Callable[[], object]:
     """Return the function that creates a kind: a class of `morse.builder`, a model, or the text of a description.
 
     ``props/crates#small_crate`` is one object of a model, ``ranger_sim.builder.robots:Ranger`` a robot of the project;

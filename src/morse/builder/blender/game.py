@@ -14,6 +14,7 @@ from morse.builder.legacy.notices import notice
 from morse.scene import Bounds, PhysicsType
 
 if TYPE_CHECKING:
+    from morse.core.values import Properties
     from morse.scene import Node
 
 _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
@@ -88,7 +89,7 @@ class GameProperty:
 
     __slots__ = ("_properties", "name")
 
-    def __init__(self, properties: dict[str, object], name: str) -> None:
+    def __init__(self, properties: Properties, name: str) -> None:
         self._properties = properties
         self.name = name
 

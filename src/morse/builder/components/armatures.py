@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.builder.abstractcomponent import AbstractComponent
+    from morse.core.values import Options
 
 _PREFIX, _BONE = "ik_target", "IK_Bone"
 
@@ -157,7 +158,7 @@ class Armature(ActuatorCreator):
             workspace.current().attach(self.scene_node, target)
             self.ik_targets[bone] = target
 
-    def _scene_options(self) -> dict[str, object]:
+    def _scene_options(self) -> Options:
         # the full name is known only at this point
         for bone, target in self.ik_targets.items():
             workspace.current().rename(target, f"{_PREFIX}.{self.name}.{bone}")
@@ -207,7 +208,7 @@ class KukaLWR(Armature):
         relative: Matrix = self.scene_node.world_matrix().inverted() @ node.world_matrix()
         return relative
 
-    def _scene_options(self) -> dict[str, object]:
+    def _scene_options(self) -> Options:
         chain = Chain(self.scene_node.bones)
         tip = chain.tip(chain.frames(chain.start)[-1], len(chain.bones) - 1)[0]
         for component in self._carried:

@@ -11,6 +11,8 @@ from morse.builder.errors import checks
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from morse.core.values import Options
+
 
 class CompoundSensor(SensorCreator):
     """Several sensors combined; the component class is `morse.sensors.compound.CompoundSensor`."""
@@ -29,7 +31,7 @@ class CompoundSensor(SensorCreator):
             if not isinstance(sensor, AbstractComponent):
                 raise TypeError(f"CompoundSensor(sensors) takes a list of sensors; one item is {checks.shown(sensor)}")
 
-    def _scene_options(self) -> dict[str, object]:
+    def _scene_options(self) -> Options:
         # the names of the other sensors are known only at this point
         self.properties(sensors=",".join(sensor.name for sensor in self.sensors))
         return super()._scene_options()

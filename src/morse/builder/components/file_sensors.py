@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.components.cameras import MOUNTED
 from morse.builder.names.classes import load_class
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.builder.abstractcomponent import AbstractComponent
+    from morse.core.values import Options
     from morse.scene import Node
     from morse.scene.declared_sensor import DeclaredSensor
 
@@ -35,11 +36,9 @@ def add_walkers(roots: Iterable[Node], declarations: Iterable[DeclaredSensor]) -
         add_sensors(robot, [replace(one, name="path", link="")], "actuators")
 
 
-def add_sensors(
-    robot: AbstractComponent, declarations: Iterable[DeclaredSensor], package: str = "sensors"
-) -> dict[str, Any]:
+def add_sensors(robot: AbstractComponent, declarations: Iterable[DeclaredSensor], package: str = "sensors") -> Options:
     """Create the sensors or actuators of a file on the links of a robot, and return them by name."""
-    sensors: dict[str, Any] = {}
+    sensors: Options = {}
     for one in declarations:
         name = base = re.sub(r"\W", "_", one.name, flags=re.ASCII) or package[:-1]
         number = 1

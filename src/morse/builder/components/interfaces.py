@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import checks
 from morse.builder.errors.options import modifier_options, stream_options, with_file_options
@@ -13,6 +13,10 @@ from morse.core import declarations
 from morse.core.exceptions import MorseBuilderError, MorseBuilderUnexportableError
 from morse.middleware import registry
 from morse.scene import ModifierDeclaration, OverlayDeclaration, StreamDeclaration
+
+if TYPE_CHECKING:
+    from morse.core.values import Options
+
 
 logger = logging.getLogger(__name__)
 
@@ -35,7 +39,7 @@ class Interfaces:
         self._modifiers: list[ModifierDeclaration] = []
         self._overlays: list[OverlayDeclaration] = []
 
-    def component_class(self) -> type[Any] | None:
+    def component_class(self) -> type | None:
         """Class path of the component class."""
         raise NotImplementedError
 
@@ -127,9 +131,7 @@ class Interfaces:
 
     # --- services ---------------------------------------------------------------------------
 
-    def add_service(
-        self, interface: str, component: Interfaces | None = None, config: dict[str, object] | None = None
-    ) -> None:
+    def add_service(self, interface: str, component: Interfaces | None = None, config: Options | None = None) -> None:
         """Offer the services of this component.
 
         Args:
@@ -180,9 +182,7 @@ class Interfaces:
         else:
             self.add_interface(interface)
 
-    def add_overlay(
-        self, datastream: str, overlay: str, config: dict[str, object] | None = None, **kwargs: object
-    ) -> None:
+    def add_overlay(self, datastream: str, overlay: str, config: Options | None = None, **kwargs: object) -> None:
         """Offer the services of an overlay instead of those of the component.
 
         Args:

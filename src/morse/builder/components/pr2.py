@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.components.armatures import Armature
 from morse.builder.components.compound import CompoundSensor
@@ -14,6 +14,7 @@ from morse.middleware import registry
 
 if TYPE_CHECKING:
     from morse.builder.abstractcomponent import AbstractComponent
+    from morse.core.values import Options
 
 #: attributes of the robot to the armatures of the model
 _ARMATURES = {
@@ -105,7 +106,7 @@ class BarePR2(GroundRobot):
         else:
             self.joint_state.add_interface(interface, **_joint_options(middleware.name, kwargs))
 
-    def _stream(self, part: AbstractComponent, middleware: str, options: dict[str, Any]) -> None:
+    def _stream(self, part: AbstractComponent, middleware: str, options: Options) -> None:
         if part is self.joint_state and middleware == "socket":
             part.add_stream(middleware, _JOINT_STATE, **options)
         elif part is self.joint_state:
@@ -114,7 +115,7 @@ class BarePR2(GroundRobot):
             super()._stream(part, middleware, options)
 
 
-def _joint_options(middleware: str, options: dict[str, object]) -> dict[str, Any]:
+def _joint_options(middleware: str, options: Options) -> Options:
     """Return the options of the stream of all joints; on ROS 1, it has a topic that is not one of the robot."""
     return {"topic": "/joint_states", **options} if middleware == "ros" else options
 

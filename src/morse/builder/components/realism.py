@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.errors import checks
 from morse.core import declarations
 from morse.core.exceptions import MorseBuilderError
 from morse.scene.realism import NoiseModel, RealismModel, is_numeric
+
+if TYPE_CHECKING:
+    from morse.core.values import Options
 
 
 class RealisticSensor:
@@ -22,7 +25,7 @@ class RealisticSensor:
 
     if TYPE_CHECKING:
 
-        def component_class(self) -> type[Any] | None:
+        def component_class(self) -> type | None:
             """The class that runs."""
 
     def phase(self, seconds: float) -> None:
@@ -91,6 +94,6 @@ class RealisticSensor:
             f"{what}(field): {type(self).__name__} has no data field '{field}'{checks.suggestion(field, names)}"
         )
 
-    def _scene_options(self) -> dict[str, object]:
+    def _scene_options(self) -> Options:
         """The part of the declaration that depends on the kind of component."""
         return {} if self._realism == RealismModel() else {"realism": self._realism}

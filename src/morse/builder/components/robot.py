@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.blender.materials import material_slots
 from morse.builder.components.collision import set_collision
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.builder.abstractcomponent import AbstractComponent
+    from morse.core.values import Options
     from morse.scene import ComponentDeclaration, Material, Node
 
 
@@ -129,7 +130,7 @@ class Robot(Matter, Component):
             if part._can_stream(middleware):
                 self._stream(part, middleware.name, kwargs)
 
-    def _stream(self, part: AbstractComponent, middleware: str, options: dict[str, Any]) -> None:
+    def _stream(self, part: AbstractComponent, middleware: str, options: Options) -> None:
         part.add_stream(middleware, **options)
 
     # --- physics ----------------------------------------------------------------------------
@@ -190,7 +191,7 @@ class Robot(Matter, Component):
             else declaration
         )
 
-    def _scene_options(self) -> dict[str, object]:
+    def _scene_options(self) -> Options:
         return {"record_animation": True} if self.records_animation else {}
 
 
@@ -241,7 +242,7 @@ class WheeledRobot(Robot):
             and node.body.collides
         ]
 
-    def _scene_options(self) -> dict[str, object]:
+    def _scene_options(self) -> Options:
         options = super()._scene_options()
         if self._has_free_wheels:
             options["wheels"] = [node.name for node in self.wheels()]

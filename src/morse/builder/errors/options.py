@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.legacy import declared_values
 from morse.builder.names import frames
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.declarations import Option
+    from morse.core.values import Options
 
 logger = logging.getLogger(__name__)
 
@@ -28,7 +29,7 @@ _OF_SOME_MIDDLEWARE = ("topic", "frame_id", "parent_frame_id", "child_frame_id",
 _OF_ROS = "morse.middleware.ros"
 
 
-def stream_options(manager: str, values: Mapping[str, object]) -> dict[str, Any]:
+def stream_options(manager: str, values: Mapping[str, object]) -> Options:
     """The options of a stream.
 
     Args:
@@ -62,7 +63,7 @@ def with_file_options(
     return {**{name: value for name, value in of_file.items() if name in options}, **values}
 
 
-def manager_options(manager: str, values: Mapping[str, object]) -> dict[str, Any]:
+def manager_options(manager: str, values: Mapping[str, object]) -> Options:
     """The options of a stream manager.
 
     Args:
@@ -92,7 +93,7 @@ def _declared_by_manager(manager: str) -> Mapping[str, Option] | None:
     return options
 
 
-def modifier_options(classpath: str, values: Mapping[str, object]) -> dict[str, Any]:
+def modifier_options(classpath: str, values: Mapping[str, object]) -> Options:
     """Return the options of a modifier; a class without ``options`` accepts any option.
 
     Args:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.errors import checks
 from morse.builder.legacy import declared_values
@@ -14,6 +14,8 @@ from morse.core.validation import checked_value
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.values import Properties
+
 
 logger = logging.getLogger(__name__)
 
@@ -21,7 +23,7 @@ logger = logging.getLogger(__name__)
 _GENERAL = frozenset({"classpath", "frequency", "abstraction_level", "Component_Tag", "Robot_Tag"})
 
 
-def check_declared(cls: type[object], values: Mapping[str, object]) -> dict[str, Any]:
+def check_declared(cls: type, values: Mapping[str, object]) -> Properties:
     """Return properties as they are to be stored, with a warning for those that a component does not declare.
 
     Raises:

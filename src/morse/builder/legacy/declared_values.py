@@ -12,9 +12,10 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import Option, Property
     from morse.core.validation.spec import Spec
+    from morse.core.values import Properties
 
 
-def properties(owner: str, declarations: Mapping[str, Property], parameters: Mapping[str, object]) -> dict[str, Any]:
+def properties(owner: str, declarations: Mapping[str, Property], parameters: Mapping[str, object]) -> Properties:
     """Return the properties of a component, with numbers and truth values instead of the texts for them."""
     return {
         name: _value(spec_of_property(declarations[name], script=True), value, f"the property '{name}' of {owner}")
@@ -43,7 +44,7 @@ def _option(option: Option, value: object, what: str) -> object:
     return _number(value, what)
 
 
-def _number(value: object, what: str) -> Any:
+def _number(value: object, what: str) -> object:
     return values.number(value, what) if isinstance(value, str) else value
 
 

@@ -64,7 +64,7 @@ class Ignored:
 
     __lt__ = __le__ = __gt__ = __ge__ = _false
 
-    def _other(self, other: object) -> Any:
+    def _other(self, other: object) -> object:
         return other
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __matmul__ = __truediv__ = __rtruediv__ = _other

@@ -8,7 +8,7 @@ from typing import Any
 from morse.builder.legacy.notices import notice
 
 
-def scalar(value: Any) -> Any:
+def scalar(value: Any) -> object:
     """The Python scalar of a scalar of numpy, or of an array of one element; anything else unchanged."""
     if getattr(value, "size", None) == 1 and callable(getattr(value, "item", None)):
         return value.item()

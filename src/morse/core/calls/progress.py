@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.values import JsonObject
 
-def of_distance(distance: float, speed: float = 0.0) -> dict[str, Any]:
+
+def of_distance(distance: float, speed: float = 0.0) -> JsonObject:
     """The progress of a motion to a position, as in ``nav2_msgs/NavigateToPose``.
 
     Args:
@@ -19,7 +21,7 @@ def of_distance(distance: float, speed: float = 0.0) -> dict[str, Any]:
     return {"distance_remaining": distance, **rest}
 
 
-def of_joints(names: Sequence[str], actual: Sequence[float], desired: Sequence[float]) -> dict[str, Any]:
+def of_joints(names: Sequence[str], actual: Sequence[float], desired: Sequence[float]) -> JsonObject:
     """The progress of joints, as in ``control_msgs/FollowJointTrajectory``.
 
     Args:

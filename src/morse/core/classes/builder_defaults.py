@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from morse.core.values import Properties
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +44,7 @@ class BuilderDefaults:
 
     name: str | None = None
     frequency: float = 60.0
-    properties: dict[str, Any] = field(default_factory=dict)
+    properties: Properties = field(default_factory=dict)
     visual: Visual | None = None
     model: str | None = None
     part: str | None = None
@@ -66,7 +69,7 @@ class RobotDefaults:
     model: str | None = None
     drive: Literal["ground", "wheels", "free"] = "ground"
     name: str | None = None
-    properties: dict[str, Any] = field(default_factory=dict)
+    properties: Properties = field(default_factory=dict)
     rigid_body: bool = False
     collides: bool = True
 

@@ -19,7 +19,7 @@ class ClassPathError(MorseError):
     """A class path does not refer to a class that can be imported."""
 
 
-def _read_sources(cls: type[object]) -> None:
+def _read_sources(cls: type) -> None:
     """Read the source of a class of the user, which messages about its errors quote.
 
     Within a tick, there may be no file descriptor left to read it.

@@ -47,7 +47,7 @@ def depth_levels(image: NDArray[np.generic]) -> Levels:
     return Levels(grey, low, high)
 
 
-def is_picture(image: object) -> TypeGuard[NDArray[Any]]:
+def is_picture(image: object) -> TypeGuard[NDArray[np.generic]]:
     """Whether it is an image that can be shown."""
     if not isinstance(image, np.ndarray) or image.dtype.kind not in "fiub" or not image.size:
         return False

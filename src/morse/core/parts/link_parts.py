@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.parts.moving_parts import FIXED, FLOATING, PRISMATIC, REVOLUTE, MovingPart
 from morse.mathutils.rotations import nine, product, turn_back
@@ -13,6 +13,7 @@ from morse.scene.frames import rigid_frame
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator, Sequence
 
+    from morse.core.world import Body
     from morse.helpers.chain import Chain, Pose
 
 #: property of targets of inverse kinematics, which are not links
@@ -24,12 +25,12 @@ _NEAR = 1e-9
 class _Link(NamedTuple):
     """An object on a bone; -1 for the armature itself."""
 
-    object: Any
+    object: Body
     bone: int
 
 
 def link_parts(
-    armature: object, chain: Chain, values: Callable[[], Sequence[float]], components: Container[str] = ()
+    armature: Body, chain: Chain, values: Callable[[], Sequence[float]], components: Container[str] = ()
 ) -> list[MovingPart]:
     """Return the links of an armature, parents before their children.
 
@@ -46,7 +47,7 @@ def link_parts(
     frames = chain.frames(chain.start)
     moving = [index for index, bone in enumerate(chain.linked) if bone.kind.has_value]
     parts: list[MovingPart] = []
-    first: dict[int, object] = {}
+    first: dict[int, Body] = {}
     for link in links:
         above, path = link.bone, []
         while above >= 0 and above not in first:
@@ -65,10 +66,10 @@ def link_parts(
     return parts
 
 
-def _links(armature: Any, chain: Chain, components: Container[str]) -> Iterator[_Link]:
+def _links(armature: Body, chain: Chain, components: Container[str]) -> Iterator[_Link]:
     """Iterate over the objects that are links: all named objects of a file, otherwise the first object on each bone."""
     in_file = any(bone.dynamics is not None for bone in chain.bones)
-    on: dict[int, list[object]] = {}
+    on: dict[int, list[Body]] = {}
     for child in armature.children:
         properties = child.node.properties
         if _TARGET in properties or child.name in components or "Component_Tag" in properties:
@@ -82,9 +83,9 @@ def _links(armature: Any, chain: Chain, components: Container[str]) -> Iterator[
 
 
 def _moved(
-    armature: object,
+    armature: Body,
     link: _Link,
-    parent: object,
+    parent: Body | None,
     index: int,
     chain: Chain,
     frames: Sequence[Pose],
@@ -117,7 +118,7 @@ def _moved(
     )
 
 
-def _at_start(link: _Link, armature: Any) -> tuple[Sequence[float], Sequence[float]]:
+def _at_start(link: _Link, armature: Body) -> tuple[Sequence[float], Sequence[float]]:
     """The pose of an object in the armature at the joint values of the scene."""
     outer, inner = rigid_frame(armature.node), rigid_frame(link.object.node)
     base, place = nine(list(outer.rotation)), [b - a for a, b in zip(outer.position, inner.position, strict=True)]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from morse.core.world import Body
 
 CONTINUOUS, REVOLUTE, PRISMATIC = "continuous", "revolute", "prismatic"
 FIXED, FLOATING = "fixed", "floating"
@@ -30,8 +32,8 @@ class MovingPart(NamedTuple):
     """
 
     joint: str
-    object: Any
-    parent: Any
+    object: Body
+    parent: Body | None
     axis: tuple[float, float, float]
     position: Callable[[], float]
     type: str = CONTINUOUS

@@ -61,7 +61,7 @@ def uncover(component: Any) -> list[str]:
     return lines
 
 
-def _hidden(component: Object) -> Iterator[tuple[str, Any]]:
+def _hidden(component: Object) -> Iterator[tuple[str, object]]:
     own = vars(component)
     visited = set()
     for base in type(component).__mro__:

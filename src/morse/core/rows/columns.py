@@ -44,7 +44,7 @@ def in_columns(columns: Columns) -> Callable[[_F], _F]:
     return mark
 
 
-def columns_of(cls: type[object]) -> Columns | None:
+def columns_of(cls: type) -> Columns | None:
     """The columns of a class; None if it measures in no other way than by its action."""
     columns: Columns | None = mark_of(cls, "columns")
     return columns

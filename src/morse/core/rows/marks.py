@@ -47,12 +47,12 @@ def while_same(*fields: str) -> Callable[[_F], _F]:
     return mark
 
 
-def is_on_read(cls: type[object]) -> bool:
+def is_on_read(cls: type) -> bool:
     """Whether the sensors of a class measure when they are read."""
     return mark_of(cls, "on_read") is True
 
 
-def lasting_fields(cls: type[object]) -> tuple[str, ...]:
+def lasting_fields(cls: type) -> tuple[str, ...]:
     """Return the fields whose values determine the action of an actuator; () if it has to act in each tick."""
     fields: tuple[str, ...] = mark_of(cls, "while_same") or ()
     return fields
@@ -64,7 +64,7 @@ def is_overridden(component: Component) -> bool:
     return any(isinstance(getattr(cls, name, None), FunctionType) for name in vars(component))
 
 
-def mark_of(cls: type[object], mark: str) -> Any:
+def mark_of(cls: type, mark: str) -> Any:
     """Return the mark of the first action in the order of inheritance, unless a subclass changes how it acts."""
     changed: set[str] = set()
     for base in cls.__mro__:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.guard import publish
 from morse.core.rows.rows import Rows, waiting
@@ -123,13 +123,13 @@ class SensorRows(Rows[Sensor]):
             own = vars(member)
             own["local_data"] = data
             try:
-                self._measure(row, member, data, last)
+                self._measure(row, self._rows[row], data, last)
             except BaseException as error:
                 self._guard.deactivate(member, error)
             own.pop("local_data", None)
         return data
 
-    def _measure(self, row: int, member: Any, data: Fields, last: int) -> None:
+    def _measure(self, row: int, member: Sensor, data: Fields, last: int) -> None:
         if self._remembers and last < self.stamp - 1:
             data["timestamp"] = self._time_before
             member.position_3d.set_pose(*self._before.pose(row))

@@ -20,7 +20,7 @@ _GENERATORS = ("PCG64", "PCG64DXSM", "MT19937", "Philox", "SFC64")
 _PLACES = {"MT19937": ("state", "pos", 624), "Philox": ("", "buffer_pos", 4)}
 
 
-def type_of(kind: np.dtype[Any]) -> Any:
+def type_of(kind: np.dtype[Any]) -> object:
     """Return the type of the items of an array: a string, or a list of fields for a structured type."""
     return kind.str if kind.names is None else dtype_to_descr(kind)
 

@@ -120,12 +120,12 @@ def _names(routine: object) -> tuple[str, type]:
     return getattr(routine, "__name__", ""), type(getattr(routine, "__self__", None))
 
 
-def is_of_morse(cls: type[object]) -> bool:
+def is_of_morse(cls: type) -> bool:
     """Whether MORSE defines a class."""
     return cls.__module__.partition(".")[0] == "morse"
 
 
-def own_attributes(cls: type[object]) -> set[str] | None:
+def own_attributes(cls: type) -> set[str] | None:
     """The attributes that MORSE's classes among the bases of a class set; None for all, if the class is MORSE's."""
     if is_of_morse(cls):
         return None
@@ -157,7 +157,7 @@ def assigned_by(cls: Any) -> frozenset[str]:
     return frozenset(names)
 
 
-def _functions(cls: type[object]) -> list[FunctionType]:
+def _functions(cls: type) -> list[FunctionType]:
     functions = [
         inspect.unwrap(getattr(one, "fget", None) or getattr(one, "__func__", one)) for one in vars(cls).values()
     ]

@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 #: words of values whose items do not count for the values that contain them
 _OBJECTS = frozenset(("own", "object", "namespace", "global", "part", "method"))
 _PLAIN = frozenset((type(None), bool, int, float, str, bytes))
-_VALUES: dict[str, Callable[[Any], Any]] = {cls.__name__: cls for cls in (Vector, Quaternion, Euler, Color, Matrix)}
+_VALUES: dict[str, Callable[[Any], object]] = {cls.__name__: cls for cls in (Vector, Quaternion, Euler, Color, Matrix)}
 _DICTS: dict[str, type[dict[Any, Any]]] = {
     "dict": dict,
     "ordered dict": OrderedDict,
@@ -84,13 +84,13 @@ class Reader:
         self._deep = False
         #: the classes of objects that may take the place of None
         self._created: frozenset[type] = frozenset()
-        self._holder: Any = None
+        self._holder: object = None
         self._extents = Extents()
-        self._met: list[Any] = []
+        self._met: list[object] = []
         self._used: set[int] = set()
         self._named: set[int] = set()
         self._depth = 0
-        self._readers: dict[str, Callable[[list[Any], Any], Any]] = {
+        self._readers: dict[str, Callable[[list[Any], Any], object]] = {
             "list": self._list,
             "tuple": lambda data, now: tuple(self._items(data[1], now)),
             "named tuple": self._named_tuple,
@@ -415,7 +415,7 @@ class Reader:
             self._met[place] = value = target
         return value
 
-    def _class(self, path: str, now: object) -> type[Any]:
+    def _class(self, path: str, now: object) -> type:
         if now is not MISSING and class_path(type(now)) == path:
             return type(now)
         cls = self._references.find_class(path)
@@ -423,7 +423,7 @@ class Reader:
             raise StateError(f"the saved state contains a {path!r:.80}, which the simulation does not know")
         return cls
 
-    def _attributed(self, path: str, now: object) -> type[Any]:
+    def _attributed(self, path: str, now: object) -> type:
         """Return a class whose objects are created without calling it."""
         cls = self._class(path, now)
         is_new = type(now) is not cls and not self._trusted

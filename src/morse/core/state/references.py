@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
 from morse.core.state.errors import StateError
 
@@ -20,16 +20,16 @@ class References(Protocol):
             StateError: there is no such part.
         """
 
-    def find_class(self, path: str) -> type[object] | None:
+    def find_class(self, path: str) -> type | None:
         """The class of that path (``module:name``), if it belongs to the simulation or the user's project."""
 
-    def met_class(self, cls: type[object]) -> None:
+    def met_class(self, cls: type) -> None:
         """Record that an object of that class was saved, so that this process may recreate such objects."""
 
     def global_name(self, value: object) -> str | None:
         """``module:NAME`` of an object or function that is a variable of the user's project; None for others."""
 
-    def find_global(self, name: str) -> Any:
+    def find_global(self, name: str) -> object:
         """The object or function of that name.
 
         Raises:
@@ -48,17 +48,17 @@ class NoReferences:
         """Refuse the name."""
         raise StateError(f"data from outside cannot contain {name!r:.60}")
 
-    def find_class(self, path: str) -> type[object] | None:
+    def find_class(self, path: str) -> type | None:
         """There are no classes."""
         return None
 
-    def met_class(self, cls: type[object]) -> None:
+    def met_class(self, cls: type) -> None:
         """Do nothing, because such data do not contain objects of classes."""
 
     def global_name(self, value: object) -> str | None:
         """Nothing has a name."""
         return None
 
-    def find_global(self, name: str) -> Any:
+    def find_global(self, name: str) -> object:
         """Refuse the name."""
         raise StateError(f"data from outside cannot contain {name!r:.60}")

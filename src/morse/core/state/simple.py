@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 #: class to its word, and the function that returns its parts
-TAKEN_APART: dict[type, tuple[str, Callable[[Any], list[Any]]]] = {
+TAKEN_APART: dict[type, tuple[str, Callable[[Any], list[object]]]] = {
     complex: ("complex", lambda v: [v.real, v.imag]),
     range: ("range", lambda v: [v.start, v.stop, v.step]),
     slice: ("slice", lambda v: [v.start, v.stop, v.step]),

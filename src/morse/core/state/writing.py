@@ -82,11 +82,11 @@ class Writer:
     def __init__(self, references: References) -> None:
         self._references = references
         self._numbers: dict[int, int] = {}
-        self._met: list[Any] = []
+        self._met: list[object] = []
         self.unsaved: list[str] = []
         self._path: list[str] = []
         self._depth = 0
-        self._writers: dict[type, Callable[[Any], Any]] = {
+        self._writers: dict[type, Callable[[Any], object]] = {
             int: _integer,
             str: _text,
             list: lambda v: ["list", [self.value(item) for item in v]],
@@ -159,7 +159,7 @@ class Writer:
         finally:
             self._depth -= 1
 
-    def _written(self, value: object, cls: type) -> Any:
+    def _written(self, value: object, cls: type) -> object:
         write = self._writers.get(cls)
         if write is None:
             return self._other(value)
@@ -177,7 +177,7 @@ class Writer:
             del self._numbers[id(value)]
         del self._met[numbers:]
 
-    def _cannot_be_saved(self, value: object, why: str = "") -> Any:
+    def _cannot_be_saved(self, value: object, why: str = "") -> object:
         why = why or class_name(type(value))
         self.unsaved.append(f"{'.'.join(self._path)} ({why})")
         return AS_IS
@@ -215,7 +215,7 @@ class Writer:
             entry.append([self.value(item) for item in list.__iter__(value)])
         return entry
 
-    def _method(self, value: Any) -> Any:
+    def _method(self, value: Any) -> object:
         owner = getattr(value, "__self__", None)
         if owner is None or inspect.ismodule(owner) or inspect.isclass(owner):
             return AS_IS
@@ -224,7 +224,7 @@ class Writer:
         entry = AS_IS if name is None else self.value(owner)
         return AS_IS if entry == AS_IS else ["method", entry, name]
 
-    def _simple(self, value: object) -> Any:
+    def _simple(self, value: object) -> object:
         word, apart = TAKEN_APART[type(value)]
         return ["simple", word, *(self.value(part) for part in apart(value))]
 
@@ -245,7 +245,7 @@ class Writer:
         # sets are unordered, but objects are numbered in the order in which they are restored
         return sorted(entries, key=repr) if len(self._met) == met else entries
 
-    def _array(self, value: arrays.Array) -> Any:
+    def _array(self, value: arrays.Array) -> object:
         if value.dtype.hasobject:
             if value.dtype.names is not None:
                 return self._cannot_be_saved(value, "array of structures that hold objects")
@@ -259,7 +259,7 @@ class Writer:
             return ["view", self.value(root), kind, list(value.shape), *arrays.place_in(root, value)]
         return ["array", kind, *arrays.content(value)]
 
-    def _generator(self, value: np.random.Generator) -> Any:
+    def _generator(self, value: np.random.Generator) -> object:
         return ["random", type(value.bit_generator).__name__, self.value(value.bit_generator.state)]
 
 
@@ -281,7 +281,7 @@ def attributes_of(value: object) -> StateData:
     return attributes
 
 
-def is_apparatus(cls: type[object]) -> bool:
+def is_apparatus(cls: type) -> bool:
     """Whether objects of a class are created from declarations and have no state: all of MORSE below its components."""
     room, _, rest = cls.__module__.partition(".")
     return getattr(cls, APPARATUS, False) or (room == "morse" and rest.partition(".")[0] not in _WITH_STATE)
@@ -310,7 +310,7 @@ def _is_code(value: object) -> bool:
     return inspect.isroutine(value) or inspect.isclass(value) or isinstance(value, (type(inspect), logging.Logger))
 
 
-def _integer(value: int) -> Any:
+def _integer(value: int) -> object:
     return value if -_LARGEST <= value < _LARGEST else ["integer", hex(value)]
 
 

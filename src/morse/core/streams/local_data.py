@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from morse.core.values import Fields
+
 if TYPE_CHECKING:
     from collections.abc import Callable, ItemsView, Iterator, ValuesView
-
-    from morse.core.values import Fields
 
 
 class Later:
@@ -29,7 +29,7 @@ class Later:
         return self.make().tolist()
 
 
-class LocalData(dict[str, Any]):
+class LocalData(Fields):
     """Data fields; the values of some may be of type `Later`.
 
     For readers it is a plain dictionary: a field is computed at the first access and then cached. A scan without

@@ -9,6 +9,7 @@ from morse.core.world.poses import WorldPoses
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from morse.core.values import StateData
     from morse.core.world.body import Bodies, Body
     from morse.core.world.linkage import Hanging, Linkage
     from morse.core.world.rays import Rays
@@ -141,7 +142,7 @@ class World(WorldPoses, Protocol):
     def appearance_changed(self, obj: Body) -> None:
         """Notify the view that the appearance of an object changed."""
 
-    def get_state(self) -> dict[str, object]:
+    def get_state(self) -> StateData:
         """Return the state that determines the future of the physics, as plain data that shares nothing with the world.
 
         Two worlds of the same scene with equal states continue identically, bit for bit, with the same inputs.

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from morse.core.values import RosMessage
     from morse.rosmsgs.topics.backend import Backend, ServiceServer
 
-    Reply = Callable[[dict[str, object]], object]
-    Handler = Callable[[dict[str, object], Reply], object]
+    Reply = Callable[[RosMessage], object]
+    Handler = Callable[[RosMessage, Reply], object]
 
 _EACH_TICK = 16
 

@@ -65,7 +65,7 @@ def _writers(type_name: str) -> dict[str, Callable[[object], object]]:
     return {field.name: _writer(field) for field in fields_of(type_name)}
 
 
-def _writer(field: MessageField) -> Callable[[Any], Any]:
+def _writer(field: MessageField) -> Callable[[Any], object]:
     if field.size != SINGLE:
         return _bytes_writer(field) if field.type == "uint8" else _list_writer(field)
     if field.type == "string":

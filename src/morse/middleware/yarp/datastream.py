@@ -15,7 +15,7 @@ from morse.middleware.yarp.ports import ports_of
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.kinds import BoundKind, Message
-    from morse.core.values import Options
+    from morse.core.values import Fields, Options
     from morse.middleware.yarp.port import Port
     from morse.middleware.yarp.streams import YarpReader, YarpStream
 
@@ -67,7 +67,7 @@ class YarpDatastreamManager(DatastreamManager):
         self._outgoing.append((stream.port, payload))
 
     @maps("general", direction="IN")
-    def command(self, stream: YarpReader, kind: BoundKind, data: list[object]) -> dict[str, object]:
+    def command(self, stream: YarpReader, kind: BoundKind, data: list[object]) -> Fields:
         """The fields of a bottle.
 
         Raises:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.core.values import Fields
 from morse.recording.fields.values import Written
 from morse.rosmsgs.cdr import encode, encode_rows
 
@@ -134,7 +135,7 @@ def _together(line: Line, rows: Rows, stamps: NDArray[np.int64], chosen: NDArray
     return Batch(line.channel, ticks, encode_rows(line.outlet.type, made, len(chosen)))
 
 
-class _Chosen(dict[str, Any]):
+class _Chosen(Fields):
     """Columns of some rows, which are stacked when they are read."""
 
     def __init__(self, columns: Mapping[str, Any], chosen: NDArray[np.intp]) -> None:

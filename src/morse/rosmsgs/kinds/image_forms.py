@@ -63,7 +63,7 @@ def _own(bound: BoundKind) -> tuple[Any, Any]:
     return words.get("encoding"), words.get("unit")
 
 
-def _millimetres(pixels: Any, _encoding: str) -> tuple[Any, str]:
+def _millimetres(pixels: Any, _encoding: str) -> tuple[object, str]:
     """Depth in mm, 0 where it is not known (REP 118)."""
     depth = np.rint(pixels * _MILLIMETRE)
     valid = (depth >= 0.0) & (depth <= _FARTHEST)  # false for NaN and infinity

@@ -111,7 +111,7 @@ def _cloud(message: Message, frame: str) -> RosMessage:
     }
 
 
-def _packed(color: Any) -> Any:
+def _packed(color: Any) -> object:
     """Red, green and blue in the bits of a number, as in rviz."""
     red, green, blue = (color[..., i].astype(np.uint32) for i in range(3))
     return red << 16 | green << 8 | blue

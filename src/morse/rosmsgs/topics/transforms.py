@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from morse.core.robot import Robot
     from morse.core.values import RosMessage
 
-    _Send = Callable[[dict[str, object]], object]
+    _Send = Callable[[RosMessage], object]
 
     from morse.rosmsgs.component import ComponentMessages
     from morse.rosmsgs.moving import Joint

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.values import Fields
     from morse.simulation.handles.contacts import Contacts
     from morse.simulation.handles.futures import LocalFuture
     from morse.simulation.handles.handles import Handles
@@ -29,7 +30,7 @@ _KEPT = 100
 _PLAIN = frozenset((float, int, bool, str, type(None)))
 
 
-def component_handles(simulation: Handles, kept: dict[str, ComponentHandle]) -> dict[str, Any]:
+def component_handles(simulation: Handles, kept: dict[str, ComponentHandle]) -> Fields:
     """Return the handles of all robots by name, and the lists of robots that were created in loops.
 
     Args:
@@ -38,7 +39,7 @@ def component_handles(simulation: Handles, kept: dict[str, ComponentHandle]) -> 
     from pymorse.names import normalize_name, series
 
     context = simulation.context
-    handles: dict[str, object] = {}
+    handles: Fields = {}
     for name in [name for name in kept if context.component(name) is None]:
         del kept[name]
     for name, robot in context.robots.items():
@@ -99,9 +100,9 @@ class ComponentHandle:
         self.name = name
         self.parts: dict[str, ComponentHandle] = {}
         self._wired: Object | None = None
-        self._messages: deque[dict[str, Any]] = deque(maxlen=_KEPT)
+        self._messages: deque[Fields] = deque(maxlen=_KEPT)
         self._count = 0
-        self._subscribers: list[Callable[[dict[str, Any]], object]] = []
+        self._subscribers: list[Callable[[Fields], object]] = []
         self._pending: PendingCommands
 
     @property
@@ -129,11 +130,11 @@ class ComponentHandle:
     # -- data ------------------------------------------------------------------------------
 
     @property
-    def data(self) -> dict[str, Any]:
+    def data(self) -> Fields:
         """A copy of the present data; arrays stay arrays."""
         return _copy(present_data(self.component))
 
-    def publish(self, message: dict[str, Any]) -> None:
+    def publish(self, message: Fields) -> None:
         """Set fields of an actuator, which applies them in the next tick.
 
         Raises:
@@ -149,7 +150,7 @@ class ComponentHandle:
         except CommandError as error:
             raise CommandError(error.field, f"{self.fqn}: {error}") from None
 
-    def get(self, timeout: float | None = None) -> dict[str, Any] | None:
+    def get(self, timeout: float | None = None) -> Fields | None:
         """Run the simulation until the sensor measures, and return the data.
 
         Args:
@@ -179,12 +180,12 @@ class ComponentHandle:
             return _copy(self._messages[-1]) if self._messages else None
         return [_copy(message) for message in list(self._messages)[: -n - 1 : -1]] or None
 
-    def subscribe(self, callback: Callable[[dict[str, Any]], object]) -> None:
+    def subscribe(self, callback: Callable[[Fields], object]) -> None:
         """Call ``callback(data)`` at each measurement."""
         self._listen("subscribe")
         self._subscribers.append(callback)
 
-    def unsubscribe(self, callback: Callable[[dict[str, Any]], object]) -> None:
+    def unsubscribe(self, callback: Callable[[Fields], object]) -> None:
         """Remove a callback; one that has failed was already removed."""
         if callback in self._subscribers:
             self._subscribers.remove(callback)
@@ -339,5 +340,5 @@ class RobotHandle(ComponentHandle):
         return len(self.parts)
 
 
-def _copy(data: dict[str, object]) -> dict[str, Any]:
+def _copy(data: Fields) -> Fields:
     return {key: value if type(value) in _PLAIN else copied(value) for key, value in data.items()}

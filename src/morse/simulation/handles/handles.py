@@ -76,7 +76,7 @@ class Handles(Arranging):
         """The names of the robots as attribute names."""
         return [name for name, handle in self._all_handles().items() if isinstance(handle, RobotHandle)]
 
-    def _all_handles(self) -> dict[str, Any]:
+    def _all_handles(self) -> dict[str, object]:
         if self._handles is None:
             self._handles = component_handles(self, self._by_full_name)
             for name in self._handles:

@@ -39,7 +39,7 @@ class _Population(msgspec.Struct, forbid_unknown_fields=True):
     gone: list[str]
 
 
-def _converted(name: str, state: object, kind: type[object]) -> Any:
+def _converted(name: str, state: object, kind: type) -> Any:
     try:
         return msgspec.convert(state, kind)
     except msgspec.ValidationError as error:

@@ -27,7 +27,7 @@ class StateParts:
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
-        self._classes: dict[str, type[object]] = {}
+        self._classes: dict[str, type] = {}
         self._globals: dict[int, str] = {}
         self._by_name: StateData = {}
 
@@ -73,7 +73,7 @@ class StateParts:
 
     # -- the project -----------------------------------------------------------------------
 
-    def met_class(self, cls: type[object]) -> None:
+    def met_class(self, cls: type) -> None:
         """Record a class whose objects are in the simulation."""
         self._classes[f"{cls.__module__}:{cls.__qualname__}"] = cls
 
@@ -81,13 +81,13 @@ class StateParts:
         """Return ``module:NAME``, or ``module:Class.NAME``, if the object is the value of a variable of the project."""
         return self._globals.get(id(value))
 
-    def find_global(self, name: str) -> Any:
+    def find_global(self, name: str) -> object:
         """Return the value of a variable of the project."""
         if name not in self._by_name:
             raise StateError(f"the project has no variable {name!r:.80}")
         return self._by_name[name]
 
-    def find_class(self, path: str) -> type[object] | None:
+    def find_class(self, path: str) -> type | None:
         """Return a class of MORSE, of the project, or of a module in the same directory as a component of the scene."""
         module_name, _, name = path.partition(":")
         cls: Any = self._module(module_name)
@@ -119,7 +119,7 @@ class StateParts:
         modules = [project(name) or sys.modules.get(name) for name in users]
         return [module for module in modules if module is not None]
 
-    def _variables(self) -> Iterator[tuple[str, Any]]:
+    def _variables(self) -> Iterator[tuple[str, object]]:
         """Iterate over the objects and functions that are variables of modules and classes of the project."""
         own = list(getattr(self._simulation.scene.project, "own_modules", dict)().values())
         modules = {id(module): module for module in [*own, *self._component_modules()]}
@@ -137,7 +137,7 @@ class StateParts:
                     yield f"{module.__name__}:{name}", value
 
 
-def _constants(cls: type[object]) -> Iterator[tuple[str, Any]]:
+def _constants(cls: type) -> Iterator[tuple[str, object]]:
     for name, value in list(vars(cls).items()):
         if name.startswith("__") or isinstance(value, (*_PLAIN, type, property, staticmethod, classmethod)):
             continue

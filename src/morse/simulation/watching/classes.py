@@ -15,6 +15,7 @@ from morse.simulation.watching.dependents import to_renew
 from morse.simulation.watching.inheritance import Inheritance
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from collections.abc import Callable, Iterator
 
     from morse.core.object import Object
@@ -50,7 +51,7 @@ class _Exchange:
         self._old: dict[str, Object] = {}
         self._new: dict[str, Object] = {}
         #: name of the component, index of the modifier, and the new modifier
-        self._modifiers: list[tuple[str, int, Any]] = []
+        self._modifiers: list[tuple[str, int, object]] = []
 
     def run(self, changed: list[str], sources: dict[str, str]) -> list[str]:
         present = list(self._present())
@@ -173,6 +174,6 @@ def _modifiers(declaration: ComponentDeclaration, component: Object) -> list[Any
     return component.output_modifiers if declaration.kind == "sensor" else component.input_modifiers
 
 
-def _is_stream(call: Callable[..., object], streams: list[object]) -> bool:
+def _is_stream(call: Callable[..., object], streams: Sequence[object]) -> bool:
     owner = getattr(call, "__self__", None)
     return isinstance(owner, AbstractDatastream) or any(owner is stream for stream in streams)

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import DataField
     from morse.core.object import Object
+    from morse.core.values import Fields
 
-_MISSING: Any = object()
+_MISSING: object = object()
 _COMPONENT = "component "
 
 
@@ -34,16 +35,16 @@ class _Replaced:
             return self._components[name.removeprefix(_COMPONENT)]
         return self._parts.find(name)
 
-    def find_class(self, path: str) -> type[object] | None:
+    def find_class(self, path: str) -> type | None:
         return self._parts.find_class(path)
 
-    def met_class(self, cls: type[object]) -> None:
+    def met_class(self, cls: type) -> None:
         self._parts.met_class(cls)
 
     def global_name(self, value: object) -> str | None:
         return self._parts.global_name(value)
 
-    def find_global(self, name: str) -> Any:
+    def find_global(self, name: str) -> object:
         return self._parts.find_global(name)
 
 
@@ -106,9 +107,7 @@ class Inheritance:
         return {**own, **values}
 
 
-def _adapt_fields(
-    data: dict[str, object], fresh: dict[str, object], before: Mapping[str, DataField], after: Mapping[str, DataField]
-) -> None:
+def _adapt_fields(data: Fields, fresh: Fields, before: Mapping[str, DataField], after: Mapping[str, DataField]) -> None:
     """Arrange data by the fields of the new class, in order; fields that were added by others are kept."""
     values = {name: value for name, value in dict.items(data) if name not in before or name in after}
     for name in fresh:

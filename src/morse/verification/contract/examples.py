@@ -10,13 +10,14 @@ from morse.core.declarations import fields_of_component
 if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.object import Object
+    from morse.core.values import Fields
 
 #: a number that is valid for most quantities
 _SOME = 0.3
 _deep: list[object] = []
 for _ in range(100):
     _deep = [_deep]
-_endless: dict[str, object] = {}
+_endless: Fields = {}
 _endless["again"] = _endless
 
 #: invalid or malicious values of clients
@@ -27,7 +28,7 @@ BAD_VALUES: tuple[object, ...] = (
 )  # fmt: skip
 
 
-def example(component: Object) -> dict[str, object]:
+def example(component: Object) -> Fields:
     """A valid command for an actuator."""
     declarations = fields_of_component(component)
     values = {

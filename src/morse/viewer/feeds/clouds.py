@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.core.values import Fields
     from morse.viewer.server import ViewServer
 
 #: maximum number of points; above it, every second, third, ... point is sent: a point is 12 bytes
@@ -26,7 +27,7 @@ class ViewClouds:
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._sent: dict[str, object] = {}
+        self._sent: Fields = {}
         self._components: list[Object] = []
         self.restarted()
 

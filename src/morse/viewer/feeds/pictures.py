@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.context import Context
+    from morse.core.values import Fields
     from morse.viewer.server import ViewServer
 
 _QUALITY = 85
@@ -48,7 +49,7 @@ class PicturesFeed:
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._sent: dict[str, object] = {}
+        self._sent: Fields = {}
 
     def update(self) -> None:
         """Send the images captured since the last call."""

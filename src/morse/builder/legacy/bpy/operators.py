@@ -19,10 +19,11 @@ from morse.mathutils import Matrix, Vector
 from morse.scene import Camera, Light, Material, Node, NodeKind
 
 if TYPE_CHECKING:
+    from morse.core.values import Options
     from morse.scene import Mesh
 
 _FINISHED = {"FINISHED"}
-_DEFAULTS: dict[str, Any] = {"BOOL": False, "INT": 0, "FLOAT": 0.0, "STRING": "", "TIMER": timer(0.0)}
+_DEFAULTS: Options = {"BOOL": False, "INT": 0, "FLOAT": 0.0, "STRING": "", "TIMER": timer(0.0)}
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
@@ -142,7 +143,7 @@ class MeshOperators(Facade):
         return _solid("Torus", shapes.torus(), (r, r, tube / 0.25), location, rotation)
 
 
-def _half(radius: object, old: dict[str, object]) -> float:
+def _half(radius: object, old: Options) -> float:
     """Half the size: ``size`` of newer versions of Blender is the whole edge, ``radius`` of older ones is half."""
     if "size" in old:
         return checks.number(old["size"], "size", above=0.0) / 2.0

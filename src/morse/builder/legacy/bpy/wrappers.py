@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.legacy.bpy import stand_in
 from morse.builder.legacy.ignored import Ignored
@@ -54,7 +54,7 @@ _IGNORED = (
 NAMES = (*_CALLS, *_VALUES, *_IGNORED, "deselect_all")
 
 
-def wrapper(name: str) -> Any:
+def wrapper(name: str) -> object:
     """The function of that name, one of `NAMES`."""
     bpy = stand_in()
     if name == "deselect_all":

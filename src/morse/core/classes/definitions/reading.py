@@ -87,7 +87,7 @@ def _assignments(definition: ast.ClassDef) -> Iterator[tuple[str, ast.expr]]:
             yield statement.target.id, statement.value
 
 
-def _literals(values: Iterator[tuple[str, ast.expr]]) -> dict[str, Any]:
+def _literals(values: Iterator[tuple[str, ast.expr]]) -> dict[str, object]:
     literals = {}
     for name, value in values:
         try:
@@ -97,7 +97,7 @@ def _literals(values: Iterator[tuple[str, ast.expr]]) -> dict[str, Any]:
     return literals
 
 
-def _declared_defaults(cls: ast.ClassDef, attribute: str) -> Iterator[dict[str, Any]]:
+def _declared_defaults(cls: ast.ClassDef, attribute: str) -> Iterator[dict[str, object]]:
     for name, value in _assignments(cls):
         if name == attribute:
             calls = value.elts if isinstance(value, (ast.Tuple, ast.List)) else [value]

@@ -18,6 +18,7 @@ from morse.middleware.mavlink.autopilot.setpoints import Setpoint  # noqa: TC001
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.values import Fields
     from morse.middleware.mavlink.autopilot.flight import Flight
     from morse.middleware.mavlink.autopilot.gimbal import Gimbal
     from morse.middleware.mavlink.autopilot.parameters import Parameters
@@ -176,7 +177,7 @@ def _write(saved: msgspec.Struct, owner: object, **others: object) -> None:
             setattr(owner, name, others.get(name, getattr(saved, name)))
 
 
-def _plain(slots: dict[str, Any]) -> _Slots:
+def _plain(slots: Fields) -> _Slots:
     """Vectors and numbers of any kind as those of Python."""
     return {
         name: tuple(map(float, value)) if hasattr(value, "__len__") else float(value) for name, value in slots.items()

@@ -50,7 +50,7 @@ def sample_type(type_name: str) -> type[Any]:
 def _described(type_name: str) -> type[Any]:
     package, _, name = type_name.partition("/msg/")
     annotations = {field.name: _type(field.type, field.size) for field in fields_of(type_name)}
-    new_type: type[object] = types.new_class(
+    new_type: type = types.new_class(
         f"{name}_",
         (idl.IdlStruct,),
         {"typename": f"{package}::msg::dds_::{name}_"},
