@@ -246,14 +246,19 @@ class FoxgloveClient(HubClient):
             self._say(op="parameterValues", parameters=answer["parameters"], **call.id)
 
     def _watch_more(self, message: RosMessage) -> None:
-        for name in set(_names(message)) - self.watched:
-            self.keep(_LONGEST_TOPIC, "a watched parameter")
-            self.watched |= {name}
+        more = set[str]()
+        try:
+            for name in set(_names(message)) - self.watched:
+                self.keep(_LONGEST_TOPIC + len(name), "a watched parameter")
+                more.add(name)
+        finally:
+            self.watched |= more
 
     def _watch_less(self, message: RosMessage) -> None:
-        for name in self.watched & set(_names(message)):
-            self.release(_LONGEST_TOPIC)
-            self.watched -= {name}
+        less = self.watched & set(_names(message))
+        self.watched -= less
+        for name in less:
+            self.release(_LONGEST_TOPIC + len(name))
             self._watched_values.pop(name, None)
 
     def watch(self, values: bytes) -> None:

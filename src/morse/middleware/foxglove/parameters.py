@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.values import RosMessage
 
+#: maximum number of parameters that a request sets: a tick waits for it; and of refusals that it explains
+MOST, _MOST_REFUSALS = 64, 10
 #: what a client has asked for
 GET, SET, WATCH = "getParameters", "setParameters", "subscribeParameterUpdates"
 
@@ -36,7 +38,12 @@ class Parameters:
 
     def read(self, names: Iterable[str]) -> list[RosMessage]:
         """Name, value and type of parameters, of all if there are no names; unknown ones are left out."""
-        return [one for name in names or self._properties.names() if (one := self._read(name)) is not None]
+        return [one for name in self._present(names) if (one := self._read(name)) is not None]
+
+    def _present(self, names: Iterable[str]) -> Iterable[str]:
+        """The names of parameters that exist, each once: a client may send any number."""
+        present = dict.fromkeys(self._properties.names())
+        return [name for name in dict.fromkeys(names) if name in present] if names else present
 
     def _read(self, name: str) -> RosMessage | None:
         one = self._properties.find(name)
@@ -64,8 +71,11 @@ class Parameters:
         Returns:
             The names of the parameters that exist, and why changes are refused.
         """
-        names, refusals = [], []
-        for one in given:
+        names, refusals = list[str](), list[str]()
+        for number, one in enumerate(given):
+            if number == MOST or len(refusals) == _MOST_REFUSALS:
+                refusals.append(f"the rest of the parameters of this request: it sets more than {MOST}, or many fail")
+                break
             name = one.get("name") if isinstance(one, dict) else None
             if not isinstance(name, str) or self._read(name) is None:
                 refusals.append(

@@ -56,11 +56,11 @@ class FoxgloveRequestManager(WebRequestManager):
             for client in list(self._hub.server.clients):
                 watched = client.watched  # type: ignore[attr-defined] # it is a FoxgloveClient
                 if watched:
-                    self._tell(client, sorted(watched))
+                    self._tell(client, watched)
 
-    def _tell(self, client: Any, watched: list[str]) -> None:
+    def _tell(self, client: Any, watched: frozenset[str]) -> None:
         try:
-            values = encoded(self._parameters.read(watched))
+            values = encoded([one for one in self._parameters.read(()) if one["name"] in watched])
         except Exception as error:  # a property may be code of the user
             self._complaints.service_failed("a parameter", error)
         else:

@@ -34,6 +34,9 @@ _OF_LISTS = {bool: 6, int: 7, float: 8, str: 9}
 _BY_WORD = {"bool": _BOOL, "int": _INTEGER, "float": _DOUBLE, "double": _DOUBLE, "string": _STRING, "str": _STRING}
 _WORDS = {0: "nothing", 1: "bool", 2: "integer", 3: "double", 4: "string"}
 _TIME = "use_sim_time"
+#: maximum number of parameters that a request sets: a tick waits for it
+MOST = 64
+_TOO_MANY = f"a request sets up to {MOST} parameters"
 
 
 class _Parameter:
@@ -139,16 +142,21 @@ class Parameters(Served):
         one = self._properties.find(name)
         return None if one is None else _Parameter(*one)
 
+    def _several(self, names: Iterable[str]) -> list[_Parameter | None]:
+        """The parameters of names, each of which is searched once: a client may send any number."""
+        table = {name: self._parameter(name) for name in set(names)}
+        return [table[name] for name in names]
+
     def _get(self, request: RosMessage, reply: Reply) -> None:
-        parameters = [self._parameter(name) for name in request["names"]]
+        parameters = self._several(request["names"])
         reply({"values": [{"type": _NOT_SET} if one is None else one.value() for one in parameters]})
 
     def _types(self, request: RosMessage, reply: Reply) -> None:
-        parameters = [self._parameter(name) for name in request["names"]]
+        parameters = self._several(request["names"])
         reply({"types": [_NOT_SET if one is None else one.type for one in parameters]})
 
     def _describe(self, request: RosMessage, reply: Reply) -> None:
-        pairs = [(name, self._parameter(name)) for name in request["names"]]
+        pairs = list(zip(request["names"], self._several(request["names"]), strict=True))
         reply({"descriptors": [{"name": n, "type": _NOT_SET} if p is None else p.descriptor(n) for n, p in pairs]})
 
     def _list(self, request: RosMessage, reply: Reply) -> None:
@@ -191,10 +199,16 @@ class Parameters(Served):
         return {"successful": good, "reason": "" if good else str(text or state)}
 
     def _set(self, request: RosMessage, reply: Reply) -> None:
-        reply({"results": [self._done(self._checked(given)) for given in request["parameters"]]})
+        parameters = request["parameters"]
+        results = [self._done(self._checked(given)) for given in parameters[:MOST]]
+        reply({"results": results + [{"successful": False, "reason": _TOO_MANY}] * (len(parameters) - len(results))})
 
     def _set_together(self, request: RosMessage, reply: Reply) -> None:
-        changes = [self._checked(given) for given in request["parameters"]]
+        parameters = request["parameters"]
+        if len(parameters) > MOST:
+            reply({"result": {"successful": False, "reason": _TOO_MANY}})
+            return
+        changes = [self._checked(given) for given in parameters]
         wrong = [change for change in changes if isinstance(change, str) and change]
         results = [{"successful": False, "reason": wrong[0]}] if wrong else [self._done(change) for change in changes]
         bad = [result for result in results if not result["successful"]]

@@ -13,7 +13,7 @@ from morse.core.reports.quoting import short
 from morse.core.status import PREEMPTED
 from morse.middleware.rosbridge import rosapi
 from morse.middleware.rosbridge.forms import COMPRESSIONS
-from morse.middleware.rosbridge.fragments import Puzzle, in_parts
+from morse.middleware.rosbridge.fragments import Parts, Puzzle
 from morse.middleware.rosbridge.operations import Operation, parse
 from morse.middleware.web.hub import HubClient
 
@@ -76,8 +76,9 @@ class RosbridgeClient(HubClient):
                 return
             self._last[topic.topic] = now
         data = frame.frame(wish.compression)
-        parts = in_parts(data, wish.part) if isinstance(data, str) and math.isfinite(wish.part) else [data]
-        is_queued = self.offer(topic.topic, parts[0] if len(parts) == 1 else parts, wish.depth or topic.qos.depth)
+        if isinstance(data, str) and math.isfinite(wish.part):
+            data = Parts(data, wish.part)
+        is_queued = self.offer(topic.topic, data, wish.depth or topic.qos.depth)
         if not is_queued and topic.qos.reliable:
             self.hub.server.complain(self, f"slow {self.peer}", f"reads {topic.topic} too slowly, it misses messages")
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import msgspec
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from morse.middleware.rosbridge.operations import Operation
 
 #: characters of all parts of a client that wait for others, parts of a message, and messages of which parts lack
@@ -17,19 +19,31 @@ _SMALLEST = 128
 _numbers = itertools.count(1)
 
 
-def in_parts(frame: str, size: float) -> list[str]:
-    """A message in parts of at most about ``size`` characters; the message itself if it is not longer."""
-    length = max(_SMALLEST, int(size))
-    if len(frame) <= length:
-        return [frame]
-    number = f"fragment:{next(_numbers)}"
-    pieces = [frame[at : at + length] for at in range(0, len(frame), length)]
-    return [
-        msgspec.json.encode(
-            {"op": "fragment", "id": number, "data": piece, "num": index, "total": len(pieces)}
-        ).decode()
-        for index, piece in enumerate(pieces)
-    ]
+class Parts:
+    """A message in parts, each of which is made when it is sent: there may be thousands.
+
+    Args:
+        frame: the message.
+        size: maximum number of characters of a part, about.
+    """
+
+    def __init__(self, frame: str, size: float) -> None:
+        self._frame, self._length = frame, max(_SMALLEST, int(size))
+
+    def __len__(self) -> int:
+        return len(self._frame)
+
+    def __iter__(self) -> Iterator[str]:
+        """The parts; the message itself if it is not longer than one."""
+        frame, length = self._frame, self._length
+        if len(frame) <= length:
+            yield frame
+            return
+        number, total = f"fragment:{next(_numbers)}", -(-len(frame) // length)
+        for index in range(total):
+            data = frame[index * length : (index + 1) * length]
+            part = {"op": "fragment", "id": number, "data": data, "num": index, "total": total}
+            yield msgspec.json.encode(part).decode()
 
 
 class Puzzle:

@@ -4,23 +4,37 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from websockets.exceptions import ConnectionClosed
 
 from morse.core.clients.budget import ENTRY, Budget
+from morse.core.clients.web_connection import sender_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from websockets.asyncio.server import ServerConnection
 
     from morse.core.clients.arrivals import Sender
 
-#: a message, or the messages that are its parts
-Frame = str | bytes | list[str]
+#: processor time of a part of a message, s
+_PART = 1e-4
+
+
+class Several(Protocol):
+    """A message that is sent in parts; its length is that of all of them."""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[str]: ...
+
+
+Frame = str | bytes | Several
 
 
 def _size(frame: Frame) -> int:
-    return (sum(map(len, frame)) if isinstance(frame, list) else len(frame)) + ENTRY
+    return len(frame) + ENTRY
 
 
 class WebClient:
@@ -143,10 +157,20 @@ class WebClient:
                     self.memory.give(_size(frame))
                     if key is not None:
                         self._of_key[key].popleft()
-                    for part in frame if isinstance(frame, list) else (frame,):
-                        await self.connection.send(part)
+                    if isinstance(frame, (str, bytes)):
+                        await self.connection.send(frame)
+                    else:
+                        await self._send_parts(frame)
         except ConnectionClosed:
             pass  # the receiving task handles the end
+
+    async def _send_parts(self, frame: Several) -> None:
+        """Send the parts of a message; a client that wants too many waits for them, and no other one does."""
+        sender = sender_of(self.connection)
+        for part in frame:
+            await self.connection.send(part)
+            sender.spend(_PART)
+            await sender.rest()
 
     # -- receiving ---------------------------------------------------------------------------
 

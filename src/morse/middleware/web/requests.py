@@ -60,6 +60,8 @@ class WebRequestManager(RequestManager):
         self._cancelled: deque[tuple[HubClient, Any]] = deque()
         self._outbox: list[_Answer] = []
         self._calls: dict[uuid.UUID, tuple[HubClient, Any]] = {}
+        #: by client and the value that it has passed: a client may cancel as often as it calls
+        self._numbers: dict[tuple[HubClient, Any], set[uuid.UUID]] = {}
         self._complaints = Complaints(logger)
 
     def initialization(self) -> bool:
@@ -150,9 +152,8 @@ class WebRequestManager(RequestManager):
                     break
         while self._cancelled:
             client, wanted = self._cancelled.popleft()
-            for number, (caller, call) in list(self._calls.items()):
-                if caller is client and call[0] == wanted:
-                    self.abort_request(number)
+            for number in list(self._numbers.get((client, wanted), ())):
+                self.abort_request(number)
         while self._gone:
             client = self._gone.popleft()
             self._inbox.forget(client, with_requests=False)
@@ -176,6 +177,7 @@ class WebRequestManager(RequestManager):
                 self._answer(client, call, outcome)
             else:
                 self._calls[outcome] = (client, call)
+                self._numbers.setdefault(_key(client, call), set()).add(outcome)
 
     def _listed(self, component: str, service: str, arguments: object) -> list[object]:
         """The arguments in the order of the service."""
@@ -201,7 +203,12 @@ class WebRequestManager(RequestManager):
 
     def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
         """See `RequestManager.on_service_completion`."""
-        self._answer(*self._calls.pop(request_id), result)
+        client, call = self._calls.pop(request_id)
+        key = _key(client, call)
+        self._numbers[key].discard(request_id)
+        if not self._numbers[key]:
+            del self._numbers[key]
+        self._answer(client, call, result)
 
     def _answer(self, client: HubClient, call: object, outcome: Outcome) -> None:
         state, value = outcome
@@ -219,6 +226,11 @@ class WebRequestManager(RequestManager):
         if self._outbox:
             answers, self._outbox = self._outbox, []
             self._context.network.post(self._deliver, answers)
+
+
+def _key(client: HubClient, call: Any) -> tuple[HubClient, Any]:
+    """Client, and the value that it has passed with a call, without the size."""
+    return client, call[0]
 
 
 def encoded(value: object) -> bytes:
