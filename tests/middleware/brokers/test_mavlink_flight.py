@@ -84,6 +84,19 @@ def test_what_is_commanded_is_what_is_reported(station: Callable[..., Any], worl
     assert here.hdg == pytest.approx(9000, abs=300)
 
 
+def test_modes_without_a_number_of_px4(station: Callable[..., Any]) -> None:
+    """MAV_MODE alone, as `set_mode_manual` of pymavlink sends it, is read as PX4 reads it."""
+    ground = station(drone("RotorcraftWaypoint"))
+    manual_armed, stabilize_armed, guided_armed, auto_armed = 192.0, 208.0, 216.0, 220.0
+    for base, main in ((manual_armed, 1), (stabilize_armed, 7), (guided_armed, 3)):
+        assert ground.command(SET_MODE, base) == ACCEPTED
+        assert ground.last("HEARTBEAT").custom_mode == main << 16
+    assert ground.command(SET_MODE, auto_armed) != ACCEPTED, "there is no mission"
+    assert ground.command(SET_MODE, 0.0) != ACCEPTED
+    ground.send("set_mode", 1, int(manual_armed), 0)
+    ground.until(lambda: ground.last("HEARTBEAT").custom_mode == 1 << 16)
+
+
 @pytest.mark.parametrize("actuator", ["RotorcraftWaypoint", "RotorcraftVelocity", "RotorcraftAttitude"])
 @pytest.mark.peer("pymavlink")
 def test_arm_take_off_go_return_and_land(station: Callable[..., Any], actuator: str) -> None:

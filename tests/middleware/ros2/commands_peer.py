@@ -60,9 +60,10 @@ def main() -> None:
         point = JointTrajectoryPoint(positions=[angle])
         point.time_from_start.sec = number
         path.points.append(point)
-    arm.publish(path)
     index = next(i for i, name in enumerate(seen["names"]) if name.endswith("kuka_2"))
     seen["joints"].clear()
+    # the writer may know the reader before the reader knows the writer: what is sent once may be lost
+    wait(lambda: seen["joints"] and seen["joints"][-1][1][index] > 0.005, lambda: arm.publish(path))
     wait(lambda: seen["joints"] and abs(seen["joints"][-1][1][index] + 0.4) < 0.005)
     said["joint"] = [(stamp, positions[index]) for stamp, positions in seen["joints"]]
     print(json.dumps(said))

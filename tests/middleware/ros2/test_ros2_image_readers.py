@@ -92,6 +92,39 @@ def test_a_reader_gets_every_image_that_was_sent(backend: Any, tmp_path: Path) -
         reader.process.wait()
 
 
+class Unheard:
+    """Stands for a writer with a reader that acknowledges nothing."""
+
+    def __init__(self) -> None:
+        self.written = 0
+
+    def write(self, sample: Any) -> None:
+        self.written += 1
+
+    def wait_for_acks(self, seconds: int) -> bool:
+        return False
+
+
+def test_an_image_is_kept_for_a_second_for_those_who_have_a_part_of_it(
+    backend: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from cyclonedds.qos import Policy
+
+    publisher = backend.publisher("/eye/image", TYPE, Qos())
+    kept = publisher._writer.get_qos()[Policy.History].depth
+    now, times = 0.0, []
+    monkeypatch.setattr("morse.middleware.ros2.backends.cyclone.monotonic", lambda: now)
+    publisher._writer = Unheard()
+    for tick in range(600):  # 10 s
+        now = tick / 60.0
+        if publisher.publish(bytes(SIZE)):
+            times.append(now)
+    assert len(times) == publisher._writer.written
+    # the one that leaves the history as another comes
+    assert min(new - old for old, new in zip(times, times[kept:], strict=False)) >= 1.0 - 1e-9
+    assert len(times) >= 30 * 9, "30 images a second go on"
+
+
 @pytest.mark.slow
 @pytest.mark.peer("ros-jazzy-rclpy")
 def test_a_reader_that_does_not_answer_does_not_stop_the_others(backend: Any, tmp_path: Path) -> None:

@@ -44,6 +44,15 @@ class Mode(Enum):
 _BY_NUMBERS = {mode.value: mode for mode in Mode}
 
 
+def mode_of_base(base: int) -> Mode | None:
+    """The mode of bits of ``base_mode`` alone, without a custom mode, as PX4 reads them; None if there is none."""
+    if base & _AUTO:
+        return Mode.MISSION
+    if not base & _BY_HAND:
+        return None
+    return Mode.POSITION if base & _GUIDED else Mode.STABILIZED if base & _STABILIZED else Mode.MANUAL
+
+
 def mode_of(main: float, sub: float) -> Mode | None:
     """The mode of the parameters of MAV_CMD_DO_SET_MODE; None if there is no such mode."""
     return _BY_NUMBERS.get((main, sub)) or (None if main == 4 else _BY_NUMBERS.get((main, 0)))  # type: ignore[arg-type]

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from morse.middleware.mavlink.autopilot.failsafe import WARNING
-from morse.middleware.mavlink.autopilot.modes import Mode, mode_of
+from morse.middleware.mavlink.autopilot.modes import Mode, mode_of, mode_of_base
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -134,9 +134,10 @@ class Orders:
 
     def _set_mode(self, order: Order) -> int:
         base, main, sub = order.params[:3]
-        if not base >= 0.0 or not int(min(base, 255.0)) & _CUSTOM:
+        if not base >= 0.0:
             return UNSUPPORTED
-        mode = mode_of(main, 0.0 if math.isnan(sub) else sub)
+        bits = int(min(base, 255.0))
+        mode = mode_of(main, 0.0 if math.isnan(sub) else sub) if bits & _CUSTOM else mode_of_base(bits)
         if mode is None:
             return UNSUPPORTED
         if mode is Mode.TAKEOFF and not self._flight.is_armed:

@@ -11,7 +11,7 @@ from morse.middleware.mavlink.autopilot.absent import Absent
 from morse.middleware.mavlink.autopilot.files import Files
 from morse.middleware.mavlink.autopilot.flight import Flight
 from morse.middleware.mavlink.autopilot.gimbal import Gimbal
-from morse.middleware.mavlink.autopilot.modes import mode_of_custom
+from morse.middleware.mavlink.autopilot.modes import mode_of_base, mode_of_custom
 from morse.middleware.mavlink.autopilot.orders import Orders
 from morse.middleware.mavlink.autopilot.parameters import Parameters
 from morse.middleware.mavlink.autopilot.reports import Reports
@@ -137,7 +137,8 @@ class Autopilot:
             self.flight.failsafe.hear_station()
 
     def _set_mode(self, message: MavlinkMessage) -> None:
-        mode = mode_of_custom(message.custom_mode) if message.base_mode & 1 else None
+        base = message.base_mode
+        mode = mode_of_custom(message.custom_mode) if base & 1 else mode_of_base(base)
         if mode is not None:
             self.flight.switch(mode)
 

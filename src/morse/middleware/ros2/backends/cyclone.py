@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import socket
+from collections import deque
 from contextlib import nullcontext
 from dataclasses import dataclass
 from time import monotonic
@@ -39,8 +40,9 @@ if TYPE_CHECKING:
 _NO_TIME = 0.0
 #: size of the fragments of images, bytes
 _FRAGMENT = 14000
-#: time for which a reader that does not answer holds up images, s of the wall clock
-_PATIENCE = 1.0
+#: time for which a message is kept for readers that have not received all of it, s of the wall clock, and the number of
+#: messages that are kept: those of a second at 30 Hz
+_PATIENCE, _KEPT = 1.0, 30
 #: maximum number of messages that are read in one tick
 _MOST = 64
 #: number of publishers of a domain that are inspected at once: to read the description of one takes 0.2 ms
@@ -130,14 +132,17 @@ def _qos(qos: Qos) -> DdsQos:
 class _Writer(Publisher):
     def __init__(self, backend: CycloneBackend, topic: Any, qos: Qos) -> None:
         self._graph = backend.graph
-        self._writer = DataWriter(backend.participant, topic, qos=_qos(qos))
+        kept = qos.depth if qos.latched else max(qos.depth, _KEPT)
+        self._writer = DataWriter(backend.participant, topic, qos=_qos(qos._replace(depth=kept)))
         self._graph.add(self._writer)
-        self._reliable, self._depth = qos.reliable, qos.depth
-        self._waiting, self._acknowledged = 0, 0.0
+        self._reliable = qos.reliable
+        #: when messages were sent that some reader has not received, as far as they are kept
+        self._sent: deque[float] = deque(maxlen=kept)
         self._sample = topic.data_type()
 
     def publish(self, data: bytes) -> bool:
-        if self._reliable and len(data) > _FRAGMENT and not self._has_room():
+        is_image = self._reliable and len(data) > _FRAGMENT
+        if is_image and not self._has_room():
             return False
         sample = self._sample
         sample.data = data
@@ -145,25 +150,24 @@ class _Writer(Publisher):
             self._writer.write(sample)
         except DDSException:  # reliable readers have not received the previous messages
             return False
+        if is_image:
+            self._sent.append(monotonic())
         return True
 
     def _has_room(self) -> bool:
         """Whether a new message drops no message of which a reader may have received a part.
 
         Readers on Fast DDS 2.14 that hear that the other parts do not exist any more take the incomplete message for
-        a complete one, and never return from taking it.
+        a complete one, and never return from taking it. One that does not answer must not do this to the others: each
+        message stays for a while.
         """
-        now = monotonic()
         try:
             is_complete = self._writer.wait_for_acks(0)
         except AttributeError:  # cyclonedds 11.0.1 has no name for the time-out that it reports
             is_complete = False
         if is_complete:
-            self._waiting, self._acknowledged = 0, now
-        if self._waiting >= self._depth and now - self._acknowledged < _PATIENCE:
-            return False
-        self._waiting += 1
-        return True
+            self._sent.clear()
+        return len(self._sent) < (self._sent.maxlen or 0) or monotonic() - self._sent[0] >= _PATIENCE
 
     def wanted(self) -> bool:
         return bool(self._writer.get_publication_matched_status().current_count)
