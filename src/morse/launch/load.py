@@ -242,6 +242,7 @@ def complete(simulation: Simulation) -> None:
         OSError: the live view cannot be opened.
     """
     from morse.physics.model.overlaps import below_the_floor, overlaps
+    from morse.physics.model.sunken import raised
     from morse.simulation.fallen import Fallen
     from morse.simulation.published_data import PublishedData
 
@@ -250,6 +251,7 @@ def complete(simulation: Simulation) -> None:
     for level, message in (
         (logging.WARNING, serious),
         (logging.INFO, others),
+        (logging.WARNING, raised(simulation.world)),
         (logging.WARNING, below_the_floor(simulation.world)),
     ):
         if message:

@@ -1,7 +1,7 @@
-"""Ground robots that start deep inside the ground are raised until they stand on it.
+"""Robots that start deep inside the ground are raised until they stand on it.
 
 Thin ground is no obstacle to a robot that lies on both sides of it: the contacts above and below keep the robot inside,
-and push it aside.
+and push it aside. The origin of many robots with legs is in their trunk; at height 0 their legs are below the floor.
 """
 
 from __future__ import annotations
@@ -16,17 +16,21 @@ from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
     from morse.physics.bodies import Bodies
+    from morse.physics.model.layout import Frame
     from morse.physics.state.engine_state import EngineState
 
-#: depth beyond which the contacts cannot be trusted to push a robot out of the ground, m
+#: depth of the bottom of a robot below the ground that it touches, beyond which the contacts cannot be trusted to push
+#: the robot out, m
 _SUNKEN = 0.15
 #: depth that the contacts correct, m
 _SHALLOW = 0.02
 _STEP = 0.02
+#: vertical part of the normal of a contact with the ground
+_UPWARD = 0.7
 
 
 def raise_sunken(state: EngineState, bodies: Bodies) -> bool:
-    """Raise ground robots that overlap fixed bodies deeply, by the height of their origin over their bottom at most.
+    """Raise robots whose bottom is deep inside fixed bodies, by the height of their origin over their bottom at most.
 
     A robot that overlaps something higher, such as a wall, keeps its pose.
 
@@ -34,38 +38,78 @@ def raise_sunken(state: EngineState, bodies: Bodies) -> bool:
         Whether the pose of any robot has changed; the contacts are then those of the new poses.
     """
     # without gravity, nothing stands on the ground
-    sunken = _overlapping(state, _SUNKEN) if state.model.opt.gravity[2] < 0.0 else set()
+    sunken = _sunken(state) if state.model.opt.gravity[2] < 0.0 else {}
     if not sunken:
         return False
     starts = {index: tuple(state.positions[index]) for index in sunken}
-    limits = {}
-    for index, start in starts.items():
-        bottom = bottom_of(state, state.slots[index].frame.node)
-        limits[index] = 0.0 if bottom is None else start[2] - bottom + _SUNKEN
-    passes = int(max(limits.values()) / _STEP)
-    for count in range(1, passes + 1):
-        for index in sunken:
+    limits = {index: starts[index][2] - bottom + _SUNKEN for index, bottom in sunken.items()}
+    lifted = set(sunken)
+    for count in range(1, int(max(limits.values()) / _STEP) + 1):
+        for index in lifted:
             x, y, z = starts[index]
             bodies.place(index, (x, y, z + count * _STEP), state.rotations[index])
         mujoco.mj_kinematics(state.model, state.data)
         mujoco.mj_collision(state.model, state.data)
-        sunken = {index for index in sunken & _overlapping(state, _SHALLOW) if limits[index] > count * _STEP}
-        if not sunken:
+        lifted = {index for index in lifted & _overlapping(state, _SHALLOW).keys() if limits[index] > count * _STEP}
+        if not lifted:
             break
-    for index in starts.keys() & _overlapping(state, _SHALLOW):
+    for index in starts.keys() & _overlapping(state, _SHALLOW).keys():
         bodies.place(index, starts[index], state.rotations[index])
     return True
 
 
-def _overlapping(state: EngineState, depth: float) -> set[int]:
-    """Return the ground robots without joints that overlap a fixed body by more than a depth, m."""
+def raised(state: EngineState) -> str:
+    """Return a message about the robots that `raise_sunken` has raised; empty if there are none.
+
+    Call it before the first tick.
+    """
+    robots = []
+    for index, slot in enumerate(state.slots):
+        height = state.positions[index][2] - slot.pose.position[2] if _stands(state, index) else 0.0
+        if height >= _STEP / 2:
+            robots.append(f"'{slot.frame.node.name}' by {height:.2g} m")
+    return f"robots start inside the ground, and are put on it: {', '.join(robots)}" if robots else ""
+
+
+def _sunken(state: EngineState) -> dict[int, float]:
+    """Return the robots that are deep inside the ground, and the height of their bottom, m."""
+    bottoms = {}
+    for index, (depth, height) in _overlapping(state, _SHALLOW).items():
+        frame = state.slots[index].frame
+        bottom = bottom_of(state, frame.node)
+        if bottom is not None and (depth > _SUNKEN or (_is_of_file(frame) and height - bottom > _SUNKEN)):
+            bottoms[index] = bottom
+    return bottoms
+
+
+def _overlapping(state: EngineState, depth: float) -> dict[int, tuple[float, float]]:
+    """Return the robots that overlap a fixed body by more than a depth, m.
+
+    Returns:
+        The index of each robot to the largest depth, and the height of the highest level contact, m.
+    """
     contact = state.data.contact
-    robots = set()
-    for a, b in np.asarray(contact.geom)[np.asarray(contact.dist) < -depth].tolist():
-        indices = [state.slot_of[state.geom_node[geom]] for geom in (a, b)]
-        for one, other in (indices, indices[::-1]):
-            frame = state.slots[one].frame
-            is_robot = bool(frame.node.properties.get("GroundRobot")) and frame.motion is Motion.FREE
-            if is_robot and one not in state.attached and state.slots[other].frame.motion is Motion.FIXED:
-                robots.add(one)
+    deep = np.nonzero(np.asarray(contact.dist) < -depth)[0].tolist()
+    robots: dict[int, tuple[float, float]] = {}
+    for number in deep:
+        frames = [state.slots[state.slot_of[state.geom_node[geom]]].frame.root for geom in contact.geom[number]]
+        for one, other in (frames, frames[::-1]):
+            index = state.slot_of[one.node]
+            if other.motion is Motion.FIXED and _stands(state, index):
+                is_level = abs(contact.frame[number][2]) > _UPWARD
+                most, height = robots.get(index, (0.0, -np.inf))
+                level = float(contact.pos[number][2]) if is_level else -np.inf
+                robots[index] = max(most, -float(contact.dist[number])), max(height, level)
     return robots
+
+
+def _stands(state: EngineState, index: int) -> bool:
+    """Whether a body is a robot of a file, or a ground robot without joints."""
+    frame = state.slots[index].frame
+    is_ground_robot = bool(frame.node.properties.get("GroundRobot")) and index not in state.attached
+    return frame.motion is Motion.FREE and (is_ground_robot or _is_of_file(frame))
+
+
+def _is_of_file(frame: Frame) -> bool:
+    """Whether a body is a robot from a URDF, MJCF or SDF file."""
+    return frame.robot is not None and frame.node.articulation is not None
