@@ -12,6 +12,7 @@ from morse.core.services import ServiceDeclaration, declared_services
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.services import Outcome
     from morse.core.values import Fields
 
 logger = logging.getLogger(__name__)
@@ -31,7 +32,7 @@ class AbstractObject:
 
     def __init__(self) -> None:
         self.local_data: Fields = {}
-        self.on_completion: Callable[[Any], None] | None = None
+        self.on_completion: Callable[[Outcome], object] | None = None
         self.running_service: str | None = None
 
     def name(self) -> str:
@@ -91,7 +92,7 @@ class AbstractObject:
     def restart(self) -> None:
         """Reset the object, because the simulation starts again at tick 0."""
 
-    def get_state(self) -> Any:
+    def get_state(self) -> object:
         """Return the state that determines the future of the object, as plain data; None without a state."""
         return None
 

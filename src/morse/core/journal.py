@@ -8,13 +8,14 @@ a run.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
     from morse.core.guard import Guard
+    from morse.core.values import Value
 
 COMMAND, SERVICE, CANCEL, CONTROLS, RESET, RESTORE, SPAWN, DELETE, EDIT = (
     "command",
@@ -44,7 +45,7 @@ class Entry(NamedTuple):
     tick: int
     kind: str
     name: str
-    content: Any
+    content: Value
     until: float | None = None
 
 

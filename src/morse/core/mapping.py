@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.kinds.table import GENERAL, KINDS
@@ -12,7 +12,7 @@ from morse.core.reports.quoting import shown
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-_F = TypeVar("_F", bound="Callable[..., Any]")
+_F = TypeVar("_F", bound="Callable[..., object]")
 
 OUT, IN = "OUT", "IN"
 #: attribute of a method that gives messages their form

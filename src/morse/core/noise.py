@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.declarations import DataField
-    from morse.core.values import StateData
+    from morse.core.values import StateData, Value
     from morse.scene.realism import NoiseModel
 
 
@@ -103,7 +103,7 @@ class Noise:
         return self._random.random(count) < self.model.dropout
 
 
-def measured(value: Any, noise: Noise) -> Any:
+def measured(value: Value, noise: Noise) -> Value:
     """Return a number, vector or list of numbers with errors, of the same type."""
     truth = np.array(value, dtype=np.float64)
     if truth.size == 0:

@@ -125,6 +125,8 @@ class Object(Requesting, AbstractObject):
 
     #: whether it is a camera, whose object has the axes of its image: X right, Y down, Z forward
     is_camera: ClassVar[bool] = False
+    #: whether a camera captures images at present; None for a component without images
+    capturing: bool | None = None
     #: whether components on it may move
     moves_parts: bool = True
 
@@ -140,7 +142,7 @@ class Object(Requesting, AbstractObject):
     _is_read = False
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, Value]]:
         """Return changes of the declarations of fields that depend on the properties of this component.
 
         For example ``{"x": {"frame": "enu"}}``; ``stddev`` is the standard deviation of noise that the component itself

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.state.attributes import replace, state_of
@@ -10,6 +10,7 @@ from morse.core.state.attributes import replace, state_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.services import Outcome
     from morse.core.values import JsonObject, StateData
 
 
@@ -42,14 +43,14 @@ class MorseOverlay(AbstractObject):
         """Override it to offer the services under another name."""
         return self.overlaid_object.name()
 
-    def chain_callback(self, fn: Callable[[Any], Any] | None = None) -> Callable[[Any], None]:
+    def chain_callback(self, fn: Callable[[Outcome], Outcome] | None = None) -> Callable[[Outcome], None]:
         """A callback that ends the running service of the overlay when the service of the object ends.
 
         Args:
             fn: maps the outcome ``(status, result)`` of the object to that of the overlay.
         """
 
-        def done(outcome: Any) -> None:
+        def done(outcome: Outcome) -> None:
             status, result = fn(outcome) if fn is not None else outcome
             self.completed(status, result)
 

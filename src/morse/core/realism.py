@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from copy import deepcopy
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import fields_of_component
 from morse.core.guard import modify, publish
@@ -16,7 +16,7 @@ from morse.core.streams.local_data import LocalData
 if TYPE_CHECKING:
     from morse.core.interfaces import Component
     from morse.core.sensor import Sensor
-    from morse.core.values import Fields, StateData
+    from morse.core.values import Fields, StateData, Value
     from morse.scene.realism import NoiseModel, RealismModel
 
 
@@ -133,7 +133,7 @@ class Realism:
         publish(self.sensor, self.sensor.output_functions)
 
 
-def copied(value: object) -> Any:
+def copied(value: object) -> Value:
     """Return a copy that shares no mutable objects with the original."""
     if isinstance(value, (float, int, str, bytes, bool)) or value is None:
         return value

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from itertools import count
 from operator import methodcaller
 from types import FunctionType, MethodType
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
 from weakref import WeakKeyDictionary
 
 from morse.core import status
@@ -22,7 +22,7 @@ from morse.core.journal import CANCEL, SERVICE
 from morse.core.reports.faults import ENDINGS, attribute, describe, name_of, summary
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted, short
-from morse.core.services import ServiceDeclaration
+from morse.core.services import Outcome, ServiceDeclaration
 from morse.core.streams.extent import TooLarge, check_result
 from morse.core.validation.arguments import Arguments
 
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 
     from morse.core.guard import Guard
     from morse.core.journal import Journal
+    from morse.core.values import Value
 
 logger = logging.getLogger(__name__)
 
 #: outcome of a finished call: status and result
-Outcome = tuple[str, Any]
 
 
 class OfferedService(NamedTuple):
@@ -184,7 +184,7 @@ class RequestManager(ABC):
         """The service of that name, or None."""
         return self._services.get((component, service))
 
-    def on_incoming_request(self, component: str, service: str, params: list[object] | None) -> tuple[bool, Any]:
+    def on_incoming_request(self, component: str, service: str, params: list[object] | None) -> tuple[bool, Value]:
         """Run a service.
 
         Returns:
@@ -279,7 +279,7 @@ class RequestManager(ABC):
                 self._ended(request_id, (status.PREEMPTED, None))
 
 
-_GONE: Any = object()
+_GONE: Final[tuple[AbstractObject | None, str, str]] = (None, "", "")
 #: of all requests of this process
 _numbers = count(1)
 

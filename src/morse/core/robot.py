@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import add_data, add_property, add_state
 from morse.core.object import Object
 from morse.core.parts.link_parts import link_parts
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
+from morse.core.values import Value
 from morse.helpers.chain import Chain
 from morse.helpers.transformation import FollowingPose
 
@@ -82,7 +83,7 @@ class Robot(Object):
         )
 
     @service
-    def set_property(self, name: str, value: Any) -> None:
+    def set_property(self, name: str, value: Value) -> None:
         """Change a property while the simulation runs."""
         super().set_property(name, value)
         for component in self.context.components.values():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.declarations import add_data, add_state, data_fields
 from morse.core.guard import modify, publish
@@ -12,7 +12,7 @@ from morse.core.rows.marks import is_on_read
 from morse.core.rows.unread import Unread, present_data
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
-from morse.core.values import Fields
+from morse.core.values import Fields, Value
 from morse.scene.realism import is_numeric
 
 if TYPE_CHECKING:
@@ -55,15 +55,13 @@ class Sensor(Object):
     _reports: ClassVar[bool] = False
     not_state: ClassVar[tuple[str, ...]] = ("observed", "observed_before")
     #: what `observe` has returned at the time of a measurement that is computed later, and of the measurement before
-    observed: Any = None
-    observed_before: Any = None
+    observed: Value = None
+    observed_before: Value = None
 
     def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
         cls._reports = cls.report is not Sensor.report
         cls.acts_in_rows = is_on_read(cls)
-
-    capturing: bool | None = None
 
     @service(changes=False)
     def get_local_data(self) -> Fields:
@@ -74,13 +72,13 @@ class Sensor(Object):
         """The space that the sensor observes, for the live view; None if only its rays are shown."""
         return None
 
-    def observe(self) -> Any:
+    def observe(self) -> Value:
         """Return what a measurement needs of the present moment besides the pose, such as the hits of rays.
 
         For a sensor that measures when its data are read, it is called in each tick in which the sensor is due.
         """
 
-    def observation(self) -> Any:
+    def observation(self) -> Value:
         """Return the result of `observe` at the time of the measurement."""
         return self.observe() if self.observed is None else self.observed
 

@@ -13,16 +13,20 @@ import inspect
 import operator
 import typing
 from types import SimpleNamespace, UnionType
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias, TypeVar, overload
 
 from morse.core import status
 from morse.core.exceptions import MorseServiceAlreadyRunningError
+from morse.core.values import Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
-_F = TypeVar("_F", bound="Callable[..., Any]")
+#: what a service has returned: ``SUCCESS``, ``FAILED`` or ``PREEMPTED``, and its result or an error
+Outcome: TypeAlias = tuple[str, Value]
+
+_F = TypeVar("_F", bound="Callable[..., object]")
 
 
 class ServiceDeclaration(NamedTuple):
@@ -50,12 +54,12 @@ def service(
     *, component: str | None = None, name: str | None = None, asynchronous: bool = False, changes: bool = True
 ) -> Callable[[_F], _F]: ...
 def service(
-    fn: Callable[..., Any] | None = None,
+    fn: Callable[..., object] | None = None,
     component: str | None = None,
     name: str | None = None,
     asynchronous: bool = False,
     changes: bool = True,
-) -> Any:
+) -> object:
     """Declare a method as a service. The decorator is used with or without arguments.
 
     Args:
@@ -81,7 +85,7 @@ def async_service(
 def concurrent_service(fn: _F) -> _F: ...
 @overload
 def concurrent_service(*, changes: bool = True) -> Callable[[_F], _F]: ...
-def concurrent_service(fn: Callable[..., object] | None = None, *, changes: bool = True) -> Any:
+def concurrent_service(fn: Callable[..., object] | None = None, *, changes: bool = True) -> object:
     """Declare a method as a service that continues over several ticks, with any number of simultaneous calls.
 
     The first argument of the method is a callback: ``ended((status, result))`` ends this call. The method may return a
@@ -110,7 +114,7 @@ def noninterruptible(fn: _F) -> _F:
 class _Caller(Protocol):
     """What the call of an asynchronous service uses of `morse.core.abstractobject.AbstractObject`."""
 
-    on_completion: Callable[[Any], None] | None
+    on_completion: Callable[[Outcome], object] | None
     running_service: str | None
 
     def name(self) -> str: ...
@@ -118,9 +122,9 @@ class _Caller(Protocol):
     def interrupt(self) -> None: ...
 
 
-def _asynchronous(fn: Callable[..., object]) -> Callable[..., Any]:
+def _asynchronous(fn: Callable[..., object]) -> Callable[..., object]:
     @functools.wraps(fn)
-    def call(self: _Caller, callback: Callable[[Any], None] | None, *args: object, **kwargs: object) -> Any:
+    def call(self: _Caller, callback: Callable[[Outcome], object] | None, *args: object, **kwargs: object) -> object:
         if self.on_completion is not None:
             if not getattr(call, "_morse_interruptible", False):
                 raise MorseServiceAlreadyRunningError(
@@ -169,7 +173,7 @@ def signature_of(method: Callable[..., object]) -> inspect.Signature:
     return inspect.Signature(visible, return_annotation=returns)
 
 
-def hints_of(method: Callable[..., object]) -> dict[str, Any]:
+def hints_of(method: Callable[..., object]) -> dict[str, object]:
     """Return the annotations of a service that can be evaluated, including the metadata of `typing.Annotated`."""
     function = getattr(method, "_morse_callable", None) or getattr(method, "__func__", method)
     names = getattr(function, "__globals__", {})

@@ -194,7 +194,7 @@ class _Column:
         slots = self._slots[rows]
         positions, rotations = courses.positions[rows, slots], courses.rotations[rows, slots]
         moment = Snapshot(positions, rotations, range(len(rows)), self._chosen[1])
-        kept: list[object] = []
+        kept: list[np.ndarray] = []
         if self._lanes is not None and self._keep is not None and self._hits is not None and self._bundle is not None:
             self._lanes.cast(rows)
             scan = Scan(self._bundle, self._hits.rows(rows))

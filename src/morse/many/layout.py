@@ -100,7 +100,9 @@ class Layout:
         """Whether all fields are among others, and `fill_rows` can copy them."""
         return self.dtype.kind == "f" and set(self.fields) <= set(fields)
 
-    def fill_rows(self, array: NDArray[Any], rows: NDArray[np.intp], data: Mapping[str, Sequence[Any]]) -> None:
+    def fill_rows(
+        self, array: NDArray[Any], rows: NDArray[np.intp], data: Mapping[str, np.ndarray | Sequence[object]]
+    ) -> None:
         """Copy the fields of components into M rows.
 
         Args:

@@ -48,7 +48,7 @@ class DataColumn:
         for row in rows:
             fill(values, row, self._data_of(row))
 
-    def put(self, rows: NDArray[np.intp], data: Mapping[str, Sequence[object]]) -> None:
+    def put(self, rows: NDArray[np.intp], data: Mapping[str, np.ndarray | Sequence[object]]) -> None:
         """Take data of some rows, by field; see `Layout.fill_rows`."""
         self.layout.fill_rows(self._values, rows, data)
 

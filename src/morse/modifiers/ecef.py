@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.modifiers.earth import EarthModifier
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.values import Value
     from morse.mathutils.rotations import Triple
 
 _CHANGES = MappingProxyType({name: {"frame": "earth"} for name in "xyz"})
@@ -20,7 +21,7 @@ class CoordinatesToECEF(EarthModifier):
 
     _names = ("ECEF",)
     _components = ("Pose", "GPS")
-    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """World to earth-centred coordinates, m."""
@@ -32,7 +33,7 @@ class CoordinatesFromECEF(EarthModifier):
 
     _names = ("ECEF",)
     _components = ("Destination", "Waypoint", "Teleport")
-    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Earth-centred to world coordinates, m."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.modifier import AbstractModifier
 
@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.declarations import Option
+    from morse.core.values import Value
 
 #: feet per metre, as in MORSE 1.4 (the international foot is 0.3048 m)
 FEET = 3.2808399
@@ -21,7 +22,7 @@ class _Feet(AbstractModifier):
     """The common part of both directions."""
 
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
-    changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({name: {"unit": "ft"} for name in _COORDINATES})
+    changes: Mapping[str, Mapping[str, Value]] = MappingProxyType({name: {"unit": "ft"} for name in _COORDINATES})
     _factor = 1.0
 
     def modify(self) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.helpers.geodesy import ecef_of_geocentric, geocentric_of_ecef
 from morse.modifiers.earth import EarthModifier
@@ -11,6 +11,7 @@ from morse.modifiers.earth import EarthModifier
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.values import Value
     from morse.mathutils.rotations import Triple
 
 _CHANGES = MappingProxyType(
@@ -27,7 +28,7 @@ class CoordinatesToGeocentric(EarthModifier):
 
     _names = ("geocentric",)
     _components = ("Pose", "GPS")
-    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Convert world coordinates, m, to longitude, latitude, distance."""
@@ -39,7 +40,7 @@ class CoordinatesFromGeocentric(EarthModifier):
 
     _names = ("geocentric",)
     _components = ("Destination", "Waypoint", "Teleport")
-    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Convert longitude, latitude, distance to world coordinates, m."""

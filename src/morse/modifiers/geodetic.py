@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.modifiers.earth import EarthModifier
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.values import Value
     from morse.mathutils.rotations import Triple
 
 _CHANGES = MappingProxyType(
@@ -26,7 +27,7 @@ class CoordinatesToGeodetic(EarthModifier):
 
     _names = ("geodetic",)
     _components = ("Pose", "GPS")
-    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Convert world coordinates, m, to longitude, latitude, altitude."""
@@ -38,7 +39,7 @@ class CoordinatesFromGeodetic(EarthModifier):
 
     _names = ("geodetic",)
     _components = ("Destination", "Waypoint", "Teleport")
-    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+    changes: Mapping[str, Mapping[str, Value]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
         """Convert longitude, latitude, altitude to world coordinates, m."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.modifier import AbstractModifier
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.declarations import Option
+    from morse.core.values import Value
 
 _COORDINATES, _ANGLES = ("x", "y", "z"), ("yaw", "pitch")
 _FULL_TURN = 2.0 * math.pi
@@ -26,7 +27,7 @@ class AbstractNED(AbstractModifier):
     """Converts coordinates and angles; the conversion is its own inverse."""
 
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
-    changes: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    changes: Mapping[str, Mapping[str, Value]] = MappingProxyType(
         {name: {"frame": "ned"} for name in (*_COORDINATES, "roll", *_ANGLES)}
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.declarations import Option
 from morse.core.exceptions import MorseBuilderError
@@ -14,6 +14,7 @@ from morse.core.reports.quoting import shown
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from morse.core.values import Value
     from morse.mathutils.rotations import Triple
 
 _PROPERTIES = {"x": "UTMXOffset", "y": "UTMYOffset", "z": "UTMZOffset"}
@@ -34,7 +35,7 @@ class UTMModifier(AbstractModifier):
             for axis in "xyz"
         }
     )
-    changes: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    changes: Mapping[str, Mapping[str, Value]] = MappingProxyType(
         # the axes of the grid are parallel to those of the world
         {name: {"frame": "utm"} for name in ("x", "y", "z", "roll", "pitch", "yaw")}
     )

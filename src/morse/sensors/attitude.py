@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.robot import Robot
+    from morse.core.values import Value
     from morse.core.world import Body
 
 
@@ -48,7 +49,7 @@ class Attitude(MotionSensor):
         self._north = angle_against_north(self.context.scene.properties)
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, Value]]:
         """Return the frame of the attitude, which is east-north-up with ``UseAngleAgainstNorth``."""
         return {"rotation": {"frame": "enu"}} if self._use_angle_against_north else {}
 

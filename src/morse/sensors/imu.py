@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.core.robot import Robot
+    from morse.core.values import Value
     from morse.core.world import Body
 
 _ZERO = [0.0, 0.0, 0.0]
@@ -172,7 +173,7 @@ class IMU(MotionSensor):
         return ErrorTerms(density, self._accel_instability, self._accel_walk, self._correlation_time)
 
     @property
-    def field_changes(self) -> Mapping[str, Mapping[str, object]]:
+    def field_changes(self) -> Mapping[str, Mapping[str, Value]]:
         """Return the errors of angular velocity and specific force."""
         return {
             "angular_velocity": self._gyro_terms().deviations(self.frequency),

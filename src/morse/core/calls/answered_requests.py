@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseError
@@ -29,7 +29,7 @@ class AnsweredRequests(RequestManager):
         self._complaints = Complaints(logging.getLogger(type(self).__module__))
 
     def call(
-        self, component: str, service: str, arguments: list[Any], on_end: Callable[[Outcome], object]
+        self, component: str, service: str, arguments: list[object], on_end: Callable[[Outcome], object]
     ) -> uuid.UUID | None:
         """Call a service of this manager.
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import inspect
 import sys
-from typing import Any
 
 from morse.core.exceptions import MorseError
 from morse.core.reports.hints import closest
@@ -30,7 +29,7 @@ def _read_sources(cls: type) -> None:
             source_line(file, 1)
 
 
-def load_class(classpath: str) -> type[Any]:
+def load_class(classpath: str) -> type:
     """Return the class that ``package.module.Class`` refers to.
 
     Raises:

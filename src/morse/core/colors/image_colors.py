@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
+from typing import TYPE_CHECKING, NamedTuple, TypeGuard
 
 import numpy as np
 
@@ -55,7 +55,7 @@ def is_picture(image: object) -> TypeGuard[NDArray[np.generic]]:
     return image.ndim == 2 or (image.ndim == 3 and image.shape[2] in channels)
 
 
-def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
+def as_pixels(image: np.ndarray) -> NDArray[np.uint8]:
     """Convert an image to pixels (H, W) or (H, W, 3) for display.
 
     Colours are unchanged, each id (H, W) uint16 gets a colour. Depths are shown from white (near) to dark grey, and

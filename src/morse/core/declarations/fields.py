@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from types import UnionType
+
+    from morse.core.values import Value
 
 #: a shape: the length of each axis, None for any length
 Shape = tuple["int | None", ...]
@@ -31,7 +33,7 @@ class DataField(NamedTuple):
         follows: the fields from which `Sensor.report` computes this field; no noise is added to it.
     """
 
-    default: Any
+    default: Value
     type: str = ""
     doc: str = ""
     level: str | tuple[str, ...] = "all"
@@ -68,13 +70,13 @@ class Property(NamedTuple):
         allow: allowed special values: ``inf``, ``-inf``, ``nan``, ``none``.
     """
 
-    default: Any
+    default: Value
     name: str
     type: str = ""
     doc: str = ""
     low: float | None = None
     high: float | None = None
-    choices: tuple[Any, ...] = ()
+    choices: tuple[Value, ...] = ()
     unit: str = ""
     allow: tuple[str, ...] = ()
 
@@ -105,11 +107,11 @@ class OptionFields(NamedTuple):
     """The fields of a `morse.core.declarations.Option`, which are described there."""
 
     type: type | tuple[type, ...] = object
-    default: Any = None
+    default: Value = None
     doc: str = ""
     low: float | None = None
     high: float | None = None
-    choices: tuple[Any, ...] = ()
+    choices: tuple[Value, ...] = ()
     unit: str = ""
     allow: tuple[str, ...] = ()
     shape: Shape | None = None
@@ -137,9 +139,9 @@ class KindUse(NamedTuple):
     """
 
     kind: str
-    slots: Mapping[str, Any]
+    slots: Mapping[str, Value]
     level: str | tuple[str, ...] = "all"
-    when: Callable[[Any], bool] | None = None
+    when: Callable[..., bool] | None = None
     topic: str = ""
     on_request: bool = False
     where: str = ""

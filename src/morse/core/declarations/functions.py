@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations.fields import DataField, KindUse, Level, Property, StateVariable
 from morse.core.declarations.refused import check_field, check_property, check_state
@@ -13,6 +13,8 @@ from morse.core.exceptions import MorseDeclarationError
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType, UnionType
+
+    from numpy import ndarray
 
     from morse.core.declarations.fields import Shape
 
@@ -103,7 +105,7 @@ def add_data(
     body.f_locals.setdefault("_data_fields", {})[name] = field
 
 
-def _array(default: object, dtype: str, shape: Shape) -> Any:
+def _array(default: object, dtype: str, shape: Shape) -> ndarray:
     import numpy as np
 
     array = np.array(default, dtype)
@@ -182,7 +184,7 @@ def add_kind(
     kind: str | None,
     *,
     level: str | list[str] | tuple[str, ...] = "all",
-    when: Callable[[Any], bool] | None = None,
+    when: Callable[..., bool] | None = None,
     topic: str = "",
     on_request: bool = False,
     **slots: object,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.declarations.merged import properties
 
@@ -19,7 +19,7 @@ class PropertyOf(NamedTuple):
         attribute: name of the attribute of the component that holds the value.
     """
 
-    component: Any
+    component: object
     attribute: str
     declaration: Property
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from morse.core.declarations.fields import DataField, OptionFields, Property, StateVariable
+    from morse.core.values import Value
 
 #: the frames of fields
 FRAMES: dict[str, str] = {
@@ -180,7 +181,7 @@ def _check_numbers(
             raise MorseDeclarationError(f"the default {shown(default)} is outside {bounds}")
 
 
-def shape_of(value: Any) -> tuple[int, ...] | None:
+def shape_of(value: Value) -> tuple[int, ...] | None:
     """Return the shape of a number, a list of numbers, a vector or an array; None if the value has no shape."""
     if hasattr(value, "shape"):
         return tuple(value.shape)
@@ -195,7 +196,7 @@ def shape_of(value: Any) -> tuple[int, ...] | None:
     return None if shapes or first is None else (len(value), *first)
 
 
-def numbers_in(value: Any) -> Iterator[float]:
+def numbers_in(value: Value) -> Iterator[float]:
     """Iterate over the numbers in a number, a list of numbers, a vector or an array."""
     if hasattr(value, "__iter__") and not isinstance(value, (str, bytes, dict)):
         for item in value:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+
+    from morse.core.values import Value
 
 
 class Euler(NamedTuple):
@@ -53,7 +55,7 @@ class Computed(NamedTuple):
         axes: for covariances: the fields whose noise is that of the axes of the slot.
     """
 
-    function: Callable[..., Any]
+    function: Callable[..., Value]
     properties: tuple[str, ...] = ()
     by_rows: bool = False
     axes: tuple[str, ...] = ()

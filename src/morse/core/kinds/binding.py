@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import fields_of_component, kinds, properties, says_nothing
 from morse.core.declarations.sources import Each
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from morse.core.kinds.kind import Kind, Slot
     from morse.core.kinds.sources import Source
     from morse.core.object import Object
-    from morse.core.values import Fields
+    from morse.core.values import Fields, Value
 
 
 #: parts of the declaration of a field that a modifier can change
@@ -60,7 +60,9 @@ class BoundKind:
         is_picture: whether it is a kind of cameras.
     """
 
-    def __init__(self, component: Any, use: KindUse, fields: Mapping[str, DataField], units: Mapping[str, str]) -> None:
+    def __init__(
+        self, component: Object, use: KindUse, fields: Mapping[str, DataField], units: Mapping[str, str]
+    ) -> None:
         self.component = component
         kind = kind_named(use.kind)
         assert kind is not None, "the class was checked when it was created"
@@ -142,7 +144,7 @@ class BoundKind:
         """The slots with a source, in the order of `values`."""
         return self._sources
 
-    def values(self, component: Object) -> list[Any]:
+    def values(self, component: Object) -> list[Value]:
         """Return the present value of each slot with a source, None if there is none, in the order of `message_of`.
 
         Args:
@@ -152,7 +154,7 @@ class BoundKind:
             return [source.get(component) for _, source in self._sources]
         return [self.value_of(index, component) for index in range(len(self._sources))]
 
-    def value_of(self, index: int, component: object) -> Any:
+    def value_of(self, index: int, component: Object) -> Value:
         """Return one of the `values`."""
         slot, source = self._sources[index]
         value = source.get(component)
@@ -177,7 +179,7 @@ class BoundKind:
         """Whether the value of a slot depends on more than the data of the component."""
         return slot.name in self._turns or not (source.is_of_data or source.properties)
 
-    def message_of_rows(self, values: Sequence[object], stamps: Any) -> Message:
+    def message_of_rows(self, values: Sequence[object], stamps: Value) -> Message:
         """Return many messages as one, whose slots have a first axis of rows.
 
         Args:
@@ -233,7 +235,7 @@ class BoundKind:
                 remarks.append(f"{remark} in slot '{name}'")
         return fields, "; ".join(remarks) or None
 
-    def _given(self, slot: Slot, source: Source, value: Any, frame: str) -> Any:
+    def _given(self, slot: Slot, source: Source, value: Value, frame: str) -> Value:
         if slot.shape and slot.dtype not in ("str", "object"):
             value = _checked_array(slot, value)
         if slot.name in self._turns:
@@ -258,7 +260,7 @@ def _frame_in_message(slot: Slot, source: Source) -> str:
     return slot.frame if source.frame == NED_AS_WORLD else source.frame or slot.frame
 
 
-def _checked_array(slot: Slot, value: object) -> Any:
+def _checked_array(slot: Slot, value: object) -> Value:
     import numpy as np
 
     array = np.asarray(value)
@@ -277,7 +279,7 @@ def _names(entry: object) -> set[str]:
     return {entry} if isinstance(entry, str) else set()
 
 
-def fields_of(component: Any) -> dict[str, DataField]:
+def fields_of(component: Object) -> dict[str, DataField]:
     """Return the declarations of the fields of a component, as changed by its properties and modifiers."""
     fields = {name: f for name, f in fields_of_component(component).items() if name in present_data(component)}
     modifiers = [*component.output_modifiers, *component.input_modifiers]
@@ -319,7 +321,7 @@ def bind(component: Object, *, on_request: bool = False) -> tuple[BoundKind, ...
     return (general_kind(component),)
 
 
-def general_kind(component: object) -> BoundKind:
+def general_kind(component: Object) -> BoundKind:
     """Return the kind ``general`` of a component, whatever kinds it declares: all of its fields."""
     from morse.core.declarations import KindUse
 
@@ -341,7 +343,7 @@ def _uses(component: Object, on_request: bool) -> Iterable[KindUse]:
             yield use
 
 
-def findings_of(components: Iterable[Any]) -> list[tuple[Any, str]]:
+def findings_of(components: Iterable[Object]) -> list[tuple[Object, str]]:
     """Return all mistakes in the kinds of some components: component and sentence.
 
     Of components with the same declarations only the first is checked.

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.kinds.sources import Source
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from numpy import float64
     from numpy.typing import NDArray
 
     from morse.core.declarations import DataField
     from morse.core.kinds.kind import Kind, Slot
+    from morse.core.kinds.sources import DataOwner
     from morse.core.object import Object
-    from morse.core.values import Fields
+    from morse.core.values import Fields, Value
 
 _NOTHING = (0.0, 0.0, 0.0)
 
@@ -30,11 +32,15 @@ class Growing(Source):
     """
 
     def __init__(
-        self, constant: Any, per_second: Any, start: float, functions: Sequence[Callable[[], NDArray[Any] | None]]
+        self,
+        constant: NDArray[float64],
+        per_second: NDArray[float64],
+        start: float,
+        functions: Sequence[Callable[[], NDArray[float64] | None]],
     ) -> None:
         self._constant, self._per_second, self._start, self._functions = constant, per_second, start, functions
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The covariance at the time of the measurement; None if no noise has had an effect."""
         time = component.local_data.get("timestamp", self._start)
         value = self._constant + self._per_second * max(0.0, time - self._start)
@@ -121,7 +127,7 @@ def _matrix(
     spreads: Mapping[str, _Spread],
     fields: Mapping[str, DataField],
     part: str,
-) -> Any:
+) -> Value:
     import numpy as np
 
     variances: list[float] = []

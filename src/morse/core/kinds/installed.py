@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.classes.plugins import entry_points
 from morse.core.kinds.kind import Kind, Slot
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
-def kind_named(name: Any) -> Kind | None:
+def kind_named(name: str) -> Kind | None:
     """Return the kind of that name, from MORSE or from an installed package; None if there is none."""
     return KINDS.get(name) or kinds_of_packages().get(name)
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from morse.core.kinds.kind import Kind
+    from morse.core.values import Value
 
 
 class Message:
@@ -59,7 +60,7 @@ class Message:
         return self
 
     @property
-    def slots(self) -> Mapping[str, Any]:
+    def slots(self) -> Mapping[str, Value]:
         """Values by slot name. They are computed when they are first read, which must be in the tick of the message."""
         slots = self._slots
         if callable(slots):
@@ -67,14 +68,14 @@ class Message:
         return slots
 
     @property
-    def fields(self) -> Mapping[str, Any]:
+    def fields(self) -> Mapping[str, Value]:
         """The data of the component by field name, in the order of their declaration.
 
         They are those of the component itself: do not change them, and copy those that are needed after the tick.
         """
         return self.slots if self._fields is None else self._fields
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> Value:
         try:
             return self.slots[name]
         except KeyError:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.kinds.kind import Slot
+    from morse.core.values import Value
 
-_SCALAR: dict[str, Callable[[Any], Any]] = {"bool": bool, "str": str, "int32": int}
+_SCALAR: dict[str, Callable[[Value], Value]] = {"bool": bool, "str": str, "int32": int}
 
 
-def as_slot_rows(slot: Slot, value: Any) -> Any:
+def as_slot_rows(slot: Slot, value: Value) -> Value:
     """Return the values of many messages in the form of `as_slot`, with a first axis of rows; words are shared.
 
     Raises:
@@ -29,7 +30,7 @@ def as_slot_rows(slot: Slot, value: Any) -> Any:
     return value.astype(dtype, copy=False)
 
 
-def as_slot(slot: Slot, value: Any) -> Any:
+def as_slot(slot: Slot, value: Value) -> Value:
     """Return a value in the form that readers get: a C-contiguous read-only array, or a plain Python value."""
     if slot.shape == ():
         return _SCALAR.get(slot.dtype, float)(value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol
 
 from morse.core.declarations.sources import Computed, Euler, Mapped, Prop, Scaled
 from morse.core.exceptions import MorseDeclarationError
@@ -11,6 +11,7 @@ from morse.core.kinds.turning import angles_of, normalized, quaternion_of
 from morse.core.reports.hints import closest, nearest
 from morse.core.reports.quoting import shown
 from morse.core.units import UnitError, conversion
+from morse.core.values import Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -22,6 +23,12 @@ if TYPE_CHECKING:
 
 #: what the conversion between frames leaves of a zero
 _ROUNDING = 1e-9
+
+
+class DataOwner(Protocol):
+    """A component, or what stands for it: its data, and its properties as attributes."""
+
+    local_data: Fields
 
 
 class Source:
@@ -49,11 +56,11 @@ class Source:
         """The fields whose noise is that of the axes of the slot."""
         return self.fields
 
-    def get(self, component: object) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The value, in the unit of the slot; None if there is no value at present."""
         raise NotImplementedError
 
-    def rows(self, columns: Mapping[str, object], component: object) -> Any:
+    def rows(self, columns: Mapping[str, object], component: DataOwner) -> Value:
         """The values of many messages, with a first axis of rows.
 
         Args:
@@ -85,11 +92,11 @@ class Constant(Source):
     def __init__(self, value: object) -> None:
         self._value = value
 
-    def get(self, component: object) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The constant."""
         return self._value
 
-    def rows(self, columns: Mapping[str, object], component: object) -> Any:
+    def rows(self, columns: Mapping[str, object], component: DataOwner) -> Value:
         """The constant."""
         return self._value
 
@@ -101,12 +108,12 @@ class FromProperty(Source):
         self._name, self._factor, self._offset = source.name, factor * source.scale, offset
         self.properties = (source.name,)
 
-    def get(self, component: object) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The property, in the unit of the slot."""
         value = getattr(component, self._name)
         return value if isinstance(value, (str, bool)) else value * self._factor + self._offset
 
-    def rows(self, columns: Mapping[str, object], component: object) -> Any:
+    def rows(self, columns: Mapping[str, object], component: DataOwner) -> Value:
         """The property, in the unit of the slot."""
         return self.get(component)
 
@@ -114,10 +121,10 @@ class FromProperty(Source):
 class FromFunction(Source):
     """A function of the component; its frame is the frame of the field with the name of the slot, if there is one."""
 
-    def __init__(self, function: Callable[[Any], object], frame: str) -> None:
+    def __init__(self, function: Callable[..., object], frame: str) -> None:
         self._function, self.frame = function, frame
 
-    def get(self, component: object) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The return value of the function."""
         return self._function(component)
 
@@ -135,14 +142,14 @@ class FromData(Source):
         """See `Source.axes`."""
         return self._axes
 
-    def _call(self, data: object, component: object) -> Any:
+    def _call(self, data: object, component: DataOwner) -> Value:
         return self._function(data, *[getattr(component, name) for name in self.properties])
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The return value of the function."""
         return self._call(component.local_data, component)
 
-    def rows(self, columns: Mapping[str, object], component: object) -> Any:
+    def rows(self, columns: Mapping[str, object], component: DataOwner) -> Value:
         """The return value of the function."""
         return self._call(columns, component) if self._by_rows else super().rows(columns, component)
 
@@ -157,7 +164,7 @@ class FromField(Source):
         self._name, self._factor, self._offset = name, factor, offset
         self._plain = factor == 1.0 and offset == 0.0
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The field, in the unit of the slot."""
         value = component.local_data[self._name]
         if self._plain:
@@ -171,12 +178,12 @@ class FromField(Source):
             else (value * self._factor + self._offset)
         )
 
-    def rows(self, columns: Mapping[str, object], component: object) -> Any:
+    def rows(self, columns: Mapping[str, object], component: DataOwner) -> Value:
         """The column of the field, in the unit of the slot."""
         column = columns[self._name]
         return column if self._plain else numeric(column) * self._factor + self._offset
 
-    def put(self, value: Any, fields: Fields) -> str | None:
+    def put(self, value: Value, fields: Fields) -> str | None:
         """The value in the unit of the field."""
         if not self._plain:
             value = ((_array(value) if hasattr(value, "__len__") else value) - self._offset) / self._factor
@@ -193,19 +200,19 @@ class Stack(Source):
         self.fields, self.frame = names, frame
         self._parts = tuple(zip(names, scales, strict=True))
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The numbers, 0 where there is no field."""
         data = component.local_data
         return [0.0 if name is None else data[name] * a + b for name, (a, b) in self._parts]
 
-    def rows(self, columns: Mapping[str, Any], component: Any) -> Any:
+    def rows(self, columns: Mapping[str, Value], component: DataOwner) -> Value:
         """The columns side by side."""
         import numpy as np
 
         parts = [0.0 if name is None else numeric(columns[name]) * a + b for name, (a, b) in self._parts]
         return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
-    def put(self, value: Any, fields: Fields) -> str | None:
+    def put(self, value: Value, fields: Fields) -> str | None:
         """Write each number to its field; numbers without a field have no effect."""
         unused = []
         for index, ((name, (factor, offset)), number) in enumerate(zip(self._parts, value, strict=True)):
@@ -238,7 +245,7 @@ class Among(Source):
         """Whether the slot applies to any of the fields."""
         return bool(self._chosen())
 
-    def get(self, component: object) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The numbers, NaN for fields to which the slot does not apply; None if it applies to none."""
         if not self.is_present:
             return None
@@ -247,7 +254,7 @@ class Among(Source):
 
     def put(self, value: object, fields: Fields) -> str | None:
         """Write the numbers of the fields to which the slot applies; NaN stands for no command."""
-        names, numbers = self._chosen(), dict[str, Any]()
+        names, numbers = self._chosen(), dict[str, Value]()
         remark = self._stack.put(value, numbers)
         set_now = {name: number for name, number in numbers.items() if name in names and number == number}
         fields.update(set_now)
@@ -266,14 +273,14 @@ class FromEuler(Source):
         self.fields, self.frame = names, frame
         self._factor = factor
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The quaternion w, x, y, z."""
         data, names, factor = component.local_data, self.fields, self._factor
-        angles = data[names[0]] if len(names) == 1 else [0.0 if name is None else data[name] for name in names]
+        angles = data[names[0] or ""] if len(names) == 1 else [0.0 if name is None else data[name] for name in names]
         roll, pitch, yaw = angles
         return quaternion_of(roll * factor, pitch * factor, yaw * factor)
 
-    def rows(self, columns: Mapping[str, object], component: object) -> Any:
+    def rows(self, columns: Mapping[str, object], component: DataOwner) -> Value:
         """The quaternions (R, 4)."""
         import numpy as np
 
@@ -289,7 +296,7 @@ class FromEuler(Source):
         roll, pitch, yaw = angles
         return np.stack(quaternions_of(roll * factor, pitch * factor, yaw * factor), axis=-1)
 
-    def put(self, value: Any, fields: Fields) -> str | None:
+    def put(self, value: Value, fields: Fields) -> str | None:
         """Write the angles; nothing if the quaternion is zero."""
         unit = normalized(value)
         if unit is None:
@@ -311,12 +318,12 @@ class FromWord(Source):
         self._words = dict(source.words)
         self._own = {word: own for own, word in source.words.items()}
 
-    def get(self, component: Any) -> Any:
+    def get(self, component: DataOwner) -> Value:
         """The word of the kind."""
         word = component.local_data[self._name]
         return self._words.get(word, word)
 
-    def put(self, value: Any, fields: Fields) -> str | None:
+    def put(self, value: Value, fields: Fields) -> str | None:
         """The word of the component."""
         fields[self._name] = self._own.get(value, value)
         return None
@@ -365,7 +372,7 @@ def source_of(slot: Slot, value: object, fields: Mapping[str, DataField], units:
     return Constant(value)
 
 
-def _field(name: Any, fields: Mapping[str, DataField]) -> DataField:
+def _field(name: Value, fields: Mapping[str, DataField]) -> DataField:
     field = fields.get(name)
     if field is None:
         raise MorseDeclarationError(f"there is no field {shown(name)}{nearest(name, fields)}")
@@ -405,7 +412,7 @@ def _check_shape(slot: Slot, name: str, field: DataField) -> None:
     raise MorseDeclarationError(f"it takes the shape {slot.shape}, field '{name}' has {shape}")
 
 
-def _stack(slot: Slot, names: tuple[Any, ...], fields: Mapping[str, DataField]) -> Source:
+def _stack(slot: Slot, names: tuple[Value, ...], fields: Mapping[str, DataField]) -> Source:
     fields_of_slot = [None if name is None else _field(name, fields) for name in names]
     if len(slot.shape) != 1 or (slot.shape[0] is not None and slot.shape[0] != len(names)):
         raise MorseDeclarationError(f"it takes the shape {slot.shape}, {len(names)} fields are given")
@@ -453,7 +460,7 @@ def _converted(what: str, unit: str, slot: Slot) -> tuple[float, float]:
         ) from None
 
 
-def numeric(column: Any) -> Any:
+def numeric(column: Value) -> Value:
     """A column of numbers of double precision.
 
     Raises:
@@ -464,7 +471,7 @@ def numeric(column: Any) -> Any:
     return column.astype("float64", copy=False)
 
 
-def _array(value: object) -> Any:
+def _array(value: object) -> Value:
     import numpy as np
 
     return np.asarray(value, dtype=np.float64)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.kinds.kind import ORIENTATION, POINT
 from morse.mathutils.rotations import (
@@ -17,6 +17,8 @@ from morse.mathutils.rotations import (
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from morse.core.object import Object
+    from morse.core.values import Value
     from morse.mathutils.rotations import Quaternion4, Rotation9
 
 #: frames between which the values of a component can always be converted
@@ -53,7 +55,7 @@ def normalized(quaternion: Sequence[float]) -> tuple[float, ...] | None:
     return tuple(number / length for number in quaternion) if length > _SHORTEST else None
 
 
-def turned(value: Any, moves: str, source_frame: str, target_frame: str, component: Any) -> Any:
+def turned(value: Value, moves: str, source_frame: str, target_frame: str, component: Object) -> Value:
     """Convert a value into another frame of its component.
 
     Args:
@@ -74,7 +76,7 @@ def turned(value: Any, moves: str, source_frame: str, target_frame: str, compone
     return result + np.array(origin) if moves == POINT else result
 
 
-def _between(source_frame: str, target_frame: str, component: object) -> tuple[tuple[float, ...], Rotation9]:
+def _between(source_frame: str, target_frame: str, component: Object) -> tuple[tuple[float, ...], Rotation9]:
     """Return the origin and rotation of the transformation from one frame into another."""
     (p, a), (q, b) = _pose(source_frame, component), _pose(target_frame, component)
     inverse = (b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8])
@@ -92,7 +94,7 @@ def _north_east_down(properties: Mapping[str, object]) -> Rotation9:
     return (s, c, 0.0, c, -s, 0.0, 0.0, 0.0, -1.0)
 
 
-def _pose(frame: str, component: Any) -> tuple[tuple[float, ...], Rotation9]:
+def _pose(frame: str, component: Object) -> tuple[tuple[float, ...], Rotation9]:
     if frame == "world":
         return (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     if frame == "earth":

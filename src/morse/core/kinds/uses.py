@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.kinds.installed import kind_named
@@ -11,6 +11,8 @@ from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from morse.core.declarations.fields import KindUse
 
 
@@ -37,5 +39,5 @@ def check_use(use: KindUse) -> None:
         raise MorseDeclarationError(f"{use.where}: kind '{kind.name}' needs one of the slots {_quoted(kind.slots)}")
 
 
-def _quoted(names: Any) -> str:
+def _quoted(names: Iterable[str]) -> str:
     return ", ".join(f"'{name}'" for name in names)

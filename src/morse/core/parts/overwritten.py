@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import FunctionType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.clock import Clock
@@ -14,7 +14,7 @@ from morse.core.sensor import Sensor
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.core.object import Object
+    from morse.core.interfaces import Component
 
 #: without these methods and attributes no component works; MORSE 1.4 had the same
 _ESSENTIAL = ("action", "clock", "completed", "context", "default_action", "interrupt", "name")
@@ -31,7 +31,7 @@ _METHODS = frozenset(
 _ATTRIBUTES = {"clock": Clock, "context": Context}
 
 
-def hidden_methods(component: Object) -> list[tuple[str, bool]]:
+def hidden_methods(component: Component) -> list[tuple[str, bool]]:
     """Return a line for each attribute that hides a method of all components.
 
     Args:
@@ -52,7 +52,7 @@ def hidden_methods(component: Object) -> list[tuple[str, bool]]:
     return names
 
 
-def uncover(component: Any) -> list[str]:
+def uncover(component: Component) -> list[str]:
     """Remove attributes that hide methods without which a running component does not work; return a line for each."""
     lines = [text for text, is_essential in hidden_methods(component) if is_essential]
     for name in _ESSENTIAL:
@@ -61,7 +61,7 @@ def uncover(component: Any) -> list[str]:
     return lines
 
 
-def _hidden(component: Object) -> Iterator[tuple[str, object]]:
+def _hidden(component: Component) -> Iterator[tuple[str, object]]:
     own = vars(component)
     visited = set()
     for base in type(component).__mro__:

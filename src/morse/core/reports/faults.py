@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 import morse
 from morse.core.reports.hints import closest
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType, TracebackType
 
+_T = TypeVar("_T")
 _OURS = Path(morse.__file__).resolve().parent
 #: largest number of characters of the message of an error, and of lines of user code that led to it
 _LONGEST, _MOST_LINES = 2000, 12
@@ -91,7 +92,7 @@ def class_name(cls: type) -> str:
     return str(type.__dict__["__name__"].__get__(cls))
 
 
-def is_a(part: object, classes: type | tuple[type, ...]) -> bool:
+def is_a(part: object, classes: type[_T] | tuple[type[_T], ...]) -> TypeGuard[_T]:
     """Whether an object is of a class; `isinstance` would ask the object, which may raise."""
     return issubclass(type(part), classes)
 

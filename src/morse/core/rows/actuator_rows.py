@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.rows.marks import lasting_fields
 from morse.core.rows.rows import Rows, waiting
@@ -23,7 +23,7 @@ class ActuatorRows(Rows["Actuator"]):
 
     functions, modifiers = "input_functions", "input_modifiers"
 
-    def __init__(self, members: Sequence[Actuator], act: Callable[[Sequence[Any]], None]) -> None:
+    def __init__(self, members: Sequence[Actuator], act: Callable[[Sequence[Actuator | Rows[Actuator]]], None]) -> None:
         self._fields = lasting_fields(type(members[0]))
         #: members whose actions do not drive their robots at speeds that last
         self._others: set[int] = set()

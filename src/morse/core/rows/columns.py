@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-_F = TypeVar("_F", bound="Callable[..., Any]")
+    from morse.core.values import Value
+    from morse.core.world import Snapshot
+
+_F = TypeVar("_F", bound="Callable[..., object]")
 
 
 class Columns(NamedTuple):
@@ -30,8 +33,8 @@ class Columns(NamedTuple):
     """
 
     fields: Sequence[str]
-    of: Callable[[Sequence[Any], Sequence[Sequence[Any]]], Mapping[str, Sequence[Any]]]
-    keep: Callable[[Any], NDArray[Any]] | None = None
+    of: Callable[[Sequence[Snapshot], Sequence[Sequence[np.ndarray]]], Mapping[str, np.ndarray | Sequence[object]]]
+    keep: Callable[[Value], np.ndarray] | None = None
 
 
 def in_columns(columns: Columns) -> Callable[[_F], _F]:
@@ -50,14 +53,14 @@ def columns_of(cls: type) -> Columns | None:
     return columns
 
 
-def _poses_of(snapshots: Sequence[Any], _kept: object) -> dict[str, Sequence[NDArray[np.float64]]]:
+def _poses_of(snapshots: Sequence[Snapshot], _kept: object) -> dict[str, NDArray[np.float64]]:
     positions, rotations = snapshots[0].poses_at(snapshots)
     roll, pitch, yaw = euler_rows(rotations)
     named = zip(POSES.fields, (*positions, yaw, pitch, roll), strict=True)
     return {name: each.T for name, each in named}
 
 
-def _positions_of(snapshots: Sequence[Any], _kept: object) -> dict[str, Sequence[NDArray[np.float64]]]:
+def _positions_of(snapshots: Sequence[Snapshot], _kept: object) -> dict[str, NDArray[np.float64]]:
     positions, _ = snapshots[0].poses_at(snapshots)
     return {name: each.T for name, each in zip(POSITIONS.fields, positions, strict=True)}
 
@@ -67,7 +70,7 @@ POSES = Columns(("x", "y", "z", "yaw", "pitch", "roll"), _poses_of)
 POSITIONS = Columns(("x", "y", "z"), _positions_of)
 
 
-def arrays_of(kept: Sequence[Sequence[NDArray[np.generic]]]) -> list[Any]:
+def arrays_of(kept: Sequence[Sequence[NDArray[np.generic]]]) -> list[np.ndarray | tuple[np.ndarray, ...]]:
     """The arrays of each sensor in R ticks as one; as they are if their sizes differ."""
     return [stacked(one) if len({array.shape for array in one}) == 1 else one for one in zip(*kept, strict=True)]
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from types import FunctionType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.interfaces import Component
+    from morse.core.values import Value
 
-_F = TypeVar("_F", bound="Callable[..., Any]")
+_F = TypeVar("_F", bound="Callable[..., object]")
 
 #: the methods that may be marked
 _ACTIONS = ("default_action", "measure")
@@ -64,7 +65,7 @@ def is_overridden(component: Component) -> bool:
     return any(isinstance(getattr(cls, name, None), FunctionType) for name in vars(component))
 
 
-def mark_of(cls: type, mark: str) -> Any:
+def mark_of(cls: type, mark: str) -> Value:
     """Return the mark of the first action in the order of inheritance, unless a subclass changes how it acts."""
     changed: set[str] = set()
     for base in cls.__mro__:

@@ -7,7 +7,7 @@ its ``default_action`` is called, which is the only definition of what the compo
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, cast
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar, cast
 
 from morse.core.realism import phase_of
 from morse.core.rows.marks import is_overridden
@@ -45,7 +45,7 @@ class Rows(Generic[_M]):
     functions: ClassVar[str]
     modifiers: ClassVar[str]
 
-    def __init__(self, members: Sequence[_M], act: Callable[[Sequence[Any]], None]) -> None:
+    def __init__(self, members: Sequence[_M], act: Callable[[Sequence[_M | Rows[_M]]], None]) -> None:
         self.members = tuple(members)
         self.frequency = members[0].frequency
         self.stamp = 0

@@ -14,18 +14,18 @@ if TYPE_CHECKING:
 
     from morse.core.values import StateData
 
-Array = np.ndarray[Any, Any]
+Array = np.ndarray
 _GENERATORS = ("PCG64", "PCG64DXSM", "MT19937", "Philox", "SFC64")
 #: sizes of the tables of generators, because numpy does not check the position in the table
 _PLACES = {"MT19937": ("state", "pos", 624), "Philox": ("", "buffer_pos", 4)}
 
 
-def type_of(kind: np.dtype[Any]) -> object:
+def type_of(kind: np.dtype) -> object:
     """Return the type of the items of an array: a string, or a list of fields for a structured type."""
     return kind.str if kind.names is None else dtype_to_descr(kind)
 
 
-def dtype(data: Any) -> np.dtype[Any]:
+def dtype(data: Any) -> np.dtype:
     """Return the dtype for a result of `type_of`.
 
     Raises:
@@ -54,19 +54,19 @@ def place_in(root: Array, view: Array) -> tuple[int, list[int]]:
     return view.__array_interface__["data"][0] - root.__array_interface__["data"][0], list(view.strides)
 
 
-def view_of(root: Array, kind: np.dtype[Any], shape: Sequence[int], begin: int, strides: Sequence[int]) -> Array:
+def view_of(root: Array, kind: np.dtype, shape: Sequence[int], begin: int, strides: Sequence[int]) -> Array:
     """Recreate a view from the result of `place_in`; numpy refuses a view that exceeds the root."""
     return np.ndarray(tuple(shape), kind, root, begin, tuple(strides))
 
 
-def content(array: Array) -> list[Any]:
+def content(array: Array) -> list[object]:
     """Return the shape, the bytes and the order of the axes. The bits of a sum depend on that order."""
     if array.flags.f_contiguous and not array.flags.c_contiguous:
         return [list(array.shape), array.tobytes("F"), "F"]
     return [list(array.shape), array.tobytes()]
 
 
-def array_of(kind: np.dtype[Any], shape: Sequence[int], data: bytes, order: object = "C") -> Array:
+def array_of(kind: np.dtype, shape: Sequence[int], data: bytes, order: object = "C") -> Array:
     """Recreate an array from the result of `content`."""
     return np.frombuffer(data, dtype=kind).reshape(shape, order="F" if order == "F" else "C").copy(order="A")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import properties, state_variables
 from morse.core.state.errors import StateError
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @cache
-def left_out(cls: Any) -> frozenset[str]:
+def left_out(cls: type) -> frozenset[str]:
     """The names of the attributes of a class that are not part of its state.
 
     Classes of MORSE declare their state (`add_state`, `add_property`): everything else that they assign follows from
@@ -34,12 +34,12 @@ def left_out(cls: Any) -> frozenset[str]:
 
 def state_of(owner: object) -> StateData:
     """The attributes of an object that are part of its state."""
-    cls: Any = type(owner)
+    cls: type = type(owner)
     without = left_out(cls)
     return {name: value for name, value in vars(owner).items() if name not in without}
 
 
-def check_name(cls: Any, name: Any) -> None:
+def check_name(cls: type, name: object) -> None:
     """Raise `StateError` if a state must not set an attribute of that name of objects of a class."""
     if not isinstance(name, str) or (name.startswith("__") and name.endswith("__")):
         raise StateError(f"the saved state is damaged: an attribute has the name {name!r:.40}")
@@ -55,7 +55,7 @@ def _is_computed(cls: type, name: str) -> bool:
     return inspect.isdatadescriptor(attribute) and not inspect.ismemberdescriptor(attribute)
 
 
-def replace(owner: Any, present: Iterable[str], state: Mapping[str, Any]) -> None:
+def replace(owner: object, present: Iterable[str], state: Mapping[str, object]) -> None:
     """Replace the attributes of an object with those of a state.
 
     Args:

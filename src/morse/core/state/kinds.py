@@ -20,7 +20,7 @@ from types import (
     MethodWrapperType,
     WrapperDescriptorType,
 )
-from typing import Any
+from typing import Final
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from morse.helpers.transformation import Transformation3d
 from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
 
 #: no value
-MISSING: Any = object()
+MISSING: Final = object()
 _KINDS: tuple[tuple[str, tuple[type, ...]], ...] = (
     ("nothing", (type(None),)),
     ("a number", (bool, int, float, complex, np.number, np.bool_)),
@@ -54,7 +54,7 @@ _DATA = (
 )
 
 
-def kind_of(value: object) -> Any:
+def kind_of(value: object) -> str | type:
     """The kind of a value: words for data, the class of other objects."""
     if value is MISSING:
         return "nothing"
@@ -133,7 +133,7 @@ def own_attributes(cls: type) -> set[str] | None:
 
 
 @cache
-def created_by(cls: Any) -> frozenset[type]:
+def created_by(cls: type) -> frozenset[type]:
     """The classes of MORSE that the functions of MORSE's classes among the bases of a class refer to.
 
     They may create objects of these classes while the simulation runs, such as the trajectory of an arm.
@@ -144,7 +144,7 @@ def created_by(cls: Any) -> frozenset[type]:
 
 
 @cache
-def assigned_by(cls: Any) -> frozenset[str]:
+def assigned_by(cls: type) -> frozenset[str]:
     """The names of the attributes of ``self`` to which a class assigns values, in methods or as cached properties."""
     names = {name for name, value in vars(cls).items() if isinstance(value, cached_property)}
     for function in _functions(cls):

@@ -7,7 +7,7 @@ import random
 from collections import Counter, OrderedDict, defaultdict, deque
 from enum import Enum
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -35,6 +35,7 @@ from morse.core.state.writing import (
     DEEPEST,
     FACTORIES,
     ITEMS,
+    Entry,
     attributes_of,
     class_path,
     is_apparatus,
@@ -49,6 +50,8 @@ if TYPE_CHECKING:
 
     from morse.core.state.references import References
     from morse.core.values import StateData
+
+_T = TypeVar("_T")
 
 #: words of values whose items do not count for the values that contain them
 _OBJECTS = frozenset(("own", "object", "namespace", "global", "part", "method"))
@@ -90,7 +93,7 @@ class Reader:
         self._used: set[int] = set()
         self._named: set[int] = set()
         self._depth = 0
-        self._readers: dict[str, Callable[[list[Any], Any], object]] = {
+        self._readers: dict[str, Callable[[Entry, Any], object]] = {
             "list": self._list,
             "tuple": lambda data, now: tuple(self._items(data[1], now)),
             "named tuple": self._named_tuple,
@@ -137,7 +140,7 @@ class Reader:
         self._strict = not self._trusted and (holder is None or is_of_morse(type(holder)))
         try:
             if holder is not None and type(now) is dict and type(data) is list and data[0] == "dict":
-                target = self._keep({})
+                target: StateData = self._keep({})
                 target.update(self._attributes(type(holder), data[1], now))
                 return target
             value = self.value(data, now)
@@ -176,7 +179,7 @@ class Reader:
             self._check(value, now)
         return value
 
-    def _keep(self, value: object) -> Any:
+    def _keep(self, value: _T) -> _T:
         self._met.append(value)
         return value
 
@@ -187,7 +190,7 @@ class Reader:
         self._extents.refer(value, self._depth)
         return value
 
-    def _target(self, now: object, cls: type, make: Callable[[], object]) -> Any:
+    def _target(self, now: object, cls: type[_T], make: Callable[[], _T]) -> _T:
         """Return the present object if it has the right class and is not used for another value, else a new one."""
         if self._fresh or type(now) is not cls or id(now) in self._used:
             return self._keep(make())
@@ -197,32 +200,32 @@ class Reader:
         self._used.add(id(now))
         return self._keep(now)
 
-    def _items(self, data: list[Any], now: Any) -> list[Any]:
+    def _items(self, data: Entry, now: object) -> list[object]:
         present = list(now) if is_a(now, (list, tuple, deque)) else []
         self._extents.count(len(data))
         return [self.value(item, present[i] if i < len(present) else MISSING) for i, item in enumerate(data)]
 
-    def _list(self, data: list[Any], now: object) -> list[Any]:
-        target: list[Any] = self._target(now, list, list)
+    def _list(self, data: Entry, now: object) -> list[object]:
+        target: list[object] = self._target(now, list, list)
         target[:] = self._items(data[1], now)
         return target
 
-    def _set(self, data: list[Any], now: object) -> set[Any]:
-        target: set[Any] = self._target(now, set, set)
+    def _set(self, data: Entry, now: object) -> set[object]:
+        target: set[object] = self._target(now, set, set)
         items = self._items(data[1], MISSING)
         target.clear()
         target.update(Extents.spread(items))
         return target
 
-    def _deque(self, data: list[Any], now: Any) -> deque[Any]:
+    def _deque(self, data: Entry, now: object) -> deque[object]:
         fits = is_a(now, deque) and now.maxlen == data[1]
-        target: deque[Any] = self._target(now if fits else MISSING, deque, lambda: deque(maxlen=data[1]))
+        target: deque[object] = self._target(now if fits else MISSING, deque, lambda: deque(maxlen=data[1]))
         items = self._items(data[2], now)
         target.clear()
         target.extend(items)
         return target
 
-    def _dict(self, data: list[Any], now: Any) -> dict[Any, Any]:
+    def _dict(self, data: Entry, now: object) -> dict[object, object]:
         cls = _DICTS[data[0]]
         target: dict[Any, Any] = self._target(now, cls, cls)
         items = self._pairs(data[1], dict.copy(now) if is_a(now, dict) else {})
@@ -232,7 +235,7 @@ class Reader:
             target.default_factory = FACTORIES[data[2]]
         return target
 
-    def _pairs(self, data: list[Any], present: dict[Any, Any]) -> dict[Any, Any]:
+    def _pairs(self, data: Entry, present: dict[object, object]) -> dict[object, object]:
         items = {}
         self._extents.count(len(data))
         # the keys are read one by one, because later ones may refer to the values of earlier ones
@@ -241,13 +244,13 @@ class Reader:
             items[restored_key] = self.value(item, present.get(restored_key, MISSING))
         return items
 
-    def _namespace(self, data: list[Any], now: object) -> SimpleNamespace:
+    def _namespace(self, data: Entry, now: object) -> SimpleNamespace:
         present = dict(vars(now)) if type(now) is SimpleNamespace else {}
         target: SimpleNamespace = self._target(now, SimpleNamespace, SimpleNamespace)
         self._assign(target, data[1], present)
         return target
 
-    def _named_tuple(self, data: list[Any], now: object) -> Any:
+    def _named_tuple(self, data: Entry, now: object) -> tuple[object, ...]:
         cls = self._class(data[1], now)
         items = self._items(data[2], now)
         if not issubclass(cls, tuple) or len(getattr(cls, "_fields", ())) != len(items):
@@ -256,7 +259,7 @@ class Reader:
 
     # -- numpy -----------------------------------------------------------------------------
 
-    def _view(self, data: list[Any], _now: object) -> Any:
+    def _view(self, data: Entry, _now: object) -> arrays.Array:
         place = len(self._met)
         self._keep(None)
         root = self.value(data[1])
@@ -268,7 +271,7 @@ class Reader:
         self._extents.repeat(view.size)
         return view
 
-    def _objects(self, data: list[Any], _now: object) -> Any:
+    def _objects(self, data: Entry, _now: object) -> arrays.Array:
         # the shape is used only if the number of items matches
         if any(type(n) is not int or n < 0 for n in data[1]) or np.prod(data[1], dtype=object) != len(data[2]):
             raise StateError("the number of items of an array does not match its shape")
@@ -278,7 +281,7 @@ class Reader:
             flat[place] = item
         return array
 
-    def _generator(self, data: list[Any], now: Any) -> Any:
+    def _generator(self, data: Entry, now: object) -> np.random.Generator:
         name = data[1]
         fits = is_a(now, np.random.Generator) and type(now.bit_generator).__name__ == name
         target = self._target(now if fits else MISSING, np.random.Generator, lambda: arrays.generator(name))
@@ -287,21 +290,21 @@ class Reader:
         target.bit_generator.state = state
         return target
 
-    def _legacy_random(self, data: list[object], now: object) -> Any:
+    def _legacy_random(self, data: list[object], now: object) -> np.random.RandomState:
         target = self._target(now, np.random.RandomState, lambda: np.random.RandomState(0))
         state = self.value(data[1])
         arrays.check_place(state[2], 624)
         target.set_state(state)
         return target
 
-    def _python_random(self, data: list[object], now: object) -> Any:
+    def _python_random(self, data: list[object], now: object) -> random.Random:
         target = self._target(now, random.Random, random.Random)
         target.setstate(self.value(data[1]))
         return target
 
-    def _pose(self, data: list[Any], now: object) -> Transformation3d:
+    def _pose(self, data: Entry, now: object) -> Transformation3d:
         cls = type(now) if is_a(now, Transformation3d) else Transformation3d
-        target: Transformation3d = self._target(now, cls, Transformation3d)
+        target = self._target(now, cls, Transformation3d)
         _, position, rotation = data
         if len(position) != 3 or len(rotation) != 9:
             raise StateError("a pose is 3 and 9 numbers")
@@ -310,24 +313,24 @@ class Reader:
 
     # -- objects ---------------------------------------------------------------------------
 
-    def _enum(self, data: list[Any], now: object) -> Any:
+    def _enum(self, data: Entry, now: object) -> Enum:
         cls = self._class(data[1], now)
         if not issubclass(cls, Enum):
             raise StateError(f"{data[1]} is not an enumeration")
         return cls(self.value(data[3])) if data[2] is None else cls[data[2]]
 
-    def _own(self, data: list[Any], now: object) -> Any:
+    def _own(self, data: Entry, now: object) -> object:
         cls = self._attributed(data[1], now)
-        target = self._target(now, cls, lambda: object.__new__(cls))
+        target: Any = self._target(now, cls, lambda: object.__new__(cls))
         state = self.value(data[2])
         if not self._fresh:
             target.set_state(state)
         return target
 
-    def _object(self, data: list[Any], now: object) -> Any:
+    def _object(self, data: Entry, now: object) -> object:
         cls = self._attributed(data[1], now)
         base = next((base for base in ITEMS if issubclass(cls, base)), object)
-        target = self._target(now, cls, lambda: base.__new__(cls))
+        target: Any = self._target(now, cls, lambda: base.__new__(cls))
         self._assign(target, data[2], attributes_of(now) if type(now) is cls else {})
         if base is dict:
             pairs = self._pairs(data[3], {})
@@ -341,7 +344,7 @@ class Reader:
             set.update(target, Extents.spread(items))
         return target
 
-    def _assign(self, target: object, data: list[Any], present: StateData) -> None:
+    def _assign(self, target: object, data: Entry, present: StateData) -> None:
         for name, _ in data:
             check_name(type(target), name)
         for name, value in self._attributes(type(target), data, present):
@@ -351,7 +354,7 @@ class Reader:
                 object.__delattr__(target, name)
             reorder(getattr(target, "__dict__", {}), [name for name, _ in data])
 
-    def _attributes(self, cls: Any, data: list[Any], present: StateData) -> Iterator[tuple[str, Any]]:
+    def _attributes(self, cls: type, data: Entry, present: StateData) -> Iterator[tuple[str, object]]:
         """Iterate over the names and the values of the attributes of an object of a class."""
         outer, of_morse = (self._strict, self._deep, self._created), own_attributes(cls)
         for name, item in data:
@@ -379,7 +382,7 @@ class Reader:
         if not (fits(value, present, self._created) if self._strict else fits_roughly(value, present)):
             raise misfit(value, present)
 
-    def _method(self, data: list[Any], now: Any) -> Any:
+    def _method(self, data: Entry, now: Any) -> object:
         present = getattr(now, "__self__", MISSING) if is_routine(now) else MISSING
         owner, name = self.value(data[1], present), data[2]
         cls = type(owner)
@@ -393,7 +396,7 @@ class Reader:
             )
         return getattr(owner, name)
 
-    def _global(self, data: list[Any], now: object) -> Any:
+    def _global(self, data: Entry, now: object) -> object:
         target = self._references.find_global(data[1])
         if inspect.isroutine(target):
             if not (is_routine(now) or self._trusted):

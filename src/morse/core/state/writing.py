@@ -29,7 +29,7 @@ import sys
 from collections import Counter, OrderedDict, defaultdict, deque
 from enum import Enum
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from morse.core.state.references import References
     from morse.core.values import StateData
 
+#: a value that is not plain data: the word for its kind, and the plain data of which `Reader` makes it
+Entry: TypeAlias = list[Any]
 AS_IS = ["as is"]
 #: maximum nesting depth of lists, dictionaries and objects; `Reader` accepts a little more
 DEEPEST = 150
@@ -122,7 +124,7 @@ class Writer:
         self._met.clear()
         self._numbers.clear()
 
-    def part(self, name: str, state: object) -> Any:
+    def part(self, name: str, state: object) -> object:
         """The state of a part of the simulation, as returned by its ``get_state()``."""
         self._path = [name]
         # a state that was created for this call is not shared
@@ -131,7 +133,7 @@ class Writer:
             return ["dict", self._pairs(state.items())]
         return self.value(state)
 
-    def value(self, value: object) -> Any:
+    def value(self, value: object) -> object:
         """Return a value as plain data."""
         cls = type(value)
         if cls in _PLAIN:
@@ -206,7 +208,7 @@ class Writer:
         self._references.met_class(cls)
         if own:
             return ["own", class_path(cls), self.value(value.get_state())]
-        entry = ["object", class_path(cls), self._pairs(attributes_of(value).items())]
+        entry: Entry = ["object", class_path(cls), self._pairs(attributes_of(value).items())]
         if base is dict:
             entry.append([[self.value(key), self.value(item)] for key, item in dict.items(value)])
         elif base is set:
@@ -228,7 +230,7 @@ class Writer:
         word, apart = TAKEN_APART[type(value)]
         return ["simple", word, *(self.value(part) for part in apart(value))]
 
-    def _pairs(self, items: Iterable[tuple[str, object]]) -> list[list[Any]]:
+    def _pairs(self, items: Iterable[tuple[str, object]]) -> list[list[object]]:
         pairs = []
         for name, value in items:
             self._path.append(str(name))
@@ -236,10 +238,10 @@ class Writer:
             self._path.pop()
         return pairs
 
-    def _items(self, value: dict[object, object]) -> list[list[Any]]:
+    def _items(self, value: dict[object, object]) -> list[list[object]]:
         return [[self.value(key), self.value(item)] for key, item in value.items()]
 
-    def _sorted(self, values: Iterable[object]) -> list[Any]:
+    def _sorted(self, values: Iterable[object]) -> list[object]:
         met = len(self._met)
         entries = [self.value(value) for value in values]
         # sets are unordered, but objects are numbered in the order in which they are restored
@@ -263,7 +265,7 @@ class Writer:
         return ["random", type(value.bit_generator).__name__, self.value(value.bit_generator.state)]
 
 
-def _pose(value: Transformation3d) -> list[Any]:
+def _pose(value: Transformation3d) -> list[object]:
     return ["pose", *(list(part) for part in value.get_pose())]
 
 
@@ -287,7 +289,7 @@ def is_apparatus(cls: type) -> bool:
     return getattr(cls, APPARATUS, False) or (room == "morse" and rest.partition(".")[0] not in _WITH_STATE)
 
 
-def is_made_of_attributes(cls: type[Any], base: type[Any] = object) -> bool:
+def is_made_of_attributes(cls: type, base: type = object) -> bool:
     """Whether the state of an object consists of its attributes, and the items of a list, dict or set.
 
     Threads, files and similar objects of the standard library have more state, and so do objects with ``__del__``.
@@ -314,7 +316,7 @@ def _integer(value: int) -> object:
     return value if -_LARGEST <= value < _LARGEST else ["integer", hex(value)]
 
 
-def _text(value: str) -> Any:
+def _text(value: str) -> object:
     try:
         value.encode()
     except UnicodeEncodeError:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from morse.core.reports.quoting import escaped
 
 if TYPE_CHECKING:
     from morse.core.interfaces import Component
+    from morse.core.values import Value
 
 #: largest number of items of a field, those of the lists in its lists included
 MOST_ITEMS = 500_000
@@ -39,7 +40,7 @@ class TooLarge(ValueError):
     """A value is larger than data may be."""
 
 
-def check_fields(component: Any) -> None:
+def check_fields(component: Component) -> None:
     """Remove fields that are too large from the data of a component, so that nothing reads them, and name them.
 
     The items of lists in lists are counted when a field is twice as large as it was when they were last counted.
@@ -49,7 +50,7 @@ def check_fields(component: Any) -> None:
     if not is_a(data, dict):
         return
     refused: list[tuple[object, str]] = []
-    counted: dict[Any, int] | None = attributes.get("_counted")
+    counted: dict[object, int] | None = attributes.get("_counted")
     for number, (name, value) in enumerate(dict.items(data)):
         if number >= MOST_FIELDS:
             refused = [(one, "") for one in list(data)[MOST_FIELDS:]]
@@ -93,7 +94,7 @@ def check_result(owner: object, result: object) -> None:
         raise TooLarge(f"the result is {text}")
 
 
-def excess(value: Any) -> str:
+def excess(value: Value) -> str:
     """Return what is too large about a value, and the limit; empty for a value that may be sent."""
     level, items, depth = [value], 0, 0
     while level:
@@ -116,7 +117,7 @@ def excess(value: Any) -> str:
     return ""
 
 
-def listed(value: Any) -> Any:
+def listed(value: Value) -> Value:
     """Return the numbers of an array as lists, for those who write them one by one.
 
     Args:
@@ -131,7 +132,7 @@ def listed(value: Any) -> Any:
     return value.tolist()
 
 
-def _estimate(value: Any) -> int:
+def _estimate(value: Value) -> int:
     """Multiply the lengths along the first items of lists in lists: the number of items of a table."""
     size = 1
     for _ in range(_LEVELS):
@@ -147,7 +148,7 @@ def _estimate(value: Any) -> int:
     return size * value.nbytes if type(value) is np.ndarray else size
 
 
-def _excess_alone(value: Any) -> str:
+def _excess_alone(value: Value) -> str:
     if is_a(value, str):
         return _over(str.__len__(value), MOST_CHARACTERS, "a text of {:,} characters")
     if is_a(value, (bytes, bytearray)):
@@ -174,7 +175,7 @@ def _length(numbers: range) -> int:
     return max(0, -((numbers.start - numbers.stop) // numbers.step))
 
 
-def _items_of(value: Any) -> object:
+def _items_of(value: Value) -> object:
     """The items of a container, those of a dictionary without its keys; None for another object."""
     if is_a(value, dict):
         return list(dict.values(value))
@@ -182,7 +183,7 @@ def _items_of(value: Any) -> object:
         return ()
     for cls in _ITERABLE:
         if is_a(value, cls):
-            return value if type(value) is cls else list(cls.__iter__(value))
+            return value if type(value) is cls else list(cls.__iter__(value))  # type: ignore[arg-type] # cls is a class of the value
     if is_a(value, np.ndarray) and value.dtype.hasobject:
         return value.ravel().tolist()
     return None

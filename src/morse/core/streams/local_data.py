@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.core.values import Fields
+from morse.core.values import Fields, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, ItemsView, Iterator, ValuesView
+
+    from numpy import ndarray
 
 
 class Later:
@@ -21,22 +23,22 @@ class Later:
 
     __slots__ = ("make",)
 
-    def __init__(self, make: Callable[[], Any]) -> None:
+    def __init__(self, make: Callable[[], ndarray]) -> None:
         self.make = make
 
-    def tolist(self) -> Any:
+    def tolist(self) -> object:
         """The array as lists."""
         return self.make().tolist()
 
 
-class LocalData(Fields):
+class LocalData(dict[str, Value]):
     """Data fields; the values of some may be of type `Later`.
 
     For readers it is a plain dictionary: a field is computed at the first access and then cached. A scan without
     readers is therefore never converted into lists, which would take longer than casting its rays.
     """
 
-    def __getitem__(self, key: str) -> Any:
+    def __getitem__(self, key: str) -> Value:
         value = super().__getitem__(key)
         if type(value) is Later:
             value = self[key] = value.make()
@@ -48,35 +50,35 @@ class LocalData(Fields):
             self[key]
         return self
 
-    def get(self, key: str, default: object = None) -> Any:
+    def get(self, key: str, default: object = None) -> Value:
         """See `dict`."""
         if key in self:
             self[key]
         return super().get(key, default)
 
-    def setdefault(self, key: str, default: object = None) -> Any:
+    def setdefault(self, key: str, default: object = None) -> Value:
         """See `dict`."""
         if key in self:
             self[key]
         return super().setdefault(key, default)
 
-    def pop(self, key: str, *default: Any) -> Any:
+    def pop(self, key: str, *default: object) -> Value:
         """See `dict`."""
         if key in self:
             self[key]
         return super().pop(key, *default)
 
-    def popitem(self) -> tuple[str, Any]:
+    def popitem(self) -> tuple[str, Value]:
         """See `dict`."""
         self.all_present()
         return super().popitem()
 
-    def items(self) -> ItemsView[str, Any]:  # type: ignore[override]
+    def items(self) -> ItemsView[str, Value]:  # type: ignore[override]
         """See `dict`."""
         self.all_present()
         return super().items()
 
-    def values(self) -> ValuesView[Any]:  # type: ignore[override]
+    def values(self) -> ValuesView[Value]:  # type: ignore[override]
         """See `dict`."""
         self.all_present()
         return super().values()

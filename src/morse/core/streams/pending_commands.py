@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.validation.commands import Commands
 
 if TYPE_CHECKING:
     from morse.core.actuator import Actuator
+    from morse.core.interfaces import Component
     from morse.core.values import Fields
 
 
@@ -57,12 +58,12 @@ class PendingCommands:
         self._waiting.clear()
 
     @staticmethod
-    def all_of(actuator: Any) -> list[PendingCommands]:
+    def all_of(actuator: Component) -> list[PendingCommands]:
         """Return the instances of this class among the input functions of an actuator, in order."""
         owners = [getattr(function, "__self__", None) for function in actuator.input_functions]
         return [owner for owner in owners if isinstance(owner, PendingCommands)]
 
-    def _take(self, actuator: Any) -> bool:
+    def _take(self, actuator: Component) -> bool:
         if not self._waiting:
             return False
         actuator.local_data.update(self._waiting)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import types
 import typing
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.exceptions import MorseRPCNbArgsError, MorseRPCTypeError
 from morse.core.reports.quoting import shown
@@ -21,7 +21,11 @@ if TYPE_CHECKING:
     import inspect
     from collections.abc import Callable
 
-_KINDS: dict[Any, str] = {float: "number", int: "integer", str: "string", bool: "boolean", list: "list", dict: "dict"}
+    from morse.core.values import Value
+
+_KINDS: dict[object, str] = {
+    float: "number", int: "integer", str: "string", bool: "boolean", list: "list", dict: "dict",
+}  # fmt: skip
 _NAMES = {
     "number": "a number", "integer": "an integer", "string": "a string", "boolean": "a boolean", "list": "a list",
     "dict": "an object",
@@ -56,14 +60,14 @@ class Arguments:
     def __init__(self, callback: Callable[..., object], service: str) -> None:
         self._service = service
         self._signature: inspect.Signature | None = None
-        self._checks: list[tuple[str, Callable[[Any], object]]] = []
+        self._checks: list[tuple[str, Callable[[Value], object]]] = []
         self._least, self._most = 0, 0.0
         try:
             self._signature = signature_of(callback)
         except (TypeError, ValueError):
             return
         hints = hints_of(callback)
-        rest: Callable[[Any], object] | None = None
+        rest: Callable[[Value], object] | None = None
         for parameter in self._signature.parameters.values():
             check = check_of(hints.get(parameter.name))
             if parameter.kind is parameter.VAR_POSITIONAL:
@@ -77,7 +81,7 @@ class Arguments:
                 self._most = -1.0  # the service does not accept a list of arguments
         self._rest = rest
 
-    def check(self, arguments: list[Any]) -> None:
+    def check(self, arguments: list[Value]) -> None:
         """Raise an error if a call with these arguments is not valid.
 
         Raises:
@@ -120,7 +124,7 @@ def _anything(value: object) -> object:
     return value
 
 
-def check_of(hint: object) -> Callable[[Any], Any]:
+def check_of(hint: object) -> Callable[[Value], Value]:
     """Return the check for an annotation."""
     specs = specs_of(hint)
     if not specs:
@@ -130,7 +134,7 @@ def check_of(hint: object) -> Callable[[Any], Any]:
     checks = [spec.check() for spec in specs]
     expectation = " or ".join(_NAMES[spec.kind] + spec.range_text() for spec in specs)
 
-    def check(value: object) -> Any:
+    def check(value: object) -> Value:
         for one in checks:
             try:
                 return one(value)

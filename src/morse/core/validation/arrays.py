@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.validation.plain import check_plain
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
+    from numpy import ndarray
+
+    from morse.core.values import Value
 
 
 def shape_text(shape: tuple[int | None, ...]) -> str:
@@ -22,10 +24,10 @@ def shape_text(shape: tuple[int | None, ...]) -> str:
 def array_check(
     shape: tuple[int | None, ...],
     dtype: str,
-    item: Callable[[Any], object],
-    in_range: Callable[[NDArray[Any]], bool],
+    item: Callable[[Value], object],
+    in_range: Callable[[ndarray], bool],
     range_text: str,
-) -> Callable[[Any], object]:
+) -> Callable[[Value], object]:
     """Return a check for lists or arrays of exactly that shape.
 
     Args:
@@ -36,7 +38,7 @@ def array_check(
     """
     expectation = f"{'an array' if dtype else 'a list'} of {shape_text(shape)}{range_text}"
 
-    def check(value: Any) -> Any:
+    def check(value: Value) -> Value:
         if hasattr(value, "dtype"):
             if not (_has_shape(value, shape) and in_range(value)):
                 raise ValueError(expectation)
@@ -52,7 +54,7 @@ def array_check(
     return check
 
 
-def _has_shape(array: NDArray[Any], shape: tuple[int | None, ...]) -> bool:
+def _has_shape(array: ndarray, shape: tuple[int | None, ...]) -> bool:
     return (
         array.dtype.kind in "iuf"
         and array.ndim == len(shape)
@@ -67,7 +69,7 @@ def _listed(value: object, expectation: str) -> list[object]:
     return list(value)
 
 
-def _nested(value: object, shape: tuple[int | None, ...], item: Callable[[Any], object]) -> list[Any]:
+def _nested(value: object, shape: tuple[int | None, ...], item: Callable[[Value], object]) -> list[Value]:
     if not isinstance(value, (list, tuple)):
         value = _listed(value, "")
     if shape[0] is not None and len(value) != shape[0]:
@@ -97,12 +99,12 @@ def _as_array(value: list[object], shape: tuple[int | None, ...], dtype: str, ex
 
 
 def list_check(
-    least: int, item: Callable[[Any], object], allow: frozenset[str], range_text: str
-) -> Callable[[Any], list[object]]:
+    least: int, item: Callable[[Value], object], allow: frozenset[str], range_text: str
+) -> Callable[[Value], list[object]]:
     """Return a check for lists without declared shape: at least ``least`` numbers, or any items if it is 0."""
     expectation = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"
 
-    def check(value: object) -> list[Any]:
+    def check(value: object) -> list[Value]:
         if hasattr(value, "tolist"):
             value = value.tolist()
         if not isinstance(value, (list, tuple)) or (least > 1 and len(value) < least):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.clients.complaints import Complaints
 from morse.core.reports.quoting import shown
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from morse.core.clients.arrivals import Sender
     from morse.core.interfaces import Component
+    from morse.core.values import Value
 
 #: number of letters of a message in the log
 _SHOWN = 80
@@ -43,7 +44,7 @@ class ClientCommands:
         """Whether messages have to wait, because earlier ones took more than their share of the time."""
         return self._sender.until is not None and self._sender.rests
 
-    def take(self, decode: Callable[[Any], object], message: object) -> bool:
+    def take(self, decode: Callable[[Value], object], message: object) -> bool:
         """Write the fields of a message into the data of the component; whether that was possible.
 
         If the simulation is not paced by the wall clock, its clients wait for it, and messages never wait.
@@ -60,7 +61,7 @@ class ClientCommands:
         self._sender.rest_if_due()
         return command
 
-    def _take(self, decode: Callable[[Any], object], message: object) -> bool:
+    def _take(self, decode: Callable[[Value], object], message: object) -> bool:
         try:
             fields = decode(message)
         except CommandError as error:

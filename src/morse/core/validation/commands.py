@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from morse.core.declarations import fields_of_component
 from morse.core.reports.hints import nearest
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.interfaces import Component
-    from morse.core.values import Fields
+    from morse.core.values import Fields, Value
 
 #: largest number of undeclared fields that a component keeps
 _MOST_EXTRA = 64
@@ -39,7 +39,7 @@ class Commands:
     def __init__(self, component: Component) -> None:
         self._component = component
         fields = fields_of_component(component)
-        self._checks: dict[str, Callable[[Any], object]] = {
+        self._checks: dict[str, Callable[[Value], object]] = {
             name: spec_of_field(fields.get(name), value).check() for name, value in component.local_data.items()
         }
         self._extra: dict[str, int] = {}

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.validation.spec import Spec
 
 if TYPE_CHECKING:
     from morse.core.declarations.fields import DataField, OptionFields, Property
 
-_TYPE_KINDS: dict[Any, str] = {
+_TYPE_KINDS: dict[object, str] = {
     float: "number", int: "integer", bool: "boolean", str: "string", list: "list", tuple: "list", dict: "dict",
 }  # fmt: skip
 _WORDS = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from morse.core.declarations import Option
-    from morse.core.values import Fields
+    from morse.core.values import Fields, Value
 
 
 def checked_options(owner: str, declarations: Mapping[str, Option], values: Mapping[str, object]) -> Fields:
@@ -36,7 +36,7 @@ def checked_options(owner: str, declarations: Mapping[str, Option], values: Mapp
     return result
 
 
-def _checked(owner: str, name: str, option: Option, value: object) -> Any:
+def _checked(owner: str, name: str, option: Option, value: object) -> Value:
     try:
         if isinstance(option.type, tuple) and not isinstance(value, option.type):
             raise ValueError(" or ".join(one.__name__ for one in option.type))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import properties
 from morse.core.reports.hints import nearest
@@ -13,6 +13,7 @@ from morse.core.validation.fields import spec_of_property
 if TYPE_CHECKING:
     from morse.core.declarations import Property
     from morse.core.interfaces import Component
+    from morse.core.values import Value
 
 
 def checked_value(owner: str, prop: Property, value: object, *, script: bool = False) -> object:
@@ -31,7 +32,7 @@ def checked_value(owner: str, prop: Property, value: object, *, script: bool = F
         raise PropertyError(f"property '{prop.name}' of {owner} is {shown(value)}, expected {error}") from None
 
 
-def checked_property(component: Component, name: object, value: object) -> tuple[str, Any]:
+def checked_property(component: Component, name: object, value: object) -> tuple[str, Value]:
     """The name of a property in Python, and the value as it is to be stored.
 
     Raises:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from morse.core.reports.hints import closest
 from morse.core.validation.arrays import array_check, list_check
@@ -13,7 +13,9 @@ from morse.core.validation.plain import check_plain, check_text
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
+    from numpy import ndarray
+
+    from morse.core.values import Value
 
 #: the largest finite number
 LARGEST = sys.float_info.max
@@ -45,12 +47,12 @@ class Spec(NamedTuple):
     dtype: str = ""
     low: float | None = None
     high: float | None = None
-    choices: tuple[Any, ...] = ()
+    choices: tuple[Value, ...] = ()
     allow: frozenset[str] = frozenset()
     unit: str = ""
     whole: bool = False
 
-    def check(self) -> Callable[[Any], Any]:
+    def check(self) -> Callable[[Value], Value]:
         """Return a function that returns the value to be stored, or raises ValueError with the expected value."""
         check = _CHECKS[self.kind](self)
         if "none" not in self.allow:
@@ -66,7 +68,7 @@ class Spec(NamedTuple):
             return f" from {_brief(self.low)}{unit} upward"
         return "" if self.high is None else f" up to {_brief(self.high)}{unit}"
 
-    def is_in_range(self, array: NDArray[Any]) -> bool:
+    def is_in_range(self, array: ndarray) -> bool:
         """Whether all numbers of an array are in the range, or special values that are accepted."""
         import numpy as np
 
@@ -84,14 +86,14 @@ def _brief(limit: float) -> str:
     return str(limit) if isinstance(limit, int) else f"{limit:g}"
 
 
-def _number(spec: Spec) -> Callable[[Any], Any]:
+def _number(spec: Spec) -> Callable[[Value], Value]:
     low = -LARGEST if spec.low is None else spec.low
     high = LARGEST if spec.high is None else spec.high
     allow = spec.allow
     whole = spec.whole
     expectation = f"a number{spec.range_text()}"
 
-    def check(value: Any) -> Any:
+    def check(value: Value) -> Value:
         number = value
         if type(value) is not float:
             number = real(value)
@@ -112,12 +114,12 @@ def _number(spec: Spec) -> Callable[[Any], Any]:
     return check
 
 
-def _integer(spec: Spec) -> Callable[[Any], Any]:
+def _integer(spec: Spec) -> Callable[[Value], Value]:
     low = -_INTEGER if spec.low is None else spec.low
     high = _INTEGER - 1 if spec.high is None else spec.high
     expectation = f"an integer{spec.range_text()}"
 
-    def check(value: Any) -> int:
+    def check(value: Value) -> int:
         number = real(value)
         # an integer is compared exactly, not as the nearest float
         if number is None or not math.isfinite(number) or number != math.floor(number) or not low <= int(value) <= high:
@@ -127,7 +129,7 @@ def _integer(spec: Spec) -> Callable[[Any], Any]:
     return check
 
 
-def real(value: Any) -> float | None:
+def real(value: Value) -> float | None:
     """Return a number as a float, infinite if it is too large; None if the value is not a number."""
     if isinstance(value, float):
         return float(value)
@@ -144,7 +146,7 @@ def real(value: Any) -> float | None:
     return None
 
 
-def _boolean(spec: Spec) -> Callable[[Any], object]:
+def _boolean(spec: Spec) -> Callable[[Value], object]:
     def check(value: object) -> bool:
         if isinstance(value, bool) or (type(value) is int and value in (0, 1)) or type(value).__name__ == "bool_":
             return bool(value)
@@ -153,7 +155,7 @@ def _boolean(spec: Spec) -> Callable[[Any], object]:
     return check
 
 
-def _string(spec: Spec) -> Callable[[Any], object]:
+def _string(spec: Spec) -> Callable[[Value], object]:
     choices = spec.choices
 
     def check(value: object) -> str:
@@ -172,8 +174,8 @@ def _one_of(choices: tuple[object, ...], value: object) -> str:
     return f"one of {', '.join(map(repr, choices))}" + (f"; did you mean {near!r}?" if near else "")
 
 
-def _dictionary(spec: Spec) -> Callable[[Any], object]:
-    def check(value: object) -> Any:
+def _dictionary(spec: Spec) -> Callable[[Value], object]:
+    def check(value: object) -> Value:
         if not isinstance(value, dict):
             raise ValueError("an object such as {...}")
         check_plain(value, spec.allow)
@@ -182,10 +184,10 @@ def _dictionary(spec: Spec) -> Callable[[Any], object]:
     return check
 
 
-def _any(spec: Spec) -> Callable[[Any], object]:
+def _any(spec: Spec) -> Callable[[Value], object]:
     choices = spec.choices
 
-    def check(value: object) -> Any:
+    def check(value: object) -> Value:
         check_plain(value, spec.allow)
         if choices and value not in choices:
             raise ValueError(_one_of(choices, value))
@@ -194,14 +196,14 @@ def _any(spec: Spec) -> Callable[[Any], object]:
     return check
 
 
-def _list(spec: Spec) -> Callable[[Any], object]:
+def _list(spec: Spec) -> Callable[[Value], object]:
     item = _number(spec._replace(shape=None, allow=spec.allow - {"none"}))
     if spec.shape is not None:
         return array_check(spec.shape, spec.dtype, item, spec.is_in_range, spec.range_text())
     return list_check(spec.least, item, spec.allow, spec.range_text())
 
 
-_CHECKS: dict[str, Callable[[Spec], Callable[[Any], Any]]] = {
+_CHECKS: dict[str, Callable[[Spec], Callable[[Value], Value]]] = {
     "number": _number,
     "integer": _integer,
     "boolean": _boolean,

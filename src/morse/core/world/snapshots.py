@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, Self
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,6 +41,10 @@ class Snapshot(Protocol):
 
     def rotations(self) -> NDArray[np.float64]:
         """Return the rotations (N, 9) in the world, row by row."""
+
+    @classmethod
+    def poses_at(cls, moments: Sequence[Self]) -> tuple[Sequence[NDArray[np.float64]], Sequence[NDArray[np.float64]]]:
+        """Return the poses (R, N) of the objects at several moments: 3 coordinates, 9 numbers of the rotations."""
 
 
 class Fleet(Protocol):

@@ -13,10 +13,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.core.object import Object
+    from morse.core.rows.rows import Rows
     from morse.core.sensor import Sensor
 
 
-def arranged(components: Sequence[Object], act: Callable[[Sequence[Object]], None]) -> list[Any]:
+def arranged(components: Sequence[Object], act: Callable[[Sequence[Object | Rows[Any]]], None]) -> list[Any]:
     """Return components in the order of their actions, with those of a class whose members may be rows in one entry.
 
     Actuators of a robot with several actuators keep their position in the order, because the last one takes precedence.
@@ -38,7 +39,7 @@ def arranged(components: Sequence[Object], act: Callable[[Sequence[Object]], Non
     return [_rows(entry, act) if isinstance(entry, list) else entry for entry in order]
 
 
-def _rows(members: Sequence[Object], act: Callable[[Sequence[Object]], None]) -> ActuatorRows | SensorRows:
+def _rows(members: Sequence[Object], act: Callable[[Sequence[Object | Rows[Any]]], None]) -> ActuatorRows | SensorRows:
     if isinstance(members[0], Actuator):
         return ActuatorRows(cast("Sequence[Actuator]", members), act)
     return SensorRows(cast("Sequence[Sensor]", members), act)

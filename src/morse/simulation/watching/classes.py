@@ -15,8 +15,7 @@ from morse.simulation.watching.dependents import to_renew
 from morse.simulation.watching.inheritance import Inheritance
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from morse.core.object import Object
     from morse.core.robot import Robot

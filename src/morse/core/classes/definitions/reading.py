@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import ast
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+    from morse.core.values import Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,8 +28,8 @@ class Definition:
     name: str
     doc: str | None
     bases: tuple[str, ...]
-    attributes: dict[str, Any]
-    defaults: dict[str, list[dict[str, Any]]]
+    attributes: dict[str, Value]
+    defaults: dict[str, list[dict[str, Value]]]
 
 
 def definitions(text: bytes, name: str) -> list[Definition]:
@@ -87,7 +89,7 @@ def _assignments(definition: ast.ClassDef) -> Iterator[tuple[str, ast.expr]]:
             yield statement.target.id, statement.value
 
 
-def _literals(values: Iterator[tuple[str, ast.expr]]) -> dict[str, object]:
+def _literals(values: Iterator[tuple[str, ast.expr]]) -> dict[str, Value]:
     literals = {}
     for name, value in values:
         try:
@@ -97,14 +99,14 @@ def _literals(values: Iterator[tuple[str, ast.expr]]) -> dict[str, object]:
     return literals
 
 
-def _declared_defaults(cls: ast.ClassDef, attribute: str) -> Iterator[dict[str, object]]:
+def _declared_defaults(cls: ast.ClassDef, attribute: str) -> Iterator[dict[str, Value]]:
     for name, value in _assignments(cls):
         if name == attribute:
             calls = value.elts if isinstance(value, (ast.Tuple, ast.List)) else [value]
             yield from (_arguments(call) for call in calls if isinstance(call, ast.Call))
 
 
-def _arguments(call: ast.Call) -> dict[str, Any]:
+def _arguments(call: ast.Call) -> dict[str, Value]:
     function = call.func.id if isinstance(call.func, ast.Name) else ""
     # the first argument without a keyword: the name of a product, the model of a robot
     first = "model" if function == "RobotDefaults" else "name"
