@@ -6,7 +6,7 @@ Photos, rates of messages and uploads that have not ended are not saved.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 
@@ -16,13 +16,14 @@ from morse.middleware.mavlink.autopilot.modes import mode_of_custom
 from morse.middleware.mavlink.autopilot.setpoints import Setpoint  # noqa: TC001  msgspec reads it
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
 
     from morse.core.values import Fields
     from morse.middleware.mavlink.autopilot.flight import Flight
     from morse.middleware.mavlink.autopilot.gimbal import Gimbal
     from morse.middleware.mavlink.autopilot.parameters import Parameters
 
+#: m
+_FARTHEST = 1e7
 _Point = tuple[float, float, float]
 #: commands of a helm: numbers and vectors
 _Slots = dict[str, float | tuple[float, ...]]
@@ -34,7 +35,7 @@ class SavedFlight(msgspec.Struct, forbid_unknown_fields=True):
     mode: int
     is_armed: bool
     is_commanded: bool
-    landed: int
+    landed: Annotated[int, msgspec.Meta(ge=0, le=4)]
     home: _Point
     _ground: float
     _goal: _Point
@@ -145,7 +146,7 @@ def checked(state: object) -> SavedAutopilot:
         raise StateError(f"mavlink: the saved state of an autopilot is damaged: {error}") from None
     modes = [saved.flight.mode, *([] if saved.failsafe._instead is None else [saved.failsafe._instead])]
     items, index = saved.mission.items, saved.mission.current
-    if not (all(map(mode_of_custom, modes)) and 0 <= index < max(1, len(items)) and _is_finite(saved)):
+    if not (all(map(mode_of_custom, modes)) and 0 <= index < max(1, len(items)) and _is_possible(saved)):
         raise StateError("mavlink: the saved state of an autopilot is damaged: it has no such mode, item or number")
     return saved
 
@@ -184,8 +185,11 @@ def _plain(slots: Fields) -> _Slots:
     }
 
 
-def _is_finite(saved: SavedAutopilot) -> bool:
-    """Whether what the autopilot steers by is finite."""
+def _is_possible(saved: SavedAutopilot) -> bool:
+    """Whether what the autopilot steers by are finite numbers, and places of a world."""
     flight = saved.flight
-    numbers: Sequence[float] = (*flight.home, *flight._goal, flight._yaw, *flight._sticks, flight._lowest)
-    return all(map(math.isfinite, numbers))
+    places = [flight.home, flight._goal, saved.mission._goal, saved.mission._from, saved.follow._target]
+    places += [saved.gimbal._place, *(helm._goal for helm in saved.helms)]
+    numbers = (*(x for place in places if place is not None for x in place), flight._yaw, *flight._sticks)
+    # a comparison with NaN is false
+    return all(abs(number) <= _FARTHEST for number in numbers) and math.isfinite(flight._lowest)
