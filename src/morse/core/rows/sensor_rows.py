@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from morse.core.guard import publish
 from morse.core.rows.rows import Rows, waiting
@@ -123,7 +123,8 @@ class SensorRows(Rows[Sensor]):
             own = vars(member)
             own["local_data"] = data
             try:
-                self._measure(row, self._rows[row], data, last)
+                # the rows are empty while they are released
+                self._measure(row, cast("Sensor", member), data, last)
             except BaseException as error:
                 self._guard.deactivate(member, error)
             own.pop("local_data", None)
