@@ -201,7 +201,7 @@ def test_deleting_keeps_the_children_in_place() -> None:
     with pytest.raises(MorseBuilderNoComponentError):
         bpymorse.delete("vase")
     with pytest.raises(MorseBuilderError, match="body of a"):
-        bpymorse.delete(table._bpy_object)
+        bpymorse.delete(vase._bpy_object)
 
 
 def test_deleting_something_of_the_environment() -> None:
