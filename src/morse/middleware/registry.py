@@ -107,31 +107,31 @@ def _ours(package: str) -> Middleware | None:
     mapping = f"{package}.mapping"
     if find_spec(mapping) is None:
         return None
-    described: Middleware = import_module(mapping).MIDDLEWARE
-    return described
+    entry: Middleware = import_module(mapping).MIDDLEWARE
+    return entry
 
 
 def _brought(point: EntryPoint) -> Middleware:
     try:
-        described = point.load()
+        entry = point.load()
     except Exception as error:  # the package is third-party code
         raise MorseMiddlewareError(
             f"the middleware '{point.name}' of an installed package ({point.value}) cannot be loaded: "
             f"{type(error).__name__}: {error}"
         ) from None
-    if not isinstance(described, Middleware):
+    if not isinstance(entry, Middleware):
         raise MorseMiddlewareError(
             f"the entry point '{point.name}' of {_GROUP} ({point.value}) is not a morse.middleware.registry.Middleware"
         )
-    return described
+    return entry
 
 
 def installed() -> dict[str, Middleware]:
     """The middlewares of this installation by name; the log names those that cannot be loaded."""
     middlewares = {}
     for info in pkgutil.iter_modules(morse.middleware.__path__, "morse.middleware."):
-        if info.ispkg and (described := _ours(info.name)) is not None:
-            middlewares[described.name] = described
+        if info.ispkg and (entry := _ours(info.name)) is not None:
+            middlewares[entry.name] = entry
     for point in entry_points(_GROUP):
         try:
             middlewares.setdefault(point.name, _brought(point))
@@ -147,10 +147,10 @@ def missing_modules(managers: Collection[str]) -> list[str]:
         managers: class paths of stream and request managers.
     """
     return [
-        f"{described.name}: the Python module '{module}' is not installed"
-        for described in installed().values()
-        if {described.stream_manager, described.request_manager} & set(managers)
-        for module in described.modules
+        f"{entry.name}: the Python module '{module}' is not installed"
+        for entry in installed().values()
+        if {entry.stream_manager, entry.request_manager} & set(managers)
+        for module in entry.modules
         if find_spec(module) is None
     ]
 
@@ -162,8 +162,8 @@ def middleware(name: str) -> Middleware:
         MorseMiddlewareError: it is unknown, not installed or broken.
     """
     package = f"morse.middleware.{name}"
-    if name.isidentifier() and find_spec(package) is not None and (described := _ours(package)) is not None:
-        return described
+    if name.isidentifier() and find_spec(package) is not None and (entry := _ours(package)) is not None:
+        return entry
     for point in entry_points(_GROUP):
         if point.name == name:
             return _brought(point)
@@ -231,5 +231,5 @@ def middleware_of_stream_manager(classpath: str) -> Middleware | None:
 @cache
 def needs_network(classpath: str) -> bool:
     """Whether a stream manager opens connections, as far as is known."""
-    described = middleware_of_stream_manager(classpath)
-    return described is None or described.needs_network
+    entry = middleware_of_stream_manager(classpath)
+    return entry is None or entry.needs_network

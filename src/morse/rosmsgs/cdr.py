@@ -346,12 +346,12 @@ class _Rows:
 
     def __init__(self, count: int) -> None:
         self._count = count
-        self._shared = bytearray(_HEADER)
+        self._common = bytearray(_HEADER)
         self._columns: list[tuple[int, NDArray[np.uint8]]] = []
 
     def joined(self) -> NDArray[np.uint8]:
-        table = np.empty((self._count, len(self._shared)), dtype=np.uint8)
-        table[:] = np.frombuffer(self._shared, dtype=np.uint8)
+        table = np.empty((self._count, len(self._common)), dtype=np.uint8)
+        table[:] = np.frombuffer(self._common, dtype=np.uint8)
         for begin, column in self._columns:
             size = column.shape[1]
             if size in _SIZES and self._count:  # one number is copied as a number, not byte by byte
@@ -372,13 +372,13 @@ class _Rows:
         if field.type in PRIMITIVES and getattr(value, "ndim", 0) == (1 if field.size == SINGLE else 2):
             self._put_column(field, value)
         elif field.type in PRIMITIVES or field.type == "string":
-            _writer(field)(self._shared, value)
+            _writer(field)(self._common, value)
         elif field.size == SINGLE:
             self.put_struct(field.type, value or {})
         else:
             items = value or ()
             if field.size == SEQUENCE:
-                _write_count(self._shared, len(items))
+                _write_count(self._common, len(items))
             for item in items:
                 self.put_struct(field.type, item)
 
@@ -393,13 +393,13 @@ class _Rows:
             if not exact.all():
                 raise OverflowError(f"field '{field.name}' has a number that does not fit {field.type}")
         elif field.size == SEQUENCE:
-            _write_count(self._shared, items)
+            _write_count(self._common, items)
         elif field.size != items:
             raise ValueError(f"field '{field.name}' has {field.size} items, not {items}")
         if items:
-            _align(self._shared, dtype.itemsize)
-            self._columns.append((len(self._shared), numbers.view(np.uint8)))
-            self._shared += bytes(items * dtype.itemsize)
+            _align(self._common, dtype.itemsize)
+            self._columns.append((len(self._common), numbers.view(np.uint8)))
+            self._common += bytes(items * dtype.itemsize)
 
 
 # -- reading -----------------------------------------------------------------------------------

@@ -170,8 +170,8 @@ class ComponentMessages:
             message: of the sensor.
             mounting: pose of the sensor on the robot; None for the present one.
         """
-        known, motion = self._known_motion
-        if mounting is None and message is known:  # a message is used for the frames and for its own topic
+        key, motion = self._known_motion
+        if mounting is None and message is key:  # a message is used for the frames and for its own topic
             return motion  # type: ignore[no-any-return]
         sensor = pose_of(message.position, message.orientation)
         motion = motion_of_robot(sensor, message.linear, message.angular, mounting or self.mounting())

@@ -157,9 +157,9 @@ def messages() -> dict[str, tuple[MessageField, ...]]:
 
 
 def _field(text: str) -> MessageField:
-    declared, _, default = text.partition(" = ")
-    spelled, _, name = declared.strip().partition(" ")
-    kind, bracket, length = spelled.rstrip("]").partition("[")
+    declaration, _, default = text.partition(" = ")
+    spelling, _, name = declaration.strip().partition(" ")
+    kind, bracket, length = spelling.rstrip("]").partition("[")
     size = SINGLE if not bracket else int(length or SEQUENCE)
     return MessageField(name, _full(kind), size, float(default or 0))
 
@@ -182,15 +182,15 @@ def definition(type_name: str) -> str:
     Raises:
         MorseMiddlewareError: there is no such message.
     """
-    needed, waiting = [type_name], [type_name]
+    names, waiting = [type_name], [type_name]
     while waiting:
         inner = [field.type for field in fields_of(waiting.pop(0)) if "/" in field.type]
-        new = [name for name in dict.fromkeys(inner) if name not in needed]
-        needed += new
+        new = [name for name in dict.fromkeys(inner) if name not in names]
+        names += new
         waiting += new
     return _SEPARATOR.join(
         (f"MSG: {_short(name)}\n" if name != type_name else "") + "\n".join(map(_line, fields_of(name)))
-        for name in needed
+        for name in names
     )
 
 

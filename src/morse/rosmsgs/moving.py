@@ -109,11 +109,11 @@ def placed(obj: Body, offset: Sequence[float]) -> Transformation3d:
 
 def joints_of(robot: Robot, names: Names) -> list[Joint]:
     """All joints of a robot and its components; joints of two components with the same name contain the component."""
-    carried = [one for one in robot.context.components.values() if one.robot_parent is robot]
-    owners = [(owner, list(owner.moving_parts())) for owner in (robot, *carried)]
+    components = [one for one in robot.context.components.values() if one.robot_parent is robot]
+    owners = [(owner, list(owner.moving_parts())) for owner in (robot, *components)]
     names_of_joints = [part.joint for _, parts in owners for part in parts]
     base = names.base(robot)
-    reserved = {names.own(one) for one in carried} | {names.odom(robot), base}
+    frames = {names.own(one) for one in components} | {names.odom(robot), base}
     #: object of a part to its frame, and the offset of the frame
     above: dict[int, tuple[str, object, Sequence[float]]] = {}
     joints: list[Joint] = []
@@ -125,9 +125,9 @@ def joints_of(robot: Robot, names: Names) -> list[Joint]:
                 above[id(part.object)] = (base, robot.bge_object, _NOTHING)
                 continue
             frame = names.link(robot, part.frame) if part.frame else names.part(owner, part.joint)
-            if part.frame and frame in reserved:
+            if part.frame and frame in frames:
                 frame = names.part(owner, part.frame)
-            reserved.add(frame)
+            frames.add(frame)
             above[id(part.object)] = (frame, part.object, part.offset)
             name = _name(owner, part.joint, single=names_of_joints.count(part.joint) == 1)
             joints.append(Joint(owner, name, part, frame, parent, against, shift))

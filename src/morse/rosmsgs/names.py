@@ -73,11 +73,11 @@ class Names:
         """Whether the names do not contain the robot."""
         return self._namespace is not None or self._prefix is not None
 
-    def namespace(self, robot: Robot, given: str | None = None) -> str:
+    def namespace(self, robot: Robot, name: str | None = None) -> str:
         """``/robot``, or an empty string for none."""
-        text = self._namespace if given is None else given
-        if given:
-            checked_topic(given, f"{robot.name()}: the option 'namespace'")
+        text = self._namespace if name is None else name
+        if name:
+            checked_topic(name, f"{robot.name()}: the option 'namespace'")
         return "/" + text.strip("/") if text else "" if text == "" else "/" + _part(robot.name())
 
     def topic(self, component: Object, options: Options) -> str:

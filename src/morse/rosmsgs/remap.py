@@ -58,7 +58,7 @@ class Remaps:
 
     def __init__(self, option: str | Mapping[str, object] | None, folders: Iterable[str] = ()) -> None:
         self._by_topic: dict[str, Remap] = {}
-        self._unused: dict[str, str] = {}
+        self._rest: dict[str, str] = {}
         self._topics: set[str] = set()
         entries = _read(_path(option, folders)) if isinstance(option, str) else _of_script(option or {})
         for topic, value, where in entries:
@@ -66,7 +66,7 @@ class Remaps:
             if name in self._by_topic:
                 raise MorseMiddlewareError(f"{where}: the topic {shown(name)} is there twice")
             self._by_topic[name] = _remap(value, where)
-            self._unused[name] = where
+            self._rest[name] = where
 
     def apply(self, topic: str, qos: Qos) -> tuple[str, Qos]:
         """The name and the quality of service of a topic."""
@@ -76,15 +76,15 @@ class Remaps:
         change = self._by_topic.get(topic)
         if change is None:
             return topic, qos
-        self._unused.pop(topic, None)
+        self._rest.pop(topic, None)
         changes = {name: getattr(change, name) for name in qos._fields if getattr(change, name) is not None}
         return change.topic or topic, qos._replace(**changes)
 
     def unused(self) -> Iterator[str]:
         """Iterate once over what is wrong with names that no topic has."""
-        for topic, where in self._unused.items():
+        for topic, where in self._rest.items():
             yield f"{where}: there is no topic {shown(topic)}{nearest(topic, self._topics)}"
-        self._unused = {}
+        self._rest = {}
 
 
 def _path(name: str, folders: Iterable[str]) -> Path:
@@ -172,6 +172,6 @@ def _remap(value: object, where: str) -> Remap:
 
 def _word(key: str, value: Any, words: Mapping[str, bool], where: str) -> bool:
     if value not in words:
-        expected = " or ".join(words)
-        raise MorseMiddlewareError(f"{where}: {key} is {shown(value)}, expected {expected}{nearest(value, words)}")
+        choice = " or ".join(words)
+        raise MorseMiddlewareError(f"{where}: {key} is {shown(value)}, expected {choice}{nearest(value, words)}")
     return words[value]

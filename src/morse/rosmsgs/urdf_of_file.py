@@ -15,20 +15,20 @@ if TYPE_CHECKING:
 
 
 def describe_file(
-    text: str, base: str, named: Callable[[str], str], joints: list[Joint], components: Mapping[str, Carried]
+    text: str, base: str, rename: Callable[[str], str], joints: list[Joint], components: Mapping[str, Carried]
 ) -> str:
     """The text of a URDF file with the names of frames as links.
 
     Args:
         text: of the file.
         base: frame of the robot.
-        named: the frame of a link.
+        rename: the frame of a link.
         joints: joints of the robot, parents first.
         components: its components by frame.
     """
     model = ElementTree.fromstring(text)
     for element, attribute in _links(model):
-        element.set(attribute, named(element.get(attribute, "")))
+        element.set(attribute, rename(element.get(attribute, "")))
     links = {element.get("name", "") for element in model.findall("link")}
     if base not in links:
         ElementTree.SubElement(model, "link", name=base)
@@ -48,8 +48,8 @@ def describe_file(
 
 def _links(model: Any) -> list[tuple[Any, str]]:
     """The elements that name links, and the attributes with the names."""
-    named = [(one, "name") for one in model.findall("link")]
+    elements = [(one, "name") for one in model.findall("link")]
     for joint in model.findall("joint"):
-        named += [(end, "link") for end in (joint.find("parent"), joint.find("child")) if end is not None]
-    named += [(one, "reference") for one in model.findall("gazebo") if one.get("reference")]
-    return named + [(one, "link") for one in model.findall("sensor/parent")]
+        elements += [(end, "link") for end in (joint.find("parent"), joint.find("child")) if end is not None]
+    elements += [(one, "reference") for one in model.findall("gazebo") if one.get("reference")]
+    return elements + [(one, "link") for one in model.findall("sensor/parent")]

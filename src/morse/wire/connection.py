@@ -61,10 +61,10 @@ class Connection:
         self._chunk = _CHUNK
         self._reading = self._writing = False
         #: whether bytes are wanted; they are not read while the peer rests
-        self._wanted = False
+        self._is_watching = False
         self._sender = network.arrivals.sender()
         self._resting: asyncio.TimerHandle | None = None
-        self._slow = self._closing = self._ended = False
+        self._slow = self._closing = self._has_ended = False
         self.high_water = _HIGH_WATER
         sock.setblocking(False)
         with contextlib.suppress(OSError):  # the peer may have disconnected
@@ -81,22 +81,22 @@ class Connection:
 
     def is_closing(self) -> bool:
         """Whether the connection is closed or closing."""
-        return self._closing or self._ended
+        return self._closing or self._has_ended
 
     # -- reading -----------------------------------------------------------------------------
 
     def pause_reading(self) -> None:
         """Stop reading for a while: the peer has to wait when the buffers of the system are full."""
-        self._wanted = False
+        self._is_watching = False
         self._watch_readable()
 
     def resume_reading(self) -> None:
         """Continue reading."""
-        self._wanted = True
+        self._is_watching = True
         self._watch_readable()
 
     def _watch_readable(self) -> None:
-        reading = self._wanted and self._resting is None and not self.is_closing()
+        reading = self._is_watching and self._resting is None and not self.is_closing()
         if reading == self._reading:
             return
         self._reading = reading
@@ -181,11 +181,11 @@ class Connection:
             self._slow = False
             self._listener.resume_writing()
 
-    def _watch_writable(self, wanted: bool) -> None:
-        if wanted != self._writing:
-            self._writing = wanted
+    def _watch_writable(self, on: bool) -> None:
+        if on != self._writing:
+            self._writing = on
             loop = self._network.loop
-            if wanted:
+            if on:
                 loop.add_writer(self._socket, self._writable)
             else:
                 loop.remove_writer(self._socket)
@@ -203,15 +203,15 @@ class Connection:
 
     def abort(self) -> None:
         """Close immediately; the peer is notified by a reset."""
-        if not self._ended:
+        if not self._has_ended:
             with contextlib.suppress(OSError):
                 self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
         self._end(None)
 
     def _end(self, error: OSError | None) -> None:
-        if self._ended:
+        if self._has_ended:
             return
-        self._ended = True
+        self._has_ended = True
         self.pause_reading()
         self._end_rest()
         self._watch_writable(False)

@@ -34,43 +34,43 @@ class Inbox:
         self._lines: deque[bytes] = deque()
         self._early = 0
         self._bytes = 0
-        self._dropped = 0
+        self._losses = 0
 
     def __bool__(self) -> bool:
-        return bool(self._lines or self._dropped)
+        return bool(self._lines or self._losses)
 
     def put(self, line: bytes, *, early: bool = False) -> None:
         """Add a message; an ``early`` one, and those after it, wait for one more tick."""
         with self._lock:
             self.arrived.add(True)
             if self.budget is not None and not self.budget.take(len(line)):
-                self._dropped += 1
+                self._losses += 1
                 return
             self._lines.append(line)
             self._bytes += len(line)
             self._early += early or self._early > 0
             while len(self._lines) > 1 and (len(self._lines) > _MAX_LINES or self._bytes > _MAX_BYTES):
                 self._forget(len(self._lines.popleft()))
-                self._dropped += 1
+                self._losses += 1
                 self._early = min(self._early, len(self._lines))
 
     def put_all(self, lines: list[bytes], *, early: bool = False) -> None:
         """Add messages, oldest first; of a flood, only the last ones are looked at."""
         if len(lines) > _MAX_LINES:
             with self._lock:
-                self._dropped += len(lines) - _MAX_LINES
+                self._losses += len(lines) - _MAX_LINES
         for line in lines[-_MAX_LINES:]:
             self.put(line, early=early)
 
     def take(self) -> tuple[list[bytes], int]:
         """The messages since the last call, oldest first, and the number of dropped messages."""
         with self._lock:
-            lines, dropped = [self._lines.popleft() for _ in range(len(self._lines) - self._early)], self._dropped
+            lines, losses = [self._lines.popleft() for _ in range(len(self._lines) - self._early)], self._losses
             if not self._early:
                 self.arrived.clear()
             self._forget(sum(map(len, lines)))
-            self._early = self._dropped = 0
-        return lines, dropped
+            self._early = self._losses = 0
+        return lines, losses
 
     def clear(self) -> None:
         """Discard all messages."""

@@ -122,8 +122,8 @@ class FoxgloveClient(HubClient):
         self.offer("time", frames.time(stamp), 1)
 
     def _subscribe(self, message: RosMessage) -> None:
-        offered = self.hub.topics.offered.values() if self.hub.topics is not None else ()
-        by_number = {topic.number: topic for topic in offered}
+        topics = self.hub.topics.offered.values() if self.hub.topics is not None else ()
+        by_number = {topic.number: topic for topic in topics}
         for one in _records(message, "subscriptions"):
             number, channel = _number(one, "id"), _number(one, "channelId")
             topic = by_number.get(channel)
@@ -166,13 +166,13 @@ class FoxgloveClient(HubClient):
             if self._channels.pop(number, None) is not None:
                 self.release(_LONGEST_TOPIC)
 
-    def _publish(self, published: frames.Published) -> None:
-        topic = self._channels.get(published.channel)
+    def _publish(self, request: frames.Published) -> None:
+        topic = self._channels.get(request.channel)
         if topic is None:
-            raise ValueError(f"the channel {published.channel} was not advertised")
+            raise ValueError(f"the channel {request.channel} was not advertised")
         subscription = self.hub.topics.heard.get(topic) if self.hub.topics is not None else None
         for inlet in subscription.inlets if subscription is not None else ():
-            inlet.put(published.data)
+            inlet.put(request.data)
 
     # -- services ----------------------------------------------------------------------------
 
@@ -229,11 +229,11 @@ class FoxgloveClient(HubClient):
         # an answer is due if the client has given an id
         self._ask(SET, _Asked(_id(message), told="id" in message), _records(message, "parameters"))
 
-    def _ask(self, what: str, call: _Asked, given: list[Any]) -> None:
+    def _ask(self, what: str, call: _Asked, values: list[Any]) -> None:
         if self.hub.requests is None:
             self._say(op="parameterValues", parameters=[], **call.id)
             return
-        self.hub.requests.call(self, call, what, msgspec.json.encode(given))
+        self.hub.requests.call(self, call, what, msgspec.json.encode(values))
 
     def _answer_parameters(self, call: _Asked, error: str | None, value: bytes) -> None:
         if error is not None:

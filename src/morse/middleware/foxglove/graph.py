@@ -49,10 +49,10 @@ def update(before: Mapping[str, Table], now: Mapping[str, Table]) -> RosMessage 
     """The message with the changes of a graph, or None if there are none."""
     message: RosMessage = {}
     for key, ids in _KEYS.items():
-        changed = {name: now[key].get(name, frozenset()) for name in before[key].keys() | now[key].keys()}
+        changes = {name: now[key].get(name, frozenset()) for name in before[key].keys() | now[key].keys()}
         message[key] = [
             {"name": name, ids: sorted(nodes)}
-            for name, nodes in sorted(changed.items())
+            for name, nodes in sorted(changes.items())
             if nodes != before[key].get(name, frozenset())
         ]
     names = [before[key].keys() - now[key].keys() for key in _KEYS]

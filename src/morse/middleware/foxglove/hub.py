@@ -64,11 +64,11 @@ class FoxgloveHub(Hub):
 
     def arguments_of(self, path: str) -> RosMessage:
         """The arguments of a service as JSON schema."""
-        offered = None
+        service = None
         if self.requests is not None and path in self.requests.paths:
-            offered = self.requests.find(*self.requests.paths[path])
-        parameters = signature_of(offered.callback).parameters if offered is not None else {}
-        needed = [
+            service = self.requests.find(*self.requests.paths[path])
+        parameters = signature_of(service.callback).parameters if service is not None else {}
+        missing = [
             name for name, one in parameters.items() if one.default is one.empty and one.kind < one.VAR_POSITIONAL
         ]
-        return {"type": "object", "properties": {name: {} for name in parameters}, "required": needed}
+        return {"type": "object", "properties": {name: {} for name in parameters}, "required": missing}

@@ -63,28 +63,28 @@ def _column(panels: list[RosMessage]) -> RosMessage:
     return _split("column", [(1.0, one) for one in panels])
 
 
-def _three_dimensions(published: Mapping[str, str]) -> RosMessage:
-    described = [name for name in published if name.rpartition("/")[2] == "robot_description"]
-    shown = [name for name, kind in published.items() if kind in _SHOWN]
-    topics = {name: {"visible": True} for name in sorted([*described, *shown])}
+def _three_dimensions(types: Mapping[str, str]) -> RosMessage:
+    models = [name for name in types if name.rpartition("/")[2] == "robot_description"]
+    visible = [name for name, kind in types.items() if kind in _SHOWN]
+    topics = {name: {"visible": True} for name in sorted([*models, *visible])}
     grid = {"layerId": "foxglove.Grid", "instanceId": "grid", "visible": True, "size": 20, "divisions": 20}
     config = {"fixedFrame": "map", "followMode": "follow-none", "layers": {"grid": grid}, "topics": topics}
     return _panel("ThreeDee", config)
 
 
-def _images(published: Mapping[str, str]) -> list[RosMessage]:
+def _images(topics: Mapping[str, str]) -> list[RosMessage]:
     panels = []
-    for name in sorted(name for name, kind in published.items() if kind == _IMAGE):
+    for name in sorted(name for name, kind in topics.items() if kind == _IMAGE):
         mode = {"imageTopic": name}
         info = f"{name.rpartition('/')[0]}/camera_info"
-        if published.get(info) == _INFO:
+        if topics.get(info) == _INFO:
             mode["calibrationTopic"] = info
         panels.append(_panel("Image", {"imageMode": mode}))
     return panels
 
 
-def _plot(published: Mapping[str, str]) -> RosMessage:
-    topic = _first(published, _ODOMETRY)
+def _plot(topics: Mapping[str, str]) -> RosMessage:
+    topic = _first(topics, _ODOMETRY)
     fields = ("twist.twist.linear.x", "twist.twist.angular.z")
     paths = [{"value": f"{topic}.{field}", "timestampMethod": "headerStamp", "enabled": True} for field in fields]
     return _panel("Plot", {"paths": paths})

@@ -70,7 +70,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         self._dialect = common
         self.axes = {name: Axes(name) for name in ("nwu", "enu", "ned")}
         self.axes["world"] = self.axes[self.options["world"]]
-        self._wanted = {getattr(common, f"MAVLINK_MSG_ID_{name}") for name in (*COMMANDS, *MESSAGES, "HEARTBEAT")}
+        self._message_ids = {getattr(common, f"MAVLINK_MSG_ID_{name}") for name in (*COMMANDS, *MESSAGES, "HEARTBEAT")}
         self._links: dict[str, Link] = {}
         self._framers: dict[str, dict[object, Framer]] = {}
         self._vehicles: dict[tuple[str, str], Vehicle] = {}
@@ -92,12 +92,12 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
 
     def _vehicle(self, body: Object | Carrier, device: str, wanted: int | None) -> Vehicle:
         robot = body.name()
-        known = self._vehicles.get((robot, device))
-        if known is not None:
-            if wanted not in (None, known.system):
-                raise MorseMiddlewareError(f"mavlink: {robot} has the system_id {known.system} already, not {wanted}")
-            known.robot = body
-            return known
+        present = self._vehicles.get((robot, device))
+        if present is not None:
+            if wanted not in (None, present.system):
+                raise MorseMiddlewareError(f"mavlink: {robot} has the system_id {present.system} already, not {wanted}")
+            present.robot = body
+            return present
         if device not in self._links:
             self._links[device] = open_link(device)
             self._framers[device] = {}
@@ -187,7 +187,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
                 if sender not in framers:
                     self._greet(device)
                 # the one that has not been used for longest comes first, and is forgotten first
-                framer = framers.pop(sender) if sender in framers else Framer(self._wanted)
+                framer = framers.pop(sender) if sender in framers else Framer(self._message_ids)
                 framers[sender] = framer
                 if len(framers) > _MOST_FRAMERS:
                     del framers[next(iter(framers))]

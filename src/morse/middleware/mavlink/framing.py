@@ -33,11 +33,11 @@ class Framer:
     """Keeps an incomplete message until the rest arrives.
 
     Args:
-        wanted: ids of the message types to search for; the bytes of others are skipped.
+        ids: ids of the message types to search for; the bytes of others are skipped.
     """
 
-    def __init__(self, wanted: Collection[int]) -> None:
-        self._starts = _starts(frozenset(wanted))
+    def __init__(self, ids: Collection[int]) -> None:
+        self._starts = _starts(frozenset(ids))
         self._rest = b""
         #: the candidates in the rest up to this one are known
         self._looked_at = 0
@@ -66,9 +66,9 @@ class Framer:
 
 
 @cache
-def _starts(wanted: frozenset[int]) -> re.Pattern[bytes]:
+def _starts(messages: frozenset[int]) -> re.Pattern[bytes]:
     """Matches the first byte of a message of wanted types, also of one whose type has not arrived."""
-    ids = [number.to_bytes(3, "little") for number in sorted(wanted)]
+    ids = [number.to_bytes(3, "little") for number in sorted(messages)]
     first = b"|".join(re.escape(number[:1]) for number in ids if number[1:] == b"\0\0") or b"(?!)"
     second = b"|".join(map(re.escape, ids)) or b"(?!)"
     # fewer bytes than a head at the end of the data
@@ -81,8 +81,8 @@ def _frame(data: bytes, at: int) -> Frame | None:
     head = _HEADS[version]
     if len(data) - at < head:
         return None
-    signed = version == V2 and data[at + 2] & _SIGNED
-    end = at + head + data[at + 1] + _CHECKSUM + (_SIGNATURE if signed else 0)
+    has_signature = version == V2 and data[at + 2] & _SIGNED
+    end = at + head + data[at + 1] + _CHECKSUM + (_SIGNATURE if has_signature else 0)
     if end > len(data):
         return None
     number = data[at + 5] if version == V1 else int.from_bytes(data[at + 7 : at + 10], "little")

@@ -46,6 +46,6 @@ class Intake:
         yield from frames[:count]
 
 
-def _room(used: Counter[object], sender: object, most: int) -> int:
-    free = max(_SENDERS * most - used.total(), int(most * _PART) - used[sender])
-    return max(0, min(most - used[sender], free))
+def _room(counts: Counter[object], sender: object, most: int) -> int:
+    free = max(_SENDERS * most - counts.total(), int(most * _PART) - counts[sender])
+    return max(0, min(most - counts[sender], free))

@@ -102,8 +102,8 @@ class UdpLink(Link):
     def _enter(self, peer: _Address, valid: float) -> None:
         """Add a peer; the one that has been silent for longest gives way, but none that speaks MAVLink."""
         if len(self._peers) >= _MOST_PEERS:
-            expired = time.monotonic() - _SPEAKING
-            leaving = next((one for one, last in self._peers.items() if last < expired), None)
+            earliest = time.monotonic() - _SPEAKING
+            leaving = next((one for one, last in self._peers.items() if last < earliest), None)
             if leaving is None:
                 text = f"mavlink: {self.device}: a peer gets no messages: there are {len(self._peers)} others"
                 self._complaints.warn("full", text)
@@ -130,10 +130,10 @@ class _Connection:
     """
 
     def __init__(
-        self, sock: socket.socket, address: tuple[str, int] | None = None, ended: Callable[[_Connection], object] = bool
+        self, sock: socket.socket, address: tuple[str, int] | None = None, leave: Callable[[_Connection], object] = bool
     ) -> None:
-        self._socket, self._ended = sock, ended
-        self._heard = time.monotonic()
+        self._socket, self._leave = sock, leave
+        self._last_time = time.monotonic()
         self.peer = f"{address[0]}:{address[1]}" if address else "?"
         self._valid = -math.inf
         self._rest = bytearray()
@@ -169,7 +169,7 @@ class _Connection:
             self.end()
             return b""
         self._is_greeted = True
-        self._heard = time.monotonic()
+        self._last_time = time.monotonic()
         return data
 
     def _end_unless_busy(self, error: OSError) -> None:
@@ -177,7 +177,7 @@ class _Connection:
             self.end()
 
     def importance(self) -> tuple[float, ...]:
-        return (self._heard,)
+        return (self._last_time,)
 
     def dismiss(self) -> None:
         self.end()
@@ -185,7 +185,7 @@ class _Connection:
     def end(self) -> None:
         self.over = True
         self._socket.close()
-        self._ended(self)
+        self._leave(self)
 
 
 class TcpLink(Link):

@@ -212,8 +212,8 @@ class Telemetry:
             )
         elif radii is not None and m.position is not None:
             metres = [float(angle) * radius for angle, radius in zip(m.position, radii, strict=True)][:_MOST_WHEELS]
-            padded = metres + [0.0] * (_MOST_WHEELS - len(metres))
-            stream.vehicle.measure("wheel_distance", m.stamp // 1000, len(metres), padded)
+            distances = metres + [0.0] * (_MOST_WHEELS - len(metres))
+            stream.vehicle.measure("wheel_distance", m.stamp // 1000, len(metres), distances)
         else:
             self.general(stream, m)
 

@@ -100,7 +100,7 @@ class Vehicle:
         self.measured: set[str] = set()
         self.after_tick: list[Callable[[], object]] = []
         self._numbers: dict[str, int] = {}
-        self._sensed: dict[str, float] = {}
+        self._readings: dict[str, float] = {}
         self._next_heartbeat = 0
         self._in_step = False
         #: whether an autopilot in lockstep has not yet answered the measurements of the last tick
@@ -153,7 +153,7 @@ class Vehicle:
 
     def sense(self, **values: float) -> None:
         """Add fields to the message that contains all sensors of the tick."""
-        self._sensed.update(values)
+        self._readings.update(values)
 
     def answered(self, flags: int) -> None:
         """An autopilot in the loop has sent controls.
@@ -180,21 +180,21 @@ class Vehicle:
         Args:
             stamp: simulated time, ns.
         """
-        sensed, self._sensed = self._sensed, {}
-        if self.hil and "abs_pressure" in sensed:
+        readings, self._readings = self._readings, {}
+        if self.hil and "abs_pressure" in readings:
             # PX4 takes a pressure only together with its altitude and a temperature
-            altitude = _STANDARD[0] * (1.0 - (max(sensed["abs_pressure"], 0.0) / _STANDARD[1]) ** _STANDARD[2])
-            sensed = {"pressure_alt": altitude, "temperature": 15.0 - 0.0065 * altitude, **sensed}
-        if sensed and (self.hil or "xacc" in sensed or "xmag" in sensed):
-            bits = sum(1 << _BITS[name] for name in sensed)
-            values = [sensed.get(name, 0.0) for name in _BITS]
+            altitude = _STANDARD[0] * (1.0 - (max(readings["abs_pressure"], 0.0) / _STANDARD[1]) ** _STANDARD[2])
+            readings = {"pressure_alt": altitude, "temperature": 15.0 - 0.0065 * altitude, **readings}
+        if readings and (self.hil or "xacc" in readings or "xmag" in readings):
+            bits = sum(1 << _BITS[name] for name in readings)
+            values = [readings.get(name, 0.0) for name in _BITS]
             self.send("hil_sensor" if self.hil else "highres_imu", stamp // 1000, *values, bits)
-        self.is_waiting = bool(sensed) and self._in_step
+        self.is_waiting = bool(readings) and self._in_step
         if self.pilot is not None:
             self.pilot.report(stamp)
         elif stamp >= self._next_heartbeat or stamp < self._next_heartbeat - _SECOND:
             self._next_heartbeat = stamp + _SECOND
             self.send("heartbeat", self.kind, self.autopilot, _HIL, 0, _ACTIVE)
-        requested, self.after_tick = self.after_tick, []
-        for send in requested[:_MOST_REQUESTS]:
+        calls, self.after_tick = self.after_tick, []
+        for send in calls[:_MOST_REQUESTS]:
             send()

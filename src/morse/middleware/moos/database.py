@@ -67,16 +67,16 @@ class Database:
 
     def received(self) -> list[tuple[str, float | str]]:
         """Return the variables that have arrived since the last call; log whether there is a database."""
-        connected, refusal = self.connected, self._exchange.refusal
+        is_open, refusal = self.connected, self._exchange.refusal
         self._exchange.refusal = ""
-        if connected and not self._was_connected:
+        if is_open and not self._was_connected:
             self._complaints.log(logging.INFO, "connected", f"moos: connected to the database {self.place}")
-        elif self._was_connected and not connected:
+        elif self._was_connected and not is_open:
             because = f": {refusal}" if refusal else ""
             self._complaints.warn("gone", f"moos: the database {self.place} has disconnected{because}")
         elif refusal:
             self._complaints.warn("refused", f"moos: the database {self.place} is not used: {refusal}")
-        self._was_connected = connected
+        self._was_connected = is_open
         return [
             (message.key, message.val if message.is_double() else message.sval) for message in self._exchange.fetch()
         ]

@@ -137,12 +137,12 @@ class Exchange:
             raise ConnectionError("closed")
         connection.sendall(pack(outgoing or [self._message(constants.MSG_NULL, "")]))
         messages, size = self._receive(connection)
-        arrived = [one for one in messages if one.msg_type != constants.MSG_NULL]
+        news = [one for one in messages if one.msg_type != constants.MSG_NULL]
         with self._lock:
-            self._unread += size if arrived else 0
-            if len(self._incoming) + len(arrived) > MOST_MESSAGES or self._unread > _MOST_BYTES:
+            self._unread += size if news else 0
+            if len(self._incoming) + len(news) > MOST_MESSAGES or self._unread > _MOST_BYTES:
                 raise ConnectionError("it sends more messages than are read")
-            self._incoming += arrived
+            self._incoming += news
         self._is_closed.wait(min(1.0, size / _MOST_PER_SECOND))
 
     def _receive(self, connection: socket.socket) -> tuple[list[MOOSMsg], int]:

@@ -105,7 +105,7 @@ class MqttDatastreamManager(DatastreamManager):
         self.broker.close()
 
 
-def _about(message: Message, carried: str, about: Fields) -> bytes:
-    large = (carried, "point_list", "range_list", "remission_list")
+def _about(message: Message, content: str, about: Fields) -> bytes:
+    large = (content, "point_list", "range_list", "remission_list")
     rest = {name: value for name, value in message.fields.items() if name not in large}
     return _encoder.encode({**rest, **about})

@@ -126,5 +126,5 @@ class LimitedConnections:
 
     def wrap_socket(self, connection: socket.socket, **options: Any) -> _LimitedSocket:
         """The limited form of a new connection."""
-        wrapped = connection if self._encryption is None else self._encryption.wrap_socket(connection, **options)
-        return _LimitedSocket(wrapped, self._refuse)
+        stream = connection if self._encryption is None else self._encryption.wrap_socket(connection, **options)
+        return _LimitedSocket(stream, self._refuse)

@@ -91,7 +91,7 @@ class MqttReader(MqttStream):
         """The messages that have arrived since the last action."""
         if not self._inbox or self.rests:
             return ()
-        messages, lost = self._inbox.take()
-        if lost:
-            self.complain("dropped", f"{lost} messages arrived too fast: newer messages replace them")
+        messages, losses = self._inbox.take()
+        if losses:
+            self.complain("dropped", f"{losses} messages arrived too fast: newer messages replace them")
         return messages

@@ -48,9 +48,9 @@ class ServerConnection:
         self._now = now
         self._socket: socket.socket | None = None
         self._unsent = b""
-        self._received = bytearray()
+        self._buffer = bytearray()
         self._next_attempt = 0.0
-        self._asked: float | None = None
+        self._request_time: float | None = None
         self.is_up = False
         self.problem = ""
 
@@ -64,13 +64,13 @@ class ServerConnection:
             return None
         try:
             answer = self._read()
-            if self._asked is None and self._socket is not None:
-                self._unsent, self._asked = make(), self._now()
+            if self._request_time is None and self._socket is not None:
+                self._unsent, self._request_time = make(), self._now()
             self._send()
         except OSError as error:
             self._end(error.strerror or type(error).__name__)
             return None
-        if self._asked is not None and self._now() - self._asked > _PATIENCE:
+        if self._request_time is not None and self._now() - self._request_time > _PATIENCE:
             self._end("it does not answer")
         return answer
 
@@ -103,16 +103,16 @@ class ServerConnection:
             raise
         if not data:
             raise ConnectionError(errno.ECONNRESET, "it has closed the connection")
-        self._received += data
-        end = self._received.rfind(b"\n")
+        self._buffer += data
+        end = self._buffer.rfind(b"\n")
         if end < 0:
-            if len(self._received) > MAX_LINE:
+            if len(self._buffer) > MAX_LINE:
                 raise ConnectionError(errno.EMSGSIZE, f"its answer is longer than {MAX_LINE} bytes")
             return None
-        begin = self._received.rfind(b"\n", 0, end) + 1
-        line = bytes(self._received[begin:end])
-        del self._received[: end + 1]
-        self._asked = None
+        begin = self._buffer.rfind(b"\n", 0, end) + 1
+        line = bytes(self._buffer[begin:end])
+        del self._buffer[: end + 1]
+        self._request_time = None
         self.is_up, self.problem = True, ""
         return line
 
@@ -133,5 +133,5 @@ class ServerConnection:
         if self._socket is not None:
             self._socket.close()
         self._socket = None
-        self._received.clear()
-        self._unsent, self._asked, self.is_up = b"", None, False
+        self._buffer.clear()
+        self._unsent, self._request_time, self.is_up = b"", None, False

@@ -46,7 +46,7 @@ class Node(Observer):
         self._complaints = Complaints(logger)
         self._sender = context.arrivals.sender()
         self._was_up = False
-        self._applied: dict[str, bytes] = {}
+        self._states: dict[str, bytes] = {}
         logger.info(
             "node '%s': the multi-node server is expected at %s; nodes do not wait for each other, so that a run gives "
             "the same data again only from its recording",
@@ -87,9 +87,9 @@ class Node(Observer):
         others = self._context.external_robots
         for name in others:
             text = poses.get(name)
-            if text is None or self._applied.get(name) == bytes(text):
+            if text is None or self._states.get(name) == bytes(text):
                 continue
-            self._applied[name] = bytes(text)
+            self._states[name] = bytes(text)
             try:
                 self._move(name, read_pose(name, text))
             except Exception as error:
@@ -115,11 +115,11 @@ class Node(Observer):
 
     def restarted(self) -> None:
         """Apply the poses again, because the robots are at their places in the scene."""
-        self._applied.clear()
+        self._states.clear()
 
     def rearranged(self) -> None:
         """Apply the poses again, because another state may have been restored."""
-        self._applied.clear()
+        self._states.clear()
 
     def close(self) -> None:
         """Disconnect."""

@@ -32,9 +32,9 @@ _WAITING, _MOST_ENDED = 64, 64
 
 
 class _Goal:
-    def __init__(self, goal_id: RosObject, begun: int) -> None:
+    def __init__(self, goal_id: RosObject, start: int) -> None:
         self.id, self.status, self.text = goal_id, _ACTIVE, ""
-        self.begun = begun
+        self.begun = start
         self.is_canceled = False
         self.call: Any = None
         self.ended_at = float("inf")
@@ -68,7 +68,7 @@ class ActionServer:
         self._stamped_result = type(action.action_result)
         self.result_class: type[Any] = type(action.action_result.result)
         complaints = Complaints(logging.getLogger(__name__))
-        self._arrived: Waiting[tuple[str, Any]] = Waiting(_WAITING, complaints, f"ros: {path}", "goals")
+        self._inbox: Waiting[tuple[str, Any]] = Waiting(_WAITING, complaints, f"ros: {path}", "goals")
         self._goals: list[_Goal] = []
         self._next = 0.0
         self._now = 0.0
@@ -81,8 +81,8 @@ class ActionServer:
             self._status,
             self._feedback,
             self._result,
-            rospy.Subscriber(f"{path}/goal", type(action.action_goal), lambda m: self._arrived.append(("goal", m))),
-            rospy.Subscriber(f"{path}/cancel", goal_id, lambda m: self._arrived.append(("cancel", m))),
+            rospy.Subscriber(f"{path}/goal", type(action.action_goal), lambda m: self._inbox.append(("goal", m))),
+            rospy.Subscriber(f"{path}/cancel", goal_id, lambda m: self._inbox.append(("cancel", m))),
         ]
 
     def accepts(self, goal: Any) -> bool:
@@ -110,8 +110,8 @@ class ActionServer:
         """Begin and cancel goals as requested, and publish the status."""
         self._now = clock.time
         self._stamp = clock.stamp()
-        for _ in range(len(self._arrived)):
-            what, content = self._arrived.popleft()
+        for _ in range(len(self._inbox)):
+            what, content = self._inbox.popleft()
             if what == "goal":
                 self._take(content)
             else:
@@ -134,30 +134,30 @@ class ActionServer:
             except Exception as error:  # rospy checks the types of fields only when it sends a message
                 self._source.failed(error)
 
-    def _take(self, given: RosObject) -> None:
-        known = next((goal for goal in self._goals if goal.id.id == given.goal_id.id), None)
-        if known is not None:
+    def _take(self, message: RosObject) -> None:
+        present = next((goal for goal in self._goals if goal.id.id == message.goal_id.id), None)
+        if present is not None:
             return  # a duplicate, or cancelled before it arrived
-        if not self.accepts(given.goal):
-            goal = _Goal(given.goal_id, self._stamp)
+        if not self.accepts(message.goal):
+            goal = _Goal(message.goal_id, self._stamp)
             self._goals.append(goal)
             self._close_goal(goal, _REJECTED, self.result((FAILED, "it does not fit"), is_canceled=False))
             return
         for running in [goal for goal in self._goals if goal.status == _ACTIVE and goal.call is not None]:
             self._manager.abort_request(running.call)
         self._manager.answer()
-        goal = _Goal(given.goal_id, self._stamp)
+        goal = _Goal(message.goal_id, self._stamp)
         self._goals.append(goal)
         self._tell()
-        goal.call = self._begin(self.arguments(given.goal), lambda outcome: self._ended(goal, outcome))
+        goal.call = self._begin(self.arguments(message.goal), lambda outcome: self._ended(goal, outcome))
 
-    def _cancel(self, given: RosObject) -> None:
-        everything = not given.id and not given.stamp.to_sec()
-        before = given.stamp.to_sec()
+    def _cancel(self, message: RosObject) -> None:
+        everything = not message.id and not message.stamp.to_sec()
+        before = message.stamp.to_sec()
         for goal in list(self._goals):
             if goal.status != _ACTIVE or goal.call is None:
                 continue
-            if everything or goal.id.id == given.id or (before and goal.id.stamp.to_sec() <= before):
+            if everything or goal.id.id == message.id or (before and goal.id.stamp.to_sec() <= before):
                 goal.is_canceled = True
                 self._manager.abort_request(goal.call)
 
@@ -180,8 +180,8 @@ class ActionServer:
 
     def _tell(self) -> None:
         self._next = self._now + _STATUS_PERIOD
-        ended = [goal for goal in self._goals if goal.status != _ACTIVE and self._now - goal.ended_at < _KEPT]
-        self._goals = [*ended[-_MOST_ENDED:], *(goal for goal in self._goals if goal.status == _ACTIVE)]
+        old = [goal for goal in self._goals if goal.status != _ACTIVE and self._now - goal.ended_at < _KEPT]
+        self._goals = [*old[-_MOST_ENDED:], *(goal for goal in self._goals if goal.status == _ACTIVE)]
         status_array = message("actionlib_msgs/GoalStatusArray", {"header": {"stamp": time(self._stamp)}})
         for goal in self._goals:
             one = message("actionlib_msgs/GoalStatus", {})

@@ -26,8 +26,8 @@ def as_lisp(objects: Iterable[RosMessage]) -> str:
 
 
 def _object(description: RosMessage) -> str:
-    turned = description["orientation"]
-    numbers = (*description["position"], turned.x, turned.y, turned.z, turned.w)
+    orientation = description["orientation"]
+    numbers = (*description["position"], orientation.x, orientation.y, orientation.z, orientation.w)
     words = (_atom(description["name"]), _atom(description["description"] or "-"), *(repr(float(n)) for n in numbers))
     return f"({' '.join(words)})"
 

@@ -71,14 +71,14 @@ def register_again() -> int:
     listeners = registration.get_registration_listeners()
     kinds = registration.Registration
     topics, services = registration.get_topic_manager(), registration.get_service_manager()
-    known = [
+    entries = [
         *((name, kind, kinds.PUB) for name, kind in topics.get_publications()),
         *((name, kind, kinds.SUB) for name, kind in topics.get_subscriptions()),
         *((name, uri, kinds.SRV) for name, uri in services.get_services()),
     ]
-    for one in known:
+    for one in entries:
         listeners.notify_added(*one)
-    return len(known)
+    return len(entries)
 
 
 def _uri() -> str:

@@ -33,12 +33,12 @@ def message(type_name: str, fields: RosMessage) -> Any:
         ValueError, TypeError: a value does not fit its field.
     """
     instance = message_class(type_name)()
-    renamed = _RENAMED.get(instance._type, {})
+    names = _RENAMED.get(instance._type, {})
     kinds = dict(zip(instance.__slots__, instance._slot_types, strict=True))
     if instance._type == "geometry_msgs/Quaternion":
         instance.w = 1.0  # the default of ROS 1 is all zeros, which is not a rotation
-    for given, value in fields.items():
-        name = renamed.get(given, given)
+    for key, value in fields.items():
+        name = names.get(key, key)
         if name in kinds and value is not None:
             setattr(instance, name, _value(kinds[name], value))
     return instance

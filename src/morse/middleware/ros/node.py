@@ -114,17 +114,17 @@ class _Latched(_Publisher):
 class _Subscription(Subscription):
     def __init__(self, rospy: ModuleType, topic: str, kind: RosClass, arrivals: Arrivals) -> None:
         complaints = Complaints(logger)
-        self._arrived: Waiting[object] = Waiting(_WAITING, complaints, f"ros: {topic}", "messages")
+        self._inbox: Waiting[object] = Waiting(_WAITING, complaints, f"ros: {topic}", "messages")
         self._arrivals = arrivals
         self._subscriber = rospy.Subscriber(topic, kind, self._arrive, queue_size=_WAITING)
 
     def _arrive(self, message: object) -> None:
         """Queue a message; in the thread of rospy that receives from its publisher."""
-        self._arrived.append(message)
+        self._inbox.append(message)
         self._arrivals.received()
 
     def take(self) -> list[Any]:
-        return [self._arrived.popleft() for _ in range(len(self._arrived))]
+        return [self._inbox.popleft() for _ in range(len(self._inbox))]
 
     def close(self) -> None:
         self._subscriber.unregister()
@@ -152,8 +152,8 @@ class RospyBackend(Backend):
 
     def decode(self, type_name: str, data: object) -> RosMessage:
         """See `Backend.decode`."""
-        made: RosMessage = plain(data)
-        return made
+        message: RosMessage = plain(data)
+        return message
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`."""

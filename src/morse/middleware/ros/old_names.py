@@ -27,18 +27,18 @@ _VARIANTS = (
 _ENDS = ("Publisher", "Reader", "Subscriber")
 
 
-def class_path(given: str, component: str) -> str:
+def class_path(path: str, component: str) -> str:
     """The class of a stream.
 
     Args:
-        given: its class path, which may be one of 1.4: ``morse.middleware.ros.pose.TFPublisher``.
+        path: its class path, which may be one of 1.4: ``morse.middleware.ros.pose.TFPublisher``.
         component: name of the component, for a message.
     """
-    if not given.startswith(_PACKAGE) or given == _USUAL or given.startswith(f"{_PACKAGE}variants."):
-        return given
-    name = given.rpartition(".")[2]
+    if not path.startswith(_PACKAGE) or path == _USUAL or path.startswith(f"{_PACKAGE}variants."):
+        return path
+    name = path.rpartition(".")[2]
     if name in _VARIANTS:
         return f"{_PACKAGE}variants.{name}"
     if not name.endswith(_ENDS):
-        logger.warning("ros: there is no class %s: %s uses its usual messages", given, component)
+        logger.warning("ros: there is no class %s: %s uses its usual messages", path, component)
     return _USUAL

@@ -170,10 +170,10 @@ class ROSSubscriber(_OwnClass):
 
     def default(self, ci: Object | None = None) -> bool:
         """Pass the received messages to `update`, in the thread of the simulation; returns whether there were any."""
-        arrived = self._subscription.take()
-        for one in arrived:
+        messages = self._subscription.take()
+        for one in messages:
             self.update(one)
-        return bool(arrived)
+        return bool(messages)
 
     @abstractmethod
     def update(self, message: object) -> None:

@@ -67,7 +67,7 @@ class RosRequestManager(AnsweredRequests):
         self._actions: dict[tuple[str, str], ActionServer] = {}
         self._queue: deque[_Waiting] = deque()
         self._share = TimeShare(context.time_shares)
-        self._closed = False
+        self._is_closed = False
         self._complaints = Complaints(logging.getLogger(__name__))
 
     def initialization(self) -> bool:
@@ -81,7 +81,7 @@ class RosRequestManager(AnsweredRequests):
 
     def finalization(self) -> bool:
         """Remove all services and actions."""
-        self._closed = True
+        self._is_closed = True
         for server in self._servers.values():
             server.shutdown("the simulation has ended")
         for action in self._actions.values():
@@ -115,10 +115,10 @@ class RosRequestManager(AnsweredRequests):
 
         def serve(request: RosObject) -> object:
             begin = self._begin(component, name)
-            waiting = _Waiting(lambda ended: begin(arguments(request), ended))
+            waiting = _Waiting(lambda on_end: begin(arguments(request), on_end))
             self._queue.append(waiting)
             self._context.wake()
-            while not waiting.done.wait(_LOOK) and not self._closed:
+            while not waiting.done.wait(_LOOK) and not self._is_closed:
                 pass
             return answer(*waiting.outcome)
 
@@ -165,8 +165,8 @@ class RosRequestManager(AnsweredRequests):
             action.act(self._context.clock)
 
     def _begin(self, component: str, service: str) -> Callable[..., uuid.UUID | None]:
-        def begin(arguments: list[Any], ended: Callable[[Outcome], object]) -> uuid.UUID | None:
-            return self.call(component, service, arguments, ended)
+        def begin(arguments: list[Any], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
+            return self.call(component, service, arguments, on_end)
 
         return begin
 

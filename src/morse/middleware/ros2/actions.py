@@ -137,8 +137,8 @@ class ActionServer:
             return
         goal = self._goals[number] = _Goal(number, stamp)
         goal.call = self._begin(self.arguments(request.goal), lambda outcome: self._ended(goal, outcome))
-        ended = [known for known in self._goals.values() if known.status != _EXECUTING]
-        for old in ended[: max(0, len(ended) - _KEPT)]:
+        finals = [one for one in self._goals.values() if one.status != _EXECUTING]
+        for old in finals[: max(0, len(finals) - _KEPT)]:
             del self._goals[old.number]
         self._tell()
 
@@ -147,13 +147,13 @@ class ActionServer:
         before = stamp.sec * _SECOND + stamp.nanosec
         going = [goal for goal in self._goals.values() if goal.status == _EXECUTING and goal.call is not None]
         everything = not any(number) and not before
-        chosen = [g for g in going if everything or g.number == number or (before and g.stamp <= before)]
+        goals = [g for g in going if everything or g.number == number or (before and g.stamp <= before)]
         answer = self._cancel.new_response()
-        answer.goals_canceling = [self._info_of(goal) for goal in chosen]
-        known = any(number) and number in self._goals
-        answer.return_code = _NONE if chosen or not any(number) else _REJECTED if known else _UNKNOWN_GOAL
+        answer.goals_canceling = [self._info_of(goal) for goal in goals]
+        exists = any(number) and number in self._goals
+        answer.return_code = _NONE if goals or not any(number) else _REJECTED if exists else _UNKNOWN_GOAL
         self._cancel.answer_message(caller, answer)
-        for goal in chosen:
+        for goal in goals:
             goal.is_canceled = True
             self._abort(goal.call)
 

@@ -66,7 +66,7 @@ class Call:
             return []
         if self.type == SET_BOOL:
             return [bool(request["data"])]
-        given: RosMessage = {}
+        result: RosMessage = {}
         for one in request["parameters"]:
             name = one["name"]
             if name not in self._parameters:
@@ -74,15 +74,15 @@ class Call:
                     f"there is no argument {shown(name)}{nearest(name, list(self._parameters))}; "
                     f"known: {', '.join(self._parameters)}"
                 )
-            if name in given:
+            if name in result:
                 raise MorseRPCInvokationError(f"the argument '{name}' is given twice")
-            given[name] = self._value(name, one["value"])
+            result[name] = self._value(name, one["value"])
         values = []
         # an optional argument may be omitted although a later one is given
-        last = max((list(self._parameters).index(name) for name in given), default=-1)
+        last = max((list(self._parameters).index(name) for name in result), default=-1)
         for index, (name, parameter) in enumerate(self._parameters.items()):
-            if name in given:
-                values.append(given[name])
+            if name in result:
+                values.append(result[name])
             elif parameter.default is _NOTHING:
                 raise MorseRPCInvokationError(f"the argument '{name}' is missing")
             elif index < last:

@@ -39,10 +39,10 @@ def join(context: Context, options: Options) -> Backend:
     if membership is not None and membership.users:
         membership.users += 1
         return membership
-    made = make_backend({**options, "domain_id": _domain(options)})
-    made.users = 1
-    _joined[context] = made
-    return made
+    backend = make_backend({**options, "domain_id": _domain(options)})
+    backend.users = 1
+    _joined[context] = backend
+    return backend
 
 
 def _domain(options: Options) -> int:

@@ -64,11 +64,11 @@ class Feedback:
         self._told = stamp
         return True
 
-    def message(self, begun: int, stamp: int) -> RosObject | None:
+    def message(self, start: int, stamp: int) -> RosObject | None:
         """The feedback message of a running goal; None if there is nothing to tell.
 
         Args:
-            begun: simulated time at which the goal was accepted, ns.
+            start: simulated time at which the goal was accepted, ns.
             stamp: the present simulated time, ns.
         """
         if self._owner is None:
@@ -76,7 +76,7 @@ class Feedback:
         try:
             if self._method is not None:
                 return self._checked(getattr(self._owner, self._method)())
-            fields = {name: value for name, value in self._known(begun, stamp).items() if name in self._kinds}
+            fields = {name: value for name, value in self._known(start, stamp).items() if name in self._kinds}
             return self._make(fields) if fields else None
         except Exception as error:  # the code of the user, or a field of another type
             self.failed(error)
@@ -92,16 +92,16 @@ class Feedback:
             raise TypeError(f"{self._method} returned a {type(message).__name__}, expected a {self._kind.__name__}")
         return message
 
-    def _known(self, begun: int, stamp: int) -> RosMessage:
+    def _known(self, start: int, stamp: int) -> RosMessage:
         component = getattr(self._owner, "overlaid_object", self._owner)
         robot = getattr(component, "robot_parent", None) or component
-        values: RosMessage = {"navigation_time": (stamp - begun) / _SECOND, **self._owner.progress()}
+        values: RosMessage = {"navigation_time": (stamp - start) / _SECOND, **self._owner.progress()}
         for name, kind in self._kinds.items():
             if name in _POSES and hasattr(robot, "position_3d"):
                 pose = robot.position_3d
                 place = {"position": xyz((pose.x, pose.y, pose.z)), "orientation": quaternion(quaternion_of(pose))}
-                stamped = {"header": header_at(stamp, "map"), "pose": place}
-                values[name] = stamped if kind.endswith("PoseStamped") else place
+                pose_stamped = {"header": header_at(stamp, "map"), "pose": place}
+                values[name] = pose_stamped if kind.endswith("PoseStamped") else place
             elif kind in _DURATIONS and isinstance(values.get(name), float):
                 values[name] = time(round(values[name] * _SECOND))
             elif kind == "std_msgs/Header":

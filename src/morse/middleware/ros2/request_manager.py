@@ -56,12 +56,12 @@ class Ros2RequestManager(AnsweredRequests):
         super().__init__(context)
         self._context = context
         self._offers: dict[tuple[str, str], _Offer] = {}
-        self._typed: dict[tuple[str, str], Any] = {}
+        self._types: dict[tuple[str, str], Any] = {}
         self._actions: dict[tuple[str, str], Any] = {}
         self._share = TimeShare(context.time_shares)
         self._turn = self._next_offer = 0
         self._backend: Backend | None = None
-        self._served: list[Served] = []
+        self._servers: list[Served] = []
 
     def initialization(self) -> bool:
         """Join the domain.
@@ -81,7 +81,7 @@ class Ros2RequestManager(AnsweredRequests):
                 INSTALL_ROS,
             )
         else:
-            self._served.append(Parameters(self._context, self._backend, self._settable, self.call))
+            self._servers.append(Parameters(self._context, self._backend, self._settable, self.call))
         return True
 
     def finalization(self) -> bool:
@@ -89,11 +89,11 @@ class Ros2RequestManager(AnsweredRequests):
         for offer in self._offers.values():
             offer.server.close()
         self._offers.clear()
-        for key in [*self._typed, *self._actions]:
+        for key in [*self._types, *self._actions]:
             self._withdraw(key)
-        for served in self._served:
-            served.close()
-        self._served.clear()
+        for server in self._servers:
+            server.close()
+        self._servers.clear()
         if self._backend is not None:
             self._backend.release()
             self._backend = None
@@ -123,8 +123,8 @@ class Ros2RequestManager(AnsweredRequests):
         server = self._backend.service(f"{self._base(component)}/{cleaned(name)}", call.type)
         if server is not None:
             self._offers[component, name] = _Offer(server, call)
-        if component == "simulation" and name == "pause" and len(self._served) == 1:
-            self._served.append(SimulationInterfaces(self._context, self._backend, self.call))
+        if component == "simulation" and name == "pause" and len(self._servers) == 1:
+            self._servers.append(SimulationInterfaces(self._context, self._backend, self.call))
 
     def _offer_trajectories(self, component: str, callback: Callable[..., object], backend: Backend) -> None:
         """Offer the action of an armature that follows trajectories."""
@@ -135,8 +135,8 @@ class Ros2RequestManager(AnsweredRequests):
             self._complaints.log(logging.INFO, NAME, text)
             return
 
-        def begin(arguments: list[Any], ended: Callable[[Outcome], object]) -> uuid.UUID | None:
-            return self.call(component, SERVICE, arguments, ended)
+        def begin(arguments: list[Any], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
+            return self.call(component, SERVICE, arguments, on_end)
 
         server = TrajectoryActionServer(
             backend, f"{self._base(component)}/{NAME}", kind, begin, self.abort_request,
@@ -153,8 +153,8 @@ class Ros2RequestManager(AnsweredRequests):
             return False
         self._withdraw(key)
 
-        def begin(arguments: list[Any], ended: Callable[[Outcome], object]) -> uuid.UUID | None:
-            return self.call(component, name, arguments, ended)
+        def begin(arguments: list[Any], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
+            return self.call(component, name, arguments, on_end)
 
         if action is not None:
             feedback = _feedback_of(callback, action, backend)
@@ -162,11 +162,11 @@ class Ros2RequestManager(AnsweredRequests):
         else:
             server = backend.typed_service(path, kind)
             if server is not None:
-                self._typed[key] = server
+                self._types[key] = server
         return True
 
     def _withdraw(self, key: tuple[str, str]) -> None:
-        for table in (self._actions, self._typed):
+        for table in (self._actions, self._types):
             server = table.pop(key, None)
             if server is not None:
                 server.close()
@@ -184,7 +184,7 @@ class Ros2RequestManager(AnsweredRequests):
         super().unregister(component_name)
         for key in [key for key in self._offers if key[0] == component_name]:
             self._offers.pop(key).server.close()
-        for key in [key for key in [*self._typed, *self._actions] if key[0] == component_name]:
+        for key in [key for key in [*self._types, *self._actions] if key[0] == component_name]:
             self._withdraw(key)
 
     # -- the tick ----------------------------------------------------------------------------
@@ -217,7 +217,7 @@ class Ros2RequestManager(AnsweredRequests):
         return False
 
     def _serve_typed(self) -> bool:
-        for (component, service), server in list(self._typed.items()):
+        for (component, service), server in list(self._types.items()):
             for _ in range(_EACH_TICK):
                 requests = server.take_messages(1)
                 if not requests:
@@ -230,7 +230,7 @@ class Ros2RequestManager(AnsweredRequests):
         return False
 
     def _serve_node(self) -> bool:
-        return any(served.serve(self._share.end_request) for served in self._served)
+        return any(server.serve(self._share.end_request) for server in self._servers)
 
     def _settable(self) -> list[str]:
         """The components whose properties may be set."""

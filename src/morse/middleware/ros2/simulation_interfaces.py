@@ -95,15 +95,15 @@ class SimulationInterfaces(Served):
         reply({"state": {"state": _PAUSED if self._context.paused() else _PLAYING}, "result": _result()})
 
     def _set_state(self, request: RosMessage, reply: Reply) -> None:
-        wanted = request["state"]["state"]
+        target = request["state"]["state"]
         services = {_STOPPED: ("reset", "pause"), _PLAYING: ("resume",), _PAUSED: ("pause",), _QUITTING: ("quit",)}
-        if wanted not in services:
-            reply({"result": _result(_UNSUPPORTED, f"there is no state {wanted}")})
-        elif wanted == (_PAUSED if self._context.paused() else _PLAYING):
+        if target not in services:
+            reply({"result": _result(_UNSUPPORTED, f"there is no state {target}")})
+        elif target == (_PAUSED if self._context.paused() else _PLAYING):
             reply({"result": _result(_ALREADY, "it is in that state already")})
         else:
             outcomes: list[Outcome] = []
-            for service in services[wanted]:
+            for service in services[target]:
                 self._call("simulation", service, [], outcomes.append)
             bad = [text for state, text in outcomes if state != status.SUCCESS]
             reply({"result": _result(_FAILED, str(bad[0])) if bad else _result()})
@@ -145,13 +145,13 @@ class SimulationInterfaces(Served):
         except re.error as error:
             return [], _result(_FAILED, f"the filter is not a regular expression: {error}")
         # names are chosen by clients as well: some expressions take tens of milliseconds for some names
-        chosen, until = [], thread_time() + _LONGEST_SEARCH
+        matches, until = [], thread_time() + _LONGEST_SEARCH
         for name in names:
             if expression.search(name):
-                chosen.append(name)
+                matches.append(name)
             if thread_time() > until:
                 return [], _result(_FAILED, "the filter takes too long: use fewer *")
-        return chosen, _result()
+        return matches, _result()
 
     def _entities(self, request: RosMessage, reply: Reply) -> None:
         names, result = self._chosen(request)
@@ -231,8 +231,8 @@ class SimulationInterfaces(Served):
         self._call("simulation", "spawn", arguments, _then(reply, {"entity_name": name}))
 
     def _name_of(self, request: RosMessage) -> tuple[str, RosMessage | None]:
-        described = _NAME.search(request["resource_string"]) if request["resource_string"] else None
-        kind = described[1] if described is not None else request["uri"].rpartition("/")[2]
+        match = _NAME.search(request["resource_string"]) if request["resource_string"] else None
+        kind = match[1] if match is not None else request["uri"].rpartition("/")[2]
         base = request["name"] or re.sub(r"\W", "_", kind).lower()
         if not re.fullmatch(r"[A-Za-z_]\w{0,90}", base):
             return base, _result(_NAME_INVALID, "a name is a word of letters, digits and _")
@@ -270,12 +270,12 @@ def _then(reply: Reply, more: RosMessage | None = None) -> Callable[[Outcome], o
 
 def _turn(pose: RosMessage) -> list[float]:
     """W, x, y, z; the identity if all are 0."""
-    given = from_quaternion(pose["orientation"])
-    if not any(given):
+    quaternion = from_quaternion(pose["orientation"])
+    if not any(quaternion):
         return [1.0, 0.0, 0.0, 0.0]
-    return list(quaternion_of(pose_of((0.0, 0.0, 0.0), _unit(given))))
+    return list(quaternion_of(pose_of((0.0, 0.0, 0.0), _unit(quaternion))))
 
 
-def _unit(given: list[float]) -> list[float]:
-    length = sum(number * number for number in given) ** 0.5
-    return [number / length for number in given] if 0.0 < length < float("inf") else [1.0, 0.0, 0.0, 0.0]
+def _unit(quaternion: list[float]) -> list[float]:
+    length = sum(number * number for number in quaternion) ** 0.5
+    return [number / length for number in quaternion] if 0.0 < length < float("inf") else [1.0, 0.0, 0.0, 0.0]

@@ -87,7 +87,7 @@ _ANSWERS: dict[str, tuple[str, Callable[[Hub, str], RosMessage]]] = {
     "/rosapi/topic_type": ("topic", lambda hub, topic: {"type": _types(hub).get(topic, "")}),
     "/rosapi/topics_for_type": (
         "type",
-        lambda hub, kind: {"topics": sorted(name for name, known in _types(hub).items() if known == kind)},
+        lambda hub, kind: {"topics": sorted(name for name, type_name in _types(hub).items() if type_name == kind)},
     ),
     "/rosapi/services": ("", lambda hub, _: {"services": _services(hub)}),
     "/rosapi/nodes": ("", lambda hub, _: {"nodes": [_NODE]}),

@@ -20,14 +20,14 @@ class Calls:
         self._callers: dict[uuid.UUID, tuple[ServiceClient, str]] = {}
         self._of_request: dict[str, dict[uuid.UUID, None]] = {}
         self._of_client: dict[ServiceClient, dict[str, dict[uuid.UUID, None]]] = {}
-        self._issued: dict[ServiceClient, dict[str, None]] = {}
+        self._numbers: dict[ServiceClient, dict[str, None]] = {}
 
     def __len__(self) -> int:
         return len(self._callers)
 
     def issued(self, client: ServiceClient, request: str) -> None:
         """Note that a client has used that request id."""
-        ids = self._issued.setdefault(client, {})
+        ids = self._numbers.setdefault(client, {})
         ids[request] = None
         if len(ids) > _REMEMBERED:
             del ids[next(iter(ids))]
@@ -54,14 +54,14 @@ class Calls:
         own = self._of_client.get(client, {}).get(request)
         if own:
             return next(reversed(own))
-        if request in self._issued.get(client, ()):
+        if request in self._numbers.get(client, ()):
             return None
         others = self._of_request.get(request)
         return next(reversed(others)) if others else None
 
     def forget(self, client: ServiceClient) -> list[uuid.UUID]:
         """Remove a client that has disconnected; returns its active calls."""
-        self._issued.pop(client, None)
+        self._numbers.pop(client, None)
         return [call for calls in self._of_client.get(client, {}).values() for call in calls]
 
 

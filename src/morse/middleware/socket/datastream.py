@@ -62,8 +62,8 @@ class SocketDatastreamManager(DatastreamManager):
         self._parcels: deque[list[tuple[StreamServer, bytes]]] = deque()
         self._frames: list[tuple[FrameChannel, bytes]] = []
         self._frame_parcels: deque[list[tuple[FrameChannel, bytes]]] = deque()
-        self._posted = False
-        self._sent = 0.0
+        self._is_waiting = False
+        self._last_time = 0.0
         self._next_port = FIRST_PORT
         allow_many_sockets()
         self._sync = self._make_sync()
@@ -198,8 +198,8 @@ class SocketDatastreamManager(DatastreamManager):
         if self._frames:
             self._frame_parcels.append(self._frames.copy())
             self._frames.clear()
-        if not self._posted or self._is_awaited():
-            self._posted = True
+        if not self._is_waiting or self._is_awaited():
+            self._is_waiting = True
             self.context.network.post(self._send)
 
     def _send(self) -> None:
@@ -207,12 +207,12 @@ class SocketDatastreamManager(DatastreamManager):
         # which costs less per message. If ticks are fast, the messages of several ticks are sent
         # together: each exchange between the two threads takes longer than a tick
         now = perf_counter()
-        quick = now - self._sent < _QUICK and not self._is_awaited()
-        self._sent = now
+        quick = now - self._last_time < _QUICK and not self._is_awaited()
+        self._last_time = now
         if quick:
             self.context.network.loop.call_later(_TOGETHER, self._send_pending)
         else:
-            self._posted = False
+            self._is_waiting = False
         self.push()
 
     def _is_awaited(self) -> bool:
@@ -223,7 +223,7 @@ class SocketDatastreamManager(DatastreamManager):
         if self._parcels or self._frame_parcels:
             self._send()
             return
-        self._posted = False
+        self._is_waiting = False
         if self._parcels or self._frame_parcels:  # a tick has ended in the meantime
             self._send()
 
@@ -233,8 +233,8 @@ class SocketDatastreamManager(DatastreamManager):
         while self._parcels:
             for server, message in self._parcels.popleft():
                 messages.setdefault(server, []).append(message)
-        for server, published in messages.items():
-            server.publish(published)
+        for server, lines in messages.items():
+            server.publish(lines)
         frames: list[tuple[FrameChannel, bytes]] = []
         while self._frame_parcels:
             frames += self._frame_parcels.popleft()

@@ -46,7 +46,7 @@ class FrameClient(LineClient):
         self._latest: set[FrameChannel] = set()
         self._waiting: dict[FrameChannel, bytes] = {}
         self._behind = False
-        self._refused = 0
+        self._refusals = 0
 
     def connection_made(self, transport: Connection, peer: str) -> None:
         """A client has connected."""
@@ -134,7 +134,7 @@ class FrameClient(LineClient):
         channel = self.server.channels.get(name)
         if channel is None:
             # a client that sends further requests does not read them, and each takes time
-            hint = self.server.hint(name) if self._refused < _HINTS else ""
+            hint = self.server.hint(name) if self._refusals < _HINTS else ""
             self._refuse(f"no stream {short(name)}{hint}", name)
             return
         self.unsubscribe(channel)
@@ -155,8 +155,8 @@ class FrameClient(LineClient):
         return is_subscribed
 
     def _refuse(self, text: str, name: str | None = None) -> None:
-        self._refused += 1
-        if self._refused > _MOST_ERRORS:
+        self._refusals += 1
+        if self._refusals > _MOST_ERRORS:
             self._complain("errors", f"the client {self.peer} has sent {_MOST_ERRORS} wrong requests: disconnected")
             self._shut_out = True
             self.transport.abort()

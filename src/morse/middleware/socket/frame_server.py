@@ -61,10 +61,10 @@ class FrameServer(LineServer):
             # clients with the same subscriptions get the same bytes
             if key not in pieces:
                 pieces[key] = list(_pieces([(to, frame) for to, frame in frames if to in key]))
-        joined = {key: [b"".join(frame for _, frame in piece) for piece in parts] for key, parts in pieces.items()}
+        blocks = {key: [b"".join(frame for _, frame in piece) for piece in parts] for key, parts in pieces.items()}
         for client in self.clients:
             if client.every in pieces:
-                for piece, data in zip(pieces[client.every], joined[client.every], strict=True):
+                for piece, data in zip(pieces[client.every], blocks[client.every], strict=True):
                     client.offer(piece, data)
         newest = {channel: frame for channel, frame in frames if channel.ready}
         for channel, frame in newest.items():

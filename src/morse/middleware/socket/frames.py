@@ -64,16 +64,16 @@ def data_frame(number: int, fields: JsonObject) -> bytes:
     # copying a LocalData by its own methods takes several times as long as the rest
     values: JsonObject = dict.copy(fields)
     if {*map(type, values.values())} == _FLOATS:
-        beginning, packed = _prepared(number, tuple(values))
-        return beginning + packed.pack(*values.values())
+        beginning, fixed = _prepared(number, tuple(values))
+        return beginning + fixed.pack(*values.values())
     return _mixed_frame(number, fields, values)
 
 
 @functools.lru_cache(maxsize=4096)
 def _prepared(number: int, names: tuple[str, ...]) -> tuple[bytes, struct.Struct]:
     """The beginning of frames that only have numbers, and the format of the numbers."""
-    packed = struct.Struct(f"<{len(names)}d")
-    return _beginning(number, _described(names, ()), packed.size), packed
+    layout = struct.Struct(f"<{len(names)}d")
+    return _beginning(number, _described(names, ()), layout.size), layout
 
 
 @functools.lru_cache(maxsize=4096)

@@ -73,7 +73,7 @@ class SocketRequestManager(RequestManager):
         self._left: deque[tuple[ServiceClient, bool]] = deque()
         self._outbox: list[tuple[ServiceClient, _Reply]] = []
         self._outbox_size = 0
-        self._consumed: dict[ServiceClient, tuple[int, int]] = {}
+        self._costs: dict[ServiceClient, tuple[int, int]] = {}
         self._calls = Calls()
         self._steps: set[uuid.UUID] = set()
         self._server: LineServer | None = None
@@ -150,7 +150,7 @@ class SocketRequestManager(RequestManager):
         """Send the outcomes of ended calls: all replies at once to the network thread."""
         if self._arrivals:
             super().answer()
-        if self._consumed or self._outbox:
+        if self._costs or self._outbox:
             self._hand_over()
 
     def main(self) -> None:
@@ -172,8 +172,8 @@ class SocketRequestManager(RequestManager):
             if request is None:
                 break
             client, line = request
-            count, size = self._consumed.get(client, (0, 0))
-            self._consumed[client] = (count + 1, size + len(line))
+            count, size = self._costs.get(client, (0, 0))
+            self._costs[client] = (count + 1, size + len(line))
             self._handle(client, line)
             self._inbox.served(client, share.spend())
             if share.is_used() or self._outbox_size > _REPLIES_PER_TICK:
@@ -183,7 +183,7 @@ class SocketRequestManager(RequestManager):
 
     def _forget(self, client: ServiceClient, broken: bool) -> None:
         self._inbox.forget(client, with_requests=broken)
-        self._consumed.pop(client, None)
+        self._costs.pop(client, None)
         for call in self._calls.forget(client):
             self.abandon(call)
 
@@ -226,7 +226,7 @@ class SocketRequestManager(RequestManager):
             self._answer(client, format_failure(request.id, text))
             return
         try:
-            done, outcome = self.on_incoming_request(request.component, request.service, request.arguments)
+            is_complete, outcome = self.on_incoming_request(request.component, request.service, request.arguments)
         except MorseRPCNbArgsError as error:
             self._answer(client, format_failure(request.id, f"{self.title}: {error}"))
         except MorseError as error:
@@ -235,7 +235,7 @@ class SocketRequestManager(RequestManager):
             name = f"the service {request.service} of {request.component}"
             self._answer(client, format_failure(request.id, self._complaints.service_failed(name, error)))
         else:
-            if done:
+            if is_complete:
                 self._answer(client, format_reply(request.id, *outcome))
             else:
                 self._calls.add(outcome, client, request.id)
@@ -248,13 +248,13 @@ class SocketRequestManager(RequestManager):
             self.abort_request(call)
 
     def _hand_over(self) -> None:
-        self._context.network.post(self._deliver, self._outbox, self._consumed)
+        self._context.network.post(self._deliver, self._outbox, self._costs)
         self._outbox = []
         self._outbox_size = 0
-        self._consumed = {}
+        self._costs = {}
 
     def _deliver(
-        self, replies: list[tuple[ServiceClient, _Reply]], consumed: dict[ServiceClient, tuple[int, int]]
+        self, replies: list[tuple[ServiceClient, _Reply]], costs: dict[ServiceClient, tuple[int, int]]
     ) -> None:
         if replies:
             for manager in self._context.stream_managers.values():
@@ -264,7 +264,7 @@ class SocketRequestManager(RequestManager):
             by_client.setdefault(client, []).append(reply if isinstance(reply, bytes) else reply())
         for client, parts in by_client.items():
             client.reply(b"".join(parts))
-        for client, (count, size) in consumed.items():
+        for client, (count, size) in costs.items():
             client.consumed(count, size)
 
 

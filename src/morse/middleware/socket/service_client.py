@@ -30,7 +30,7 @@ class ServiceClient(LineClient):
     the simulation has caught up.
 
     Args:
-        arrived: called with the client and each of its lines.
+        on_line: called with the client and each of its lines.
         left: called when the connection is closed.
 
     Attributes:
@@ -40,11 +40,11 @@ class ServiceClient(LineClient):
     def __init__(
         self,
         server: LineServer,
-        arrived: Callable[[ServiceClient, bytes], None],
+        on_line: Callable[[ServiceClient, bytes], None],
         left: Callable[[ServiceClient, bool], None],
     ) -> None:
         super().__init__(server)
-        self._arrived = arrived
+        self._on_line = on_line
         self._left = left
         self._waiting = 0
         self._held_back = self._leaving = False
@@ -60,7 +60,7 @@ class ServiceClient(LineClient):
         if (self._waiting > _MAX_WAITING or self.held > _MANY_BYTES) and not self._held_back:
             self._held_back = True
             self.transport.pause_reading()
-        self._arrived(self, line)
+        self._on_line(self, line)
 
     def eof_received(self) -> bool:
         """The client has closed its sending side; it may still read the pending replies (as ``nc`` does)."""

@@ -35,7 +35,7 @@ class StreamClient(LineClient):
         super().__init__(server)
         self._waiting: bytes | None = None
         self._behind = False
-        self._accepted = server.present()
+        self._welcome_time = server.present()
         self.sent = 0
 
     def connection_made(self, transport: Connection, peer: str) -> None:
@@ -57,15 +57,15 @@ class StreamClient(LineClient):
             parcels: bytes, and the number of messages in them.
             last: the last message.
         """
-        missed = -1  # the last message is not missed: it is queued
+        misses = -1  # the last message is not missed: it is queued
         for data, count in parcels:
             if self.congested:
-                missed += count
+                misses += count
             else:
                 self.transport.write(data)
                 self.sent += count
-        if missed >= 0:
-            if (self._waiting is not None or missed) and not self._behind:
+        if misses >= 0:
+            if (self._waiting is not None or misses) and not self._behind:
                 self._behind = True
                 self._complain("slow", f"the client {self.peer} reads too slowly, it misses messages")
             self._waiting = last
@@ -97,7 +97,7 @@ class StreamClient(LineClient):
         self.server.inbox.put_all([line for line in lines if line.strip()], early=self._is_new())
 
     def _is_new(self) -> bool:
-        return self._accepted is not None and self._accepted == self.server.present()
+        return self._welcome_time is not None and self._welcome_time == self.server.present()
 
     def unfinished(self, rest: bytes) -> None:
         """The client disconnected in the middle of a message."""

@@ -64,9 +64,9 @@ class SocketReader(SocketStream):
         """The lines that have arrived since the last action."""
         if not self.server.inbox or self.rests:
             return ()
-        lines, lost = self.server.inbox.take()
-        if lost:
-            self.complain("dropped", f"{lost} messages arrived too fast: newer messages replace them")
+        lines, losses = self.server.inbox.take()
+        if losses:
+            self.complain("dropped", f"{losses} messages arrived too fast: newer messages replace them")
         return lines
 
     def decode(self, msg: bytes) -> Any:

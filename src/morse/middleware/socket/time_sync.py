@@ -33,7 +33,7 @@ class TimeSync:
 
     def __init__(self, context: Context, listener: socket.socket) -> None:
         self._context = context
-        self._released = False
+        self._is_open = False
         self._server = LineServer("time sync", listener, lambda server: _SyncClient(server, self))
 
     async def start(self) -> None:
@@ -50,7 +50,7 @@ class TimeSync:
 
     def release(self) -> None:
         """Allow one tick, or note that no client paces the simulation any more; runs in the network loop."""
-        self._released = True
+        self._is_open = True
         self._context.wake()
 
     def _is_paced(self) -> bool:
@@ -67,10 +67,10 @@ class TimeSync:
 
     def wait(self) -> None:
         """Wait until the next tick is allowed; runs in the simulation thread."""
-        while self._is_paced() and not self._released and not self._context.stopping():
+        while self._is_paced() and not self._is_open and not self._context.stopping():
             self._context.services.process()
             self._context.wait(_SLICE)
-        self._released = False
+        self._is_open = False
 
 
 class _SyncClient(LineClient):

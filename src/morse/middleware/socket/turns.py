@@ -30,7 +30,7 @@ class Turns(Generic[_Client, _Request]):
         self._lock = threading.Lock()
         self._numbers = itertools.count()
         self._waiting: dict[_Client, deque[tuple[int, _Request]]] = {}
-        self._taken: dict[_Client, float] = {}
+        self._last_turns: dict[_Client, float] = {}
         self._order: list[tuple[int, int, _Client]] = []
         self._now = 0.0
         self._count = 0
@@ -46,8 +46,8 @@ class Turns(Generic[_Client, _Request]):
                 queue = self._waiting.get(client)
                 if queue is None:
                     queue = self._waiting[client] = deque()
-                    self._taken[client] = max(self._taken.get(client, 0.0), self._now)
-                    heapq.heappush(self._order, (int(self._taken[client] / _GRAIN), number, client))
+                    self._last_turns[client] = max(self._last_turns.get(client, 0.0), self._now)
+                    heapq.heappush(self._order, (int(self._last_turns[client] / _GRAIN), number, client))
                 queue.append((number, line))
                 self._count += 1
 
@@ -59,7 +59,7 @@ class Turns(Generic[_Client, _Request]):
                 queue = self._waiting.get(client)
                 if queue:
                     self._count -= 1
-                    self._now = max(self._now, self._taken[client])
+                    self._now = max(self._now, self._last_turns[client])
                     return client, queue.popleft()[1]
             return None
 
@@ -69,21 +69,21 @@ class Turns(Generic[_Client, _Request]):
             queue = self._waiting.get(client)
             if queue is None:
                 return
-            self._taken[client] += seconds
+            self._last_turns[client] += seconds
             if queue:
-                heapq.heappush(self._order, (int(self._taken[client] / _GRAIN), queue[0][0], client))
+                heapq.heappush(self._order, (int(self._last_turns[client] / _GRAIN), queue[0][0], client))
             else:
                 del self._waiting[client]
-                if self._taken[client] <= self._now:
-                    del self._taken[client]
+                if self._last_turns[client] <= self._now:
+                    del self._last_turns[client]
 
     def forget(self, client: _Client, *, with_requests: bool) -> int:
         """Remove a disconnected client; returns the number of its dropped requests."""
         with self._lock:
-            dropped = 0
+            losses = 0
             if with_requests:
-                dropped = len(self._waiting.pop(client, ()))
-                self._count -= dropped
+                losses = len(self._waiting.pop(client, ()))
+                self._count -= losses
             if client not in self._waiting:
-                self._taken.pop(client, None)
-            return dropped
+                self._last_turns.pop(client, None)
+            return losses

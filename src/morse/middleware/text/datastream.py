@@ -55,8 +55,8 @@ class TextDatastreamManager(DatastreamManager):
         stream.file = self._file(component.name(), stream.kwargs["file"])
         return stream
 
-    def _file(self, name: str, given: str | None) -> TextFile:
-        path = Path(given if given else f"{name}.txt").expanduser().absolute()
+    def _file(self, name: str, choice: str | None) -> TextFile:
+        path = Path(choice if choice else f"{name}.txt").expanduser().absolute()
         owner = self._in_use.setdefault(path, name)
         if owner != name or any(stream.file.path == path for stream in self.streams.get(name, ())):
             raise MorseMiddlewareError(f"{path} is the file of another stream of {owner}; set another one: file='...'")

@@ -82,8 +82,8 @@ class Hub:
     subprotocols: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, context: Context) -> None:
-        given = context.scene.manager_options.get(self.manager, {})
-        options = with_defaults(self.options, checked_options(self.name, self.options, dict(given)))
+        settings = context.scene.manager_options.get(self.manager, {})
+        options = with_defaults(self.options, checked_options(self.name, self.options, dict(settings)))
         self.context = context
         self.server: WebServer[HubClient] = WebServer(context, self.name, options, self._welcome, self.subprotocols)
         self.topics: WebTopics | None = None

@@ -72,7 +72,7 @@ class WebServer(Generic[_C]):
     ) -> None:
         self._context, self._name, self._make = context, name, make
         self._subprotocols = list(subprotocols)
-        self._wanted, self._most = options["port"], options["most_clients"]
+        self._first_port, self._most = options["port"], options["most_clients"]
         self._access = Access(
             context.host,
             options["token"],
@@ -97,8 +97,8 @@ class WebServer(Generic[_C]):
             MorseMiddlewareError: no port is free.
         """
         self._context.network.call(self._open())
-        if self._wanted not in (0, self.port):
-            logger.warning("%s: port %d is in use, it is on port %d", self._name, self._wanted, self.port)
+        if self._first_port not in (0, self.port):
+            logger.warning("%s: port %d is in use, it is on port %d", self._name, self._first_port, self.port)
         logger.info("%s: %s", self._name, self.address)
 
     def stop(self) -> None:
@@ -122,7 +122,7 @@ class WebServer(Generic[_C]):
             self._server, self.port = await serve_on(
                 self._serve,
                 self._context.host,
-                _ports(self._wanted),
+                _ports(self._first_port),
                 self._context.network.arrivals,
                 self._acceptor,
                 process_request=self._check,
@@ -136,7 +136,7 @@ class WebServer(Generic[_C]):
             )
         except OSError as error:
             raise MorseMiddlewareError(
-                f"{self._name}: no port from {self._wanted} on is free on {self._context.host}: {error}; "
+                f"{self._name}: no port from {self._first_port} on is free on {self._context.host}: {error}; "
                 f"set another one: env.configure_stream_manager('{self._name}', port=0)"
             ) from None
 
@@ -206,10 +206,10 @@ def _ports(first: int) -> Iterator[int]:
     yield from range(first, min(first + _TRIES, 65536)) if first else (0,)
 
 
-def _texts(name: str, given: Sequence[Any]) -> list[str]:
-    wrong = [one for one in given if not (isinstance(one, str) and "://" in one)]
+def _texts(name: str, values: Sequence[Any]) -> list[str]:
+    wrong = [one for one in values if not (isinstance(one, str) and "://" in one)]
     if wrong:
         raise MorseMiddlewareError(
             f"{name}: the option 'origins' has {wrong[0]!r:.80}, expected addresses such as 'http://localhost:8080'"
         )
-    return list(given)
+    return list(values)

@@ -80,25 +80,25 @@ class WebInlet(Subscription):
     def __init__(self, topics: WebTopics, topic: str) -> None:
         self._topics, self._topic = topics, topic
         self._lock = threading.Lock()
-        self._arrived: deque[bytes] = deque()
+        self._inbox: deque[bytes] = deque()
         self._size = 0
 
     def put(self, data: bytes) -> None:
         """A message has arrived; the oldest messages are dropped if there are too many. In the network thread."""
         with self._lock:
-            self._arrived.append(data)
+            self._inbox.append(data)
             self._size += len(data)
-            while len(self._arrived) > _MOST_ARRIVED or (self._size > _MOST_BYTES and len(self._arrived) > 1):
-                self._size -= len(self._arrived.popleft())
+            while len(self._inbox) > _MOST_ARRIVED or (self._size > _MOST_BYTES and len(self._inbox) > 1):
+                self._size -= len(self._inbox.popleft())
                 self._topics.complain_of_loss(self._topic)
 
     def take(self) -> list[bytes]:
         """See `Subscription.take`."""
-        if not self._arrived:
+        if not self._inbox:
             return []
         with self._lock:
-            messages = list(self._arrived)
-            self._arrived.clear()
+            messages = list(self._inbox)
+            self._inbox.clear()
             self._size = 0
         return messages
 
@@ -139,7 +139,7 @@ class WebTopics(Backend):
         self._numbers = itertools.count(1)
         self._outbox: list[tuple[WebTopic, int, bytes]] = []
         self._parcels: deque[list[tuple[WebTopic, int, bytes]]] = deque(maxlen=_MOST_TICKS)
-        self._posted = False
+        self._is_waiting = False
         self._complaints = Complaints(logger)
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
@@ -195,8 +195,8 @@ class WebTopics(Backend):
             self._complaints.warn("late", f"{self.name}: ticks are faster than messages can be sent: some are lost")
         self._parcels.append(self._outbox)
         self._outbox = []
-        if not self._posted:
-            self._posted = True
+        if not self._is_waiting:
+            self._is_waiting = True
             self._hub.context.network.post(self._send)
 
     def close(self) -> None:
@@ -217,7 +217,7 @@ class WebTopics(Backend):
             client.topic_removed(topic)
 
     def _send(self) -> None:
-        self._posted = False
+        self._is_waiting = False
         while self._parcels:
             for topic, stamp, data in self._parcels.popleft():
                 if topic.readers:

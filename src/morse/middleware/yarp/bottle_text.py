@@ -71,7 +71,7 @@ def from_text(text: str) -> list[object]:
 
 def _value(token: str) -> object:
     if token[0] == '"':
-        return re.sub(r"\\(.)", lambda found: _ESCAPES.get(found[1], found[1]), token[1:-1], flags=re.DOTALL)
+        return re.sub(r"\\(.)", lambda match: _ESCAPES.get(match[1], match[1]), token[1:-1], flags=re.DOTALL)
     if token[0] == "[":
         return Vocab(token[1:-1])
     if token[0] == "{":

@@ -57,8 +57,8 @@ class YarpDatastreamManager(DatastreamManager):
         """The pixels alone, as in 1.4."""
         if message.encoding in ENCODINGS:
             return encode_image(message.pixels, message.encoding)
-        known = ", ".join(ENCODINGS)
-        text = f"{_LEFT_OUT}: YARP has no image for the encoding {message.encoding}; known: {known}"
+        names = ", ".join(ENCODINGS)
+        text = f"{_LEFT_OUT}: YARP has no image for the encoding {message.encoding}; known: {names}"
         stream.complain("form", text)
         return None
 

@@ -27,7 +27,7 @@ class Output:
         source: name of the port of the simulation.
         target: name of the other port.
         carrier: ``tcp``, which waits until a message is acknowledged before it sends the next one, or ``fast_tcp``.
-        lost: called with this connection when it has ended.
+        on_loss: called with this connection when it has ended.
         slow: called with this connection when messages are dropped.
     """
 
@@ -36,14 +36,14 @@ class Output:
         source: str,
         target: str,
         carrier: str,
-        lost: Callable[[Output], object],
+        on_loss: Callable[[Output], object],
         slow: Callable[[Output], object],
     ) -> None:
         self.source, self.target, self.carrier = source, target, carrier
-        self._lost, self._slow = lost, slow
+        self._on_loss, self._slow = on_loss, slow
         self._queue: deque[bytes] = deque()
         self._size = 0
-        self._filled, self._free = asyncio.Event(), asyncio.Event()
+        self._has_data, self._free = asyncio.Event(), asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
         self._writer: asyncio.StreamWriter | None = None
 
@@ -71,14 +71,14 @@ class Output:
 
     def push(self, data: bytes) -> None:
         """Queue a message."""
-        dropped = False
+        is_full = False
         while self._queue and (len(self._queue) >= _MOST or self._size > _MOST_BYTES):
             self._size -= len(self._queue.popleft())
-            dropped = True
+            is_full = True
         self._queue.append(data)
         self._size += len(data)
-        self._filled.set()
-        if dropped:
+        self._has_data.set()
+        if is_full:
             self._slow(self)
 
     @property
@@ -97,16 +97,16 @@ class Output:
         with contextlib.suppress(OSError, asyncio.IncompleteReadError, wire.WireError):
             await part  # type: ignore[misc]
         self.close()
-        self._lost(self)
+        self._on_loss(self)
 
     async def _send(self, writer: asyncio.StreamWriter) -> None:
         while True:
-            await self._filled.wait()
+            await self._has_data.wait()
             await self._free.wait()
             data = self._queue.popleft()
             self._size -= len(data)
             if not self._queue:
-                self._filled.clear()
+                self._has_data.clear()
             if self.carrier == wire.TCP:
                 self._free.clear()
             writer.writelines(wire.message("D", data))

@@ -57,10 +57,10 @@ class Ports:
         self._ports: dict[str, tuple[Port, Address]] = {}
         self._owners: dict[str, str] = {}
         #: names that the server knows, as far as is known, and all that were entered
-        self._registered: set[str] = set()
-        self._entered: set[str] = set()
+        self._own_names: set[str] = set()
+        self._entries: set[str] = set()
         self._complaints = Complaints(logger)
-        self._changed: asyncio.Event | None = None
+        self._change: asyncio.Event | None = None
         self._task: asyncio.Task[None] | None = None
         self._closing: set[asyncio.Task[None]] = set()
         self._round = 0
@@ -69,7 +69,7 @@ class Ports:
         context.network.call(self._begin())
 
     async def _begin(self) -> None:
-        self._changed = asyncio.Event()
+        self._change = asyncio.Event()
         self._task = asyncio.ensure_future(self._keep_registered())
 
     def name(self, path: str) -> str:
@@ -104,8 +104,8 @@ class Ports:
 
     def _add(self, name: str, port: Port, address: Address) -> None:
         self._ports[name] = (port, address)
-        if self._changed is not None:
-            self._changed.set()
+        if self._change is not None:
+            self._change.set()
 
     def close(self, port: Port) -> None:
         """Close a port, and remove it from the name server; waits for neither."""
@@ -123,16 +123,16 @@ class Ports:
     async def _close(self, port: Port) -> None:
         if self._has(port):
             del self._ports[port.name]
-        self._registered.discard(port.name)
+        self._own_names.discard(port.name)
         await port.close()
-        if port.name in self._entered and port.name not in self._ports:
-            self._entered.discard(port.name)
+        if port.name in self._entries and port.name not in self._ports:
+            self._entries.discard(port.name)
             with contextlib.suppress(OSError):
                 await self.names.unregister(port.name)
-        if port.name in self._ports and self._changed is not None:
+        if port.name in self._ports and self._change is not None:
             # a port of the same name was opened meanwhile: enter it, whoever was first
-            self._registered.discard(port.name)
-            self._changed.set()
+            self._own_names.discard(port.name)
+            self._change.set()
 
     def release(self) -> None:
         """End, if nobody uses it any more."""
@@ -142,9 +142,9 @@ class Ports:
 
     async def _end(self) -> None:
         self._ending = True
-        if self._task is not None and self._changed is not None:
+        if self._task is not None and self._change is not None:
             # a request that was sent is awaited: its port might be entered after it was removed
-            self._changed.set()
+            self._change.set()
             await asyncio.wait([self._task], timeout=_FAREWELL)
             self._task.cancel()
         for port, _ in list(self._ports.values()):
@@ -158,58 +158,58 @@ class Ports:
 
     async def _keep_registered(self) -> None:
         """Register new ports at once; and all of them again if the name server has forgotten them."""
-        assert self._changed is not None
+        assert self._change is not None
         while not self._ending:
-            self._changed.clear()
+            self._change.clear()
             try:
                 await self._register()
                 pause = _CHECK
             except OSError as error:
-                self._registered.clear()
+                self._own_names.clear()
                 self._tell(False, f"there is no name server at {self._place} ({error}); the simulation runs without it")
                 pause = _RETRY
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(pause):
-                    await self._changed.wait()
+                    await self._change.wait()
 
     @property
     def _place(self) -> str:
         return f"{self.names.address.host}:{self.names.address.port}"
 
     async def _register(self) -> None:
-        if self._registered:
+        if self._own_names:
             # a name server that was restarted does not know them; each time, another one is asked for
             self._round += 1
-            one = sorted(self._registered)[self._round % len(self._registered)]
-            known = await self.names.query(one)
-            if one in self._ports and (known is None or known.port != self._ports[one][1].port):
-                self._registered.clear()
+            one = sorted(self._own_names)[self._round % len(self._own_names)]
+            holder = await self.names.query(one)
+            if one in self._ports and (holder is None or holder.port != self._ports[one][1].port):
+                self._own_names.clear()
         for name, (port, address) in list(self._ports.items()):
             if self._ending:
                 return
-            if name in self._registered or not await self._claim(name, address):
+            if name in self._own_names or not await self._claim(name, address):
                 continue
-            self._entered.add(name)
+            self._entries.add(name)
             if self._has(port):
-                self._registered.add(name)
+                self._own_names.add(name)
             elif name not in self._ports:  # closed meanwhile
-                self._entered.discard(name)
+                self._entries.discard(name)
                 await self.names.unregister(name)
-        if self._registered:
-            self._tell(True, f"{len(self._registered)} ports are registered at the name server {self._place}")
+        if self._own_names:
+            self._tell(True, f"{len(self._own_names)} ports are registered at the name server {self._place}")
 
     async def _claim(self, name: str, address: Address) -> bool:
-        known = await self.names.query(name)
-        if known is not None and known.port != address.port and await is_alive(known):
+        holder = await self.names.query(name)
+        if holder is not None and holder.port != address.port and await is_alive(holder):
             self._complaints.warn(
                 "taken",
-                f"yarp: {name} is the port of another program, perhaps a simulation, at {known.host}:{known.port}; "
+                f"yarp: {name} is the port of another program, perhaps a simulation, at {holder.host}:{holder.port}; "
                 "set another prefix: env.configure_stream_manager('yarp', prefix='...')",
             )
             return False
-        entered = await self.names.register(name, address)
-        if entered is None or entered.port != address.port:
-            self._complaints.warn(name, f"yarp: the name server does not register {name} (its answer: {entered})")
+        entry = await self.names.register(name, address)
+        if entry is None or entry.port != address.port:
+            self._complaints.warn(name, f"yarp: the name server does not register {name} (its answer: {entry})")
             return False
         return True
 

@@ -104,8 +104,8 @@ class SpatialKinds(TopicTable):
         A car also takes the angle of its steering.
         """
         plain = Inlet("geometry_msgs/msg/Twist", _from_twist, also="cmd_vel")
-        stamped = Inlet("geometry_msgs/msg/TwistStamped", lambda m: _from_twist(m["twist"]), also="cmd_vel")
-        first, second = (stamped, plain) if stream.kwargs["stamped"] else (plain, stamped)
+        with_stamp = Inlet("geometry_msgs/msg/TwistStamped", lambda m: _from_twist(m["twist"]), also="cmd_vel")
+        first, second = (with_stamp, plain) if stream.kwargs["stamped"] else (plain, with_stamp)
         inlets = [first._replace(other=second)]
         if hasattr(bound.component, "turning_speed"):
             kind, name, car = "ackermann_msgs/msg/AckermannDrive", "ackermann_cmd", bound.component

@@ -163,10 +163,10 @@ def _from_joints(message: RosMessage, bound: BoundKind) -> RosMessage:
 def _from_numbers(numbers: Any, bound: BoundKind) -> RosMessage:
     """Commands of the quantity that the motors control, in the order of the joints."""
     present = bound.gather()
-    names, controlled = list(present.names), [quantity for quantity in _QUANTITIES if bound.has(quantity)]
+    names, quantities = list(present.names), [quantity for quantity in _QUANTITIES if bound.has(quantity)]
     if len(numbers) != len(names):
         raise ValueError(f"{len(numbers)} numbers for {len(names)} joints: {', '.join(names)}")
-    columns = {quantity: np.asarray(getattr(present, quantity), dtype=np.float64) for quantity in controlled}
+    columns = {quantity: np.asarray(getattr(present, quantity), dtype=np.float64) for quantity in quantities}
     # a quantity is NaN for the joints whose motors control another one
     return {quantity: np.where(np.isnan(column), column, numbers) for quantity, column in columns.items()}
 

@@ -93,36 +93,36 @@ class Robots:
     def publish(self) -> None:
         """Send the changes of a tick."""
         if self.changed:
-            changed, self.changed = self.changed, set()
-            for name in sorted(changed & self._robots.keys()):
+            changes, self.changed = self.changed, set()
+            for name in sorted(changes & self._robots.keys()):
                 self._describe(self._robots[name])
             self.stating = [robot for robot in self._robots.values() if robot.states is not None]
         for robot in self.stating:
             if robot.states is not None and robot.states.wanted():
                 self._send_states(robot)
 
-    def _describe(self, known: _Robot) -> None:
-        manager, robot = self._manager, known.robot
-        known.joints = joints_of(robot, manager.names)
+    def _describe(self, entry: _Robot) -> None:
+        manager, robot = self._manager, entry.robot
+        entry.joints = joints_of(robot, manager.names)
         namespace = manager.names.namespace(robot)
-        if known.measured and known.states is None:
-            known.states = manager.own(f"{namespace}/joint_states", _JOINTS, Qos(), robot.name())
+        if entry.measured and entry.states is None:
+            entry.states = manager.own(f"{namespace}/joint_states", _JOINTS, Qos(), robot.name())
         if not manager.options["description"]:
             return
-        if known.description is None:
-            known.description = manager.own(f"{namespace}/robot_description", _TEXT, Qos(1, latched=True), robot.name())
+        if entry.description is None:
+            entry.description = manager.own(f"{namespace}/robot_description", _TEXT, Qos(1, latched=True), robot.name())
         frames = {
             stream.own_frame(): Carried(stream.component_instance.bge_object, stream.mounting(), stream.is_carried())
-            for stream in known.streams
+            for stream in entry.streams
             if stream.own_frame() != manager.names.base(robot)
         }
         base, articulation = manager.names.base(robot), robot.bge_object.node.articulation
         if articulation is not None and articulation.description:
             link = partial(manager.names.link, robot)
-            text = describe_file(articulation.description, base, link, known.joints, frames)
+            text = describe_file(articulation.description, base, link, entry.joints, frames)
         else:
-            text = describe(robot.name(), robot.bge_object, base, known.joints, frames)
-        manager.tell(known.description, _TEXT, {"data": text})
+            text = describe(robot.name(), robot.bge_object, base, entry.joints, frames)
+        manager.tell(entry.description, _TEXT, {"data": text})
 
     def _send_states(self, robot: _Robot) -> None:
         messages = [(owner, bound.gather()) for owner, bound in robot.measured]

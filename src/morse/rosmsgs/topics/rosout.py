@@ -41,7 +41,7 @@ class LogTopic(logging.Handler):
     def __init__(self, manager: Any) -> None:
         super().__init__()
         self._manager = manager
-        self._lost = 0
+        self._losses = 0
         self.lines: deque[logging.LogRecord] = deque(maxlen=_WAITING)
         self._publisher: Publisher | None = manager.own("/rosout", self.type, self.qos, "the simulation")
         if self._publisher is not None:
@@ -54,7 +54,7 @@ class LogTopic(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """See `logging.Handler.emit`."""
-        self._lost += len(self.lines) == self.lines.maxlen
+        self._losses += len(self.lines) == self.lines.maxlen
         self.lines.append(record)
 
     def publish(self, stamp: int) -> None:
@@ -63,9 +63,9 @@ class LogTopic(logging.Handler):
         Args:
             stamp: simulated time, ns.
         """
-        if self._lost:
-            lost, self._lost = self._lost, 0
-            logger.warning("%s lines of the log are not on /rosout: too many were logged in a tick", lost)
+        if self._losses:
+            losses, self._losses = self._losses, 0
+            logger.warning("%s lines of the log are not on /rosout: too many were logged in a tick", losses)
         for _ in range(min(len(self.lines), _EACH_TICK)):
             self._manager.tell(self._publisher, self.type, self.message(self.lines.popleft(), stamp))
 

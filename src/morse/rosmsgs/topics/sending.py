@@ -25,14 +25,14 @@ class Sender:
     a tick when the tick is over, and a thread would not make it faster.
 
     Args:
-        paced: whether the simulation is in step with the wall clock, so that it waits between ticks.
+        is_paced: whether the simulation is in step with the wall clock, so that it waits between ticks.
 
     Attributes:
         failures: streams whose messages could not be made, and the errors; the simulation closes these streams.
     """
 
-    def __init__(self, paced: Callable[[], bool]) -> None:
-        self._paced = paced
+    def __init__(self, is_paced: Callable[[], bool]) -> None:
+        self._is_paced = is_paced
         self.failures: list[tuple[Any, BaseException]] = []
         self._queue: queue.Queue[tuple[Callable[[], object], object] | None] = queue.Queue(_MOST)
         self._thread: threading.Thread | None = None
@@ -43,7 +43,7 @@ class Sender:
         Args:
             stream: the stream that is closed if the work raises an error later; None if only the work is lost.
         """
-        if not self._paced():
+        if not self._is_paced():
             self.finish()
             work()
             return

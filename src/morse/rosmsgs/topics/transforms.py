@@ -189,11 +189,11 @@ class Transforms:
             for stream in frames.streams:
                 if not stream.is_carried():
                     yield frames.base, stream.own_frame(), stream.mounting()
-                used = stream.frames()
+                names = stream.frames()
                 for frame, rotation in _FROM_OWN.items():
-                    if frame in used and stream.master() is None:
+                    if frame in names and stream.master() is None:
                         yield stream.own_frame(), stream.frame_id(frame), pose_of((0.0, 0.0, 0.0), rotation)
-                frames_of_world |= used
+                frames_of_world |= names
             yield from poses_of(frames.fixed)
         properties = next(iter(self._robots.values())).robot.context.scene.properties if self._robots else {}
         # the axes of the world are rotated relative to east and north

@@ -29,8 +29,8 @@ class PR2JointStatePublisher(SocketPublisher):
 
     def encode(self) -> bytes:
         """The message."""
-        known: dict[str, float] = {}
-        for measured in self.data.values():
-            if isinstance(measured, dict):
-                known.update(measured)
-        return to_json({"timestamp": self.data["timestamp"], **{name: known.get(name, 0.0) for name in JOINTS}})
+        positions: dict[str, float] = {}
+        for joints in self.data.values():
+            if isinstance(joints, dict):
+                positions.update(joints)
+        return to_json({"timestamp": self.data["timestamp"], **{name: positions.get(name, 0.0) for name in JOINTS}})

@@ -143,10 +143,10 @@ class Camera:
         self._tell(self._photos.add(self.component, content, self._stamp, where, q))
 
     def _tell(self, photo: Photo) -> None:
-        taken = 1 if self._photos.has(photo) else 0
+        result = 1 if self._photos.has(photo) else 0
         self._send(
             "camera_image_captured", boot_ms(photo.stamp), 0, 0, *photo.place, list(photo.orientation), photo.number,
-            taken, photo.url.encode(),
+            result, photo.url.encode(),
         )  # fmt: skip
 
     # -- messages ----------------------------------------------------------------------------
@@ -178,9 +178,9 @@ class Camera:
         self._send("camera_settings", boot_ms(self._stamp), _MODE_IMAGE, math.nan, math.nan)
 
     def _storage(self) -> None:
-        total, used = self._photos.capacity / _MEBI, self._photos.used / _MEBI
+        total, full = self._photos.capacity / _MEBI, self._photos.used / _MEBI
         self._send(
-            "storage_information", boot_ms(self._stamp), 1, 1, _READY, total, used, total - used, math.nan, math.nan,
+            "storage_information", boot_ms(self._stamp), 1, 1, _READY, total, full, total - full, math.nan, math.nan,
             _OTHER, b"memory", _FOR_PHOTOS,
         )  # fmt: skip
 

@@ -88,11 +88,11 @@ class Files:
         size = min(request.size or _ROOM, _ROOM)
         for count in range(_MOST_BURST):
             offset = request.offset + count * size
-            numbered = request._replace(number=request.number + count, offset=offset)
+            answer = request._replace(number=request.number + count, offset=offset)
             if offset >= len(content):
-                self._refuse(numbered, _END_OF_FILE)
+                self._refuse(answer, _END_OF_FILE)
                 return
-            self._answer(numbered, content[offset : offset + size], is_last=count == _MOST_BURST - 1)
+            self._answer(answer, content[offset : offset + size], is_last=count == _MOST_BURST - 1)
 
     def _close(self, request: _Request) -> None:
         if request.operation != _NONE:

@@ -84,9 +84,9 @@ class Gimbal:
             return False
         stream, bound = entry
         present = (float(angle) for angle in bound.gather().position)
-        wanted = (-yaw, -pitch)  # positive is to the left and downward
+        target = (-yaw, -pitch)  # positive is to the left and downward
         angles = [
-            old if math.isnan(new) else old + new if adds else new for old, new in zip(present, wanted, strict=True)
+            old if math.isnan(new) else old + new if adds else new for old, new in zip(present, target, strict=True)
         ]
         stream.receive(bound, {"position": angles})
         return True

@@ -35,10 +35,10 @@ class Mode(Enum):
         """Whether MANUAL_CONTROL steers the vehicle."""
         return self in (Mode.MANUAL, Mode.ALTITUDE, Mode.POSITION, Mode.STABILIZED)
 
-    def base(self, armed: bool) -> int:
+    def base(self, is_armed: bool) -> int:
         """``base_mode`` of HEARTBEAT."""
         kind = _BY_HAND if self.by_hand else _GUIDED | _AUTO
-        return _CUSTOM | _STABILIZED | kind | (_ARMED if armed else 0)
+        return _CUSTOM | _STABILIZED | kind | (_ARMED if is_armed else 0)
 
 
 _BY_NUMBERS = {mode.value: mode for mode in Mode}

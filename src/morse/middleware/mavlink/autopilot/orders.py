@@ -86,8 +86,8 @@ class Orders:
             latitude, longitude = coordinates
         if not (abs(latitude) <= 90.0 and abs(longitude) <= 180.0):
             return None
-        wanted = self._altitude(order)
-        return place.from_earth(latitude, longitude, altitude if math.isnan(wanted) else wanted)
+        height = self._altitude(order)
+        return place.from_earth(latitude, longitude, altitude if math.isnan(height) else height)
 
     # -- commands ----------------------------------------------------------------------------
 

@@ -67,7 +67,7 @@ class Parameters:
         self._vehicle = vehicle
         self._values = {name: entry.default for name, entry in TABLE.items()}
         #: names, and whether the extended protocol has asked for them
-        self._listed: list[tuple[str, bool]] = []
+        self._list: list[tuple[str, bool]] = []
 
     def __getitem__(self, name: str) -> float:
         return self._values[name]
@@ -90,7 +90,7 @@ class Parameters:
         kind = message.get_type()
         is_extended = kind.startswith("PARAM_EXT")
         if kind.endswith("REQUEST_LIST"):
-            self._listed = [(name, is_extended) for name in self._values]
+            self._list = [(name, is_extended) for name in self._values]
             return
         index = getattr(message, "param_index", -1)
         names = list(self._values)
@@ -131,13 +131,13 @@ class Parameters:
 
     def tick(self) -> None:
         """Send the next parameters of a list."""
-        for name, is_extended in self._listed[:_IN_A_TICK]:
+        for name, is_extended in self._list[:_IN_A_TICK]:
             self._send(name, is_extended)
-        del self._listed[:_IN_A_TICK]
+        del self._list[:_IN_A_TICK]
 
     def _send(self, name: str, is_extended: bool = False) -> None:
         names = list(self._values)
         entry = TABLE[name]
-        packed = entry.pack(self._values[name])
-        message, value = ("param_ext_value", packed) if is_extended else ("param_value", *struct.unpack("<f", packed))
+        raw = entry.pack(self._values[name])
+        message, value = ("param_ext_value", raw) if is_extended else ("param_value", *struct.unpack("<f", raw))
         self._vehicle.send(message, name.encode(), value, entry.type, len(names), names.index(name))

@@ -29,8 +29,8 @@ class Place:
 
     def __init__(self, axes: Axes, origin: Triple, properties: Mapping[str, object], x_axis: float) -> None:
         self.axes, self.origin = axes, origin
-        declared = properties if has_place(properties) else _ZURICH
-        self._plane = LocalPlane.of({**declared, "angle_against_north": x_axis})
+        source = properties if has_place(properties) else _ZURICH
+        self._plane = LocalPlane.of({**source, "angle_against_north": x_axis})
 
     def local(self, position: Triple) -> Triple:
         """North, east, down of a position in the world, m."""

@@ -22,9 +22,9 @@ def sample_type(type_name: str) -> type[Any]:
 
     The description of the type, which other participants may compare with their own, has all fields.
     """
-    described = _described(type_name)
+    fields = _described(type_name)
 
-    class Sample(described):  # type: ignore[valid-type, misc]
+    class Sample(fields):  # type: ignore[valid-type, misc]
         __slots__ = ("data", "sample_info")
         data: bytes
 
@@ -42,7 +42,7 @@ def sample_type(type_name: str) -> type[Any]:
 
         deserialize_key = deserialize
 
-    Sample.__idl__ = described.__idl__
+    Sample.__idl__ = fields.__idl__
     return Sample
 
 

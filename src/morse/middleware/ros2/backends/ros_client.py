@@ -113,10 +113,10 @@ class _Subscription(Subscription):
         messages: list[bytes] = []
         with subscription.handle:
             while len(messages) < _MOST:
-                taken = subscription.handle.take_message(subscription.msg_type, True)
-                if taken is None:
+                message = subscription.handle.take_message(subscription.msg_type, True)
+                if message is None:
                     break
-                messages.append(bytes(taken[0]))
+                messages.append(bytes(message[0]))
         return messages
 
     def close(self) -> None:
