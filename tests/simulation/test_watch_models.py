@@ -203,7 +203,7 @@ def test_a_thing_that_was_spawned_follows_its_file_and_takes_the_record_with_it(
     assert len(run.scene.models) == models + 1
     before = run.world.arrangement
     (watch,) = [observer for observer in run.observers if isinstance(observer, Watch)]
-    until(run, lambda: str(path) in watch._files._known)
+    until(run, lambda: str(path) in watch._files._stamps)
     project.model("props/box.blend", DATA / "props" / "objects.blend")
     until(run, lambda: run.world.arrangement != before)
     assert shown(run, "box")

@@ -142,10 +142,10 @@ class Batch:
         if not isinstance(actuator, Actuator):
             kind = "a sensor" if isinstance(actuator, Sensor) else "a robot"
             raise TypeError(f"{component} is {kind}: use read()")
-        chosen = fields or tuple(actuator.local_data)
-        if len(set(chosen)) != len(chosen):
-            raise ValueError(f"a field of {component} is given twice: {', '.join(map(str, chosen))}")
-        column = CommandColumn(Layout(component, chosen, actuator.local_data), handles)
+        names = fields or tuple(actuator.local_data)
+        if len(set(names)) != len(names):
+            raise ValueError(f"a field of {component} is given twice: {', '.join(map(str, names))}")
+        column = CommandColumn(Layout(component, names, actuator.local_data), handles)
         self._commands.append(column)
         return column.array
 
@@ -243,19 +243,19 @@ class Batch:
         self._check_open()
         self._simulations[0].check_step(ticks, measure)
         simulations, convoy, ran = self._simulations, self._convoy, np.zeros(len(self), np.int64)
-        commands, commanded = [(column, *column.check()) for column in self._commands], np.zeros(len(self), bool)
-        for _, _, changed in commands:
-            commanded |= changed
+        commands, has_command = [(column, *column.check()) for column in self._commands], np.zeros(len(self), bool)
+        for _, _, changes in commands:
+            has_command |= changes
         # without ticks nothing is measured: commands of rows that go on together wait in their array
         together = bool(ticks) and measure is True
         if (ticks or measure) and not together:
             self._rows(None)
         for column, rows, _ in commands:
-            column.publish(rows[(commanded & together | ~convoy.members)[rows]])
+            column.publish(rows[(has_command & together | ~convoy.members)[rows]])
         # Ctrl+C takes effect after all rows: they stay in the same tick
         with self._time:
             if together:
-                ran = convoy.run(ticks, commanded)
+                ran = convoy.run(ticks, has_command)
             left = dict(enumerate((ticks - ran).tolist()))
             rest = [row for row in left if left[row] or not (together or convoy.members[row])]
             self._each(rest, lambda row: simulations[row].step(left[row], measure=measure))
@@ -275,10 +275,10 @@ class Batch:
             rows: row numbers, a slice or a mask; None for all.
             sensors: full names; None for all.
         """
-        chosen = self._rows(rows)
+        numbers = self._rows(rows)
         self._simulations[0].check_step(0, True if sensors is None else sensors)
-        self._each(chosen, lambda row: self._simulations[row].measure(sensors))
-        self._update(chosen)
+        self._each(numbers, lambda row: self._simulations[row].measure(sensors))
+        self._update(numbers)
         if self._window is not None:
             self._window.turn(self._up_to_date)
 
@@ -292,12 +292,12 @@ class Batch:
             seeds: one seed for each of these rows, or a number ``s`` for the seeds ``s + row``; None for the present
                 seeds.
         """
-        chosen = self._rows(rows)
-        values = [self.seeds[row] for row in chosen] if seeds is None else seeds_of(seeds, chosen)
-        for row, seed in zip(chosen, values, strict=True):
+        numbers = self._rows(rows)
+        values = [self.seeds[row] for row in numbers] if seeds is None else seeds_of(seeds, numbers)
+        for row, seed in zip(numbers, values, strict=True):
             self.seeds[row] = seed
-        self._each(chosen, lambda row: self._simulations[row].restart(self.seeds[row]))
-        self._begin(chosen)
+        self._each(numbers, lambda row: self._simulations[row].restart(self.seeds[row]))
+        self._begin(numbers)
 
     def place(self, rows: object, name: str, poses: object) -> None:
         """Place a robot or an object at rest, in some rows.
@@ -311,10 +311,12 @@ class Batch:
             KeyError: there is no such object.
             ValueError: a pose has another size, or a number is not finite; nothing has moved then.
         """
-        chosen = self._rows(rows)
-        vectors = vectors_of(poses, chosen, "poses")
-        poses = [self._simulations[row].pose_of(name, pose) for row, pose in zip(chosen, vectors.tolist(), strict=True)]
-        for row, pose in zip(chosen, poses, strict=True):
+        numbers = self._rows(rows)
+        vectors = vectors_of(poses, numbers, "poses")
+        poses = [
+            self._simulations[row].pose_of(name, pose) for row, pose in zip(numbers, vectors.tolist(), strict=True)
+        ]
+        for row, pose in zip(numbers, poses, strict=True):
             self._simulations[row].place(name, pose)
 
     def vary(
@@ -343,14 +345,14 @@ class Batch:
             ValueError: a value is not valid, or there is another number of values than rows; nothing has changed then.
             TypeError: no parameter is given.
         """
-        given = {"mass": mass, "friction": friction, "light": light, "color": color, "texture": texture}
-        given = {what: values for what, values in given.items() if values is not None}
-        if not given:
+        values_by_name = {"mass": mass, "friction": friction, "light": light, "color": color, "texture": texture}
+        values_by_name = {what: values for what, values in values_by_name.items() if values is not None}
+        if not values_by_name:
             raise TypeError(f"vary needs a parameter of '{name}': mass, friction, light, color or texture")
-        chosen = self._rows(rows)
-        columns: dict[str, Any] = {what: _columns(what, values, chosen) for what, values in given.items()}
+        numbers = self._rows(rows)
+        columns: dict[str, Any] = {what: _columns(what, values, numbers) for what, values in values_by_name.items()}
         changes = [
-            (what, row, value) for what, each in columns.items() for row, value in zip(chosen, each, strict=True)
+            (what, row, value) for what, each in columns.items() for row, value in zip(numbers, each, strict=True)
         ]
         for what, row, value in changes:
             self._simulations[row].check_variation(name, what, value)
@@ -369,18 +371,18 @@ class Batch:
             TypeError: it is no state.
             StateError: a state is damaged, or belongs to another scene.
         """
-        chosen = self._rows(rows)
-        every: list[Any] = list(states) if isinstance(states, (list, tuple)) else [states] * len(chosen)
+        numbers = self._rows(rows)
+        every: list[Any] = list(states) if isinstance(states, (list, tuple)) else [states] * len(numbers)
         for state in every:
             if not isinstance(state, State):
                 raise TypeError(f"a state is what save() returns, not {state!r:.80}")
-        if len(every) != len(chosen):
-            raise ValueError(f"there are {len(chosen)} rows, but {len(every)} states")
-        waiting = dict(zip(chosen, every, strict=True))
-        self._each(chosen, lambda row: self._simulations[row].restore(waiting[row]))
-        for row in chosen:
+        if len(every) != len(numbers):
+            raise ValueError(f"there are {len(numbers)} rows, but {len(every)} states")
+        waiting = dict(zip(numbers, every, strict=True))
+        self._each(numbers, lambda row: self._simulations[row].restore(waiting[row]))
+        for row in numbers:
             self.seeds[row] = self._simulations[row].seed()
-        self._begin(chosen)
+        self._begin(numbers)
 
     def _begin(self, rows: Sequence[int]) -> None:
         for column in self._commands:
@@ -440,10 +442,10 @@ class Batch:
     def _rows(self, rows: object) -> list[int]:
         """The numbers of rows, whose simulations are then up to date."""
         self._check_open()
-        chosen = rows_of(rows, len(self))
-        for row in chosen:
+        numbers = rows_of(rows, len(self))
+        for row in numbers:
             self._convoy.leave(row)
-        return chosen
+        return numbers
 
     def _check_open(self) -> None:
         if not self._simulations:

@@ -59,8 +59,8 @@ class CommandColumn:
         #: what was published last, and whether anything was
         self._last, self._has_last = self._plain.copy(), np.zeros(rows, bool)
         component = handles[0].component
-        declared, data = fields_of_component(component), component.local_data
-        specs = [spec_of_field(declared.get(name), data[name]) for name in layout.fields]
+        fields, data = fields_of_component(component), component.local_data
+        specs = [spec_of_field(fields.get(name), data[name]) for name in layout.fields]
         #: whether commands are numbers that are checked all at once; others are checked one by one
         self._are_numbers = all(spec.kind == "number" for spec in specs)
         self._low = np.array([-LARGEST if spec.low is None else spec.low for spec in specs])
@@ -85,24 +85,24 @@ class CommandColumn:
         Raises:
             CommandError: a value is not valid; the message names the row.
         """
-        values, written = self._plain, self.array.written
-        assert written is not None
+        values, mask = self._plain, self.array.written
+        assert mask is not None
         # in-place operations such as `drive += 1` do not assign
-        changed = values != self._initial
-        written |= changed.reshape(len(values), -1).any(axis=1)
-        rows = np.flatnonzero(written)
+        changes = values != self._initial
+        mask |= changes.reshape(len(values), -1).any(axis=1)
+        rows = np.flatnonzero(mask)
         if self._are_numbers:
             numbers = values.reshape(len(values), -1)
-            checked: NDArray[np.bool_] = np.all((numbers >= self._low) & (numbers <= self._high), axis=1)  # not of NaN
+            is_valid: NDArray[np.bool_] = np.all((numbers >= self._low) & (numbers <= self._high), axis=1)  # not of NaN
         else:
-            checked = np.zeros(len(values), bool)
-        for row in rows[~checked[rows]].tolist():
+            is_valid = np.zeros(len(values), bool)
+        for row in rows[~is_valid[rows]].tolist():
             self._review(row)
         if not self._are_numbers:
-            return rows, written.copy()
+            return rows, mask.copy()
         # the bytes, because 0.0 and -0.0 are equal
         now, before = (array.reshape(len(array), -1).view(np.uint8) for array in (values, self._last))
-        return rows, written & (~self._has_last | (now != before).any(axis=1))
+        return rows, mask & (~self._has_last | (now != before).any(axis=1))
 
     def _review(self, row: int) -> None:
         try:

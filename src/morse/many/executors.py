@@ -39,8 +39,8 @@ def pack_size(remaining: int, workers: int, time: float) -> int:
     """
     time = max(time, 1e-3)
     least = workers / (DISPATCHES * time)
-    wanted = min(remaining / (2 * workers), _PACK / time)
-    return max(1, min(_MOST_OF_A_PACK, remaining // workers + 1, int(max(least, wanted))))
+    size = min(remaining / (2 * workers), _PACK / time)
+    return max(1, min(_MOST_OF_A_PACK, remaining // workers + 1, int(max(least, size))))
 
 
 def do_pack(study: Runs, tasks: Sequence[Task]) -> list[dict[str, Any]]:

@@ -47,15 +47,15 @@ def main(control: int, lifeline: int) -> None:
 
 
 def _line(connection: socket.socket) -> bytes:
-    received = b""
-    while not received.endswith(b"\n") and len(received) < _MOST:
+    data = b""
+    while not data.endswith(b"\n") and len(data) < _MOST:
         # byte for byte at the end would lose descriptors: the driver sends these only after an answer
         part = connection.recv(1 << 16)
         if not part:
             sys.exit(1)
-        received += part
+        data += part
     connection.sendall(b"\n")
-    return received
+    return data
 
 
 if __name__ == "__main__":

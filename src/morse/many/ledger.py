@@ -94,19 +94,19 @@ class Ledger:
         self.rows = read_rows(folder)
         _repair(folder / ROWS)
         self._file = open(folder / ROWS, "ab")  # noqa: SIM115
-        self._forced = time.monotonic()
+        self._last_sync = time.monotonic()
 
     def add(self, row: dict[str, Any]) -> None:
         """Append a row."""
         self.rows[row["run"]] = row
         self._file.write(json.dumps(row).encode() + b"\n")
         self._file.flush()
-        if time.monotonic() - self._forced > _FLUSH:
+        if time.monotonic() - self._last_sync > _FLUSH:
             self._force()
 
     def _force(self) -> None:
         os.fsync(self._file.fileno())
-        self._forced = time.monotonic()
+        self._last_sync = time.monotonic()
 
     def describe(self, facts: dict[str, Any]) -> None:
         """Write the facts about the study; the file appears whole or not at all."""

@@ -96,10 +96,10 @@ def axis(name: str, values: object) -> list[Any]:
         return values.values(name)
     if isinstance(values, (str, bytes, dict)) or not hasattr(values, "__iter__"):
         values = [values]
-    chosen = [plain(value, f"the parameter '{name}'") for value in values]
-    if not chosen:
+    choices = [plain(value, f"the parameter '{name}'") for value in values]
+    if not choices:
         raise ValueError(f"the parameter '{name}' has no values")
-    return chosen
+    return choices
 
 
 def combinations(axes: Mapping[str, Sequence[object]], seeds: Iterable[int]) -> Iterator[tuple[dict[str, object], int]]:

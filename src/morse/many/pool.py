@@ -107,19 +107,19 @@ class Pool:
         """Wait for results; yields each task with its row, or with None if its worker has died."""
         for key, _ in self._selector.select(timeout):
             worker: Any = key.fileobj
-            task, received = self._busy[worker]
+            task, message = self._busy[worker]
             try:
                 part = worker.recv(1 << 16)
             except ConnectionError:
                 part = b""
-            received += part
-            if part and not received.endswith(b"\n"):
+            message += part
+            if part and not message.endswith(b"\n"):
                 continue
             self._selector.unregister(worker)
             del self._busy[worker]
             if part:
                 self._idle.append(worker)
-                yield task, json.loads(received)
+                yield task, json.loads(message)
             else:
                 self._bury(worker)
                 yield task, None

@@ -81,19 +81,19 @@ class ContactColumn:
 
     def __init__(self, watches: Sequence[Watch]) -> None:
         self._watches = watches
-        self._touched, self._impulses = np.zeros(len(watches), bool), np.zeros(len(watches))
-        self.array = self._touched.view(Contacts)
+        self._has_contact, self._impulses = np.zeros(len(watches), bool), np.zeros(len(watches))
+        self.array = self._has_contact.view(Contacts)
         impulse = self._impulses.view()
         self.array.flags.writeable = impulse.flags.writeable = False
         self.array.impulse = impulse
 
     def begin(self, rows: Iterable[int]) -> None:
         """Let rows have no contacts."""
-        chosen = list(rows)
-        self._touched[chosen], self._impulses[chosen] = False, 0.0
+        numbers = list(rows)
+        self._has_contact[numbers], self._impulses[numbers] = False, 0.0
 
     def update(self, rows: Iterable[int]) -> None:
         """Take the contacts of the step."""
         for row in rows:
             watch = self._watches[row]
-            self._touched[row], self._impulses[row] = watch.touched, watch.impulse
+            self._has_contact[row], self._impulses[row] = watch.touched, watch.impulse

@@ -41,14 +41,14 @@ def rows_of(rows: object, count: int) -> list[int]:
         return []
     if array.dtype.kind not in "iu" or array.ndim > 1:
         raise TypeError(f"rows are a number, a list of numbers, a slice or a mask, not {rows!r:.80}")
-    chosen = [int(row) for row in np.atleast_1d(array)]
-    for row in chosen:
+    numbers = [int(row) for row in np.atleast_1d(array)]
+    for row in numbers:
         if not -count <= row < count:
             raise IndexError(f"there is no row {row}: the batch has {count} rows, from 0 to {count - 1}")
-    chosen = [row % count for row in chosen]
-    if len(set(chosen)) != len(chosen):
-        raise ValueError(f"a row is given twice: {chosen!r:.80}")
-    return chosen
+    numbers = [row % count for row in numbers]
+    if len(set(numbers)) != len(numbers):
+        raise ValueError(f"a row is given twice: {numbers!r:.80}")
+    return numbers
 
 
 def only_row_of(row: object, count: int) -> int:

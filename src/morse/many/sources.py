@@ -35,10 +35,10 @@ class Reference(NamedTuple):
         Raises:
             ImportError, AttributeError: it does not exist any more.
         """
-        found: object = imported(self.file, self.module)
+        source: object = imported(self.file, self.module)
         for part in self.name.split("."):
-            found = getattr(found, part)
-        return found
+            source = getattr(source, part)
+        return source
 
 
 def reference_of(function: Callable[..., object]) -> Reference | None:
@@ -48,10 +48,10 @@ def reference_of(function: Callable[..., object]) -> Reference | None:
     file = getattr(module, "__file__", None)
     if file is None or not name or "<" in name or not Path(file).is_file():
         return None
-    found: object = module
+    target: object = module
     for part in name.split("."):
-        found = getattr(found, part, None)
-    if found is not function:
+        target = getattr(target, part, None)
+    if target is not function:
         return None
     package = module.__spec__.name if module is not None and module.__spec__ and module.__package__ else ""
     return Reference(str(Path(file).resolve()), package, name)
@@ -84,11 +84,11 @@ def imported(file: str, module: str = "") -> object:
     spec = importlib.util.spec_from_file_location(name, file)
     if spec is None or spec.loader is None:
         raise ImportError(f"{file} is not a Python file")
-    found = importlib.util.module_from_spec(spec)
-    sys.modules[name] = found
+    package = importlib.util.module_from_spec(spec)
+    sys.modules[name] = package
     before, is_loading = is_loading, True
     try:
-        spec.loader.exec_module(found)
+        spec.loader.exec_module(package)
     except StopLoading:
         pass
     except BaseException:
@@ -96,8 +96,8 @@ def imported(file: str, module: str = "") -> object:
         raise
     finally:
         is_loading = before
-    _loaded[key] = found
-    return found
+    _loaded[key] = package
+    return package
 
 
 def code_of(parts: Iterable[object]) -> str:

@@ -64,22 +64,22 @@ class Stock:
             scene, seed, arguments: see `morse.load`.
         """
         # until the run has ended, the scene is not known to be unchanged
-        kept = self._scenes.pop(key, None)
-        if kept is not None and kept.scene is not None and kept.compiled is not None:
-            simulation = start(kept.scene, replace(kept.options, seed=seed), kept.compiled.copy())
+        entry = self._scenes.pop(key, None)
+        if entry is not None and entry.scene is not None and entry.compiled is not None:
+            simulation = start(entry.scene, replace(entry.options, seed=seed), entry.compiled.copy())
         else:
-            simulation, kept = _loaded(kept, scene, seed, arguments)
+            simulation, entry = _loaded(entry, scene, seed, arguments)
         with simulation:
             yield simulation
-        if kept.scene is not None:
+        if entry.scene is not None:
             if simulation.world.arrangement:
                 return
-            if _digest(kept.scene) != kept.begun:
+            if _digest(entry.scene) != entry.begun:
                 # restores colours and lamps
                 simulation.world.reset()
-                if _digest(kept.scene) != kept.begun:
+                if _digest(entry.scene) != entry.begun:
                     return
-        self._scenes[key] = kept
+        self._scenes[key] = entry
         while len(self._scenes) > _MOST:
             del self._scenes[next(iter(self._scenes))]
 
@@ -88,14 +88,14 @@ def _loaded(before: _Kept | None, scene: Any, seed: int, arguments: Sequence[str
     """Return a simulation of a scene that its script describes, and what is kept of it."""
     options = RunOptions(arguments=list(arguments), sockets=False, view="none", open_browser=False, on_failure="raise")
     description = described(scene, options)
-    kept = _Kept(_digest(description, whole=True), options)
-    compiled = None
-    if before is not None and before.built == kept.built and _is_of_morse(description):
+    entry = _Kept(_digest(description, whole=True), options)
+    model = None
+    if before is not None and before.built == entry.built and _is_of_morse(description):
         resolve(description)
-        kept.scene, kept.compiled = description, compile_scene(description)
-        kept.begun = _digest(description)
-        compiled = kept.compiled.copy()
-    return start(description, replace(options, seed=seed), compiled), kept
+        entry.scene, entry.compiled = description, compile_scene(description)
+        entry.begun = _digest(description)
+        model = entry.compiled.copy()
+    return start(description, replace(options, seed=seed), model), entry
 
 
 def _is_of_morse(scene: Scene) -> bool:

@@ -64,7 +64,7 @@ class Study:
         self.timeout = timeout
         self.seeds = list(range(seeds)) if isinstance(seeds, int) else [int(seed) for seed in seeds]
         self.axes = {name: axis(name, values) for name, values in parameters.items()}
-        self._accepted = {
+        self._parameters_of = {
             part: _accepts(part) for part in (run, scene) if callable(part) and not isinstance(part, Scene)
         }
         for name in self.axes:
@@ -75,8 +75,8 @@ class Study:
         if name in RESERVED:
             raise TypeError(f"a parameter cannot be called '{name}': it is a column of the results")
         in_arguments = any(f"{{{name}}}" in word for word in self.arguments)
-        names = {one for accepted in self._accepted.values() for one in accepted or ()}
-        if None not in self._accepted.values() and name not in names and not in_arguments:
+        names = {one for parameter_names in self._parameters_of.values() for one in parameter_names or ()}
+        if None not in self._parameters_of.values() and name not in names and not in_arguments:
             run = getattr(self.run_function, "__name__", "run")
             raise TypeError(
                 f"no one uses the parameter '{name}'{nearest(name, sorted(names))}: it is an argument neither of "
@@ -205,8 +205,10 @@ class Study:
         return self.run_function(simulation, **self._chosen(self.run_function, run))
 
     def _chosen(self, function: Any, run: Run) -> dict[str, Any]:
-        accepted = self._accepted[function]
-        return {name: value for name, value in run.parameters.items() if accepted is None or name in accepted}
+        parameter_names = self._parameters_of[function]
+        return {
+            name: value for name, value in run.parameters.items() if parameter_names is None or name in parameter_names
+        }
 
     # -- for other processes ---------------------------------------------------------------
 

@@ -44,12 +44,12 @@ def write_summary(table: Table, total: int) -> Path:
 
 
 def _page(table: Table, total: int) -> list[str]:
-    done, failed = len(table), len(table.failures)
+    count, failures = len(table), len(table.failures)
     wall, ticks = sum(row["wall"] for row in table), sum(row["ticks"] for row in table)
     lines = [
         "<!doctype html><meta charset='utf-8'><title>Study</title>",
         f"<style>{_STYLE}</style><h1>Study in {escape(table.folder.name)}</h1>",
-        f"<p>{done:,} of {total:,} runs are done, {failed:,} failed; {ticks:,} ticks in {wall:,.1f} s.</p>",
+        f"<p>{count:,} of {total:,} runs are done, {failures:,} failed; {ticks:,} ticks in {wall:,.1f} s.</p>",
     ]
     results = [name for name in table.columns if name not in RESERVED and name not in table.axes]
     numbers = {name: values for name in results if (values := _numbers(table[name])) is not None}

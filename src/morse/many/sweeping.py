@@ -66,21 +66,21 @@ class Driver:
         self._report, self._attempts = report, attempts
         self.runs: dict[str, Run] = {run.name: run for run in study.runs()}
         self._waiting: deque[Task] = deque()
-        self._tried: Counter[str] = Counter()
-        self._recorded: Counter[str] = Counter()
+        self._trials: Counter[str] = Counter()
+        self._recordings: Counter[str] = Counter()
         rows = ledger.rows
         for run in self.runs.values():
             row = rows.get(run.name)
             if row is not None and row.get("same") is not None:
-                self._recorded[signature(row)] += 1
+                self._recordings[signature(row)] += 1
         for run in self.runs.values():
             if run.name not in rows:
                 self._waiting.append(Task(run))
             elif rows[run.name].get("same") is None:
                 self._record_failure(run, rows[run.name])
-        done = sum(name in rows for name in self.runs)
-        failed = sum(bool(rows[name]["error"]) for name in self.runs if name in rows)
-        self.progress = Progress(len(self.runs), done, failed)
+        successes = sum(name in rows for name in self.runs)
+        failures = sum(bool(rows[name]["error"]) for name in self.runs if name in rows)
+        self.progress = Progress(len(self.runs), successes, failures)
         ledger.describe(
             {"study": repr(study), "axes": study.axes, "runs": len(self.runs), "code": study.code, **machine_facts()}
         )  # fmt: skip
@@ -134,8 +134,8 @@ class Driver:
     def _died(self, task: Task, problem: str) -> dict[str, object] | None:
         """A run whose process has died waits again, or has failed."""
         name = task.run.name
-        self._tried[name] += 1
-        if self._tried[name] < self._attempts:
+        self._trials[name] += 1
+        if self._trials[name] < self._attempts:
             self._waiting.appendleft(task)
             return None
         reason = f": {problem}" if problem else ""
@@ -149,8 +149,8 @@ class Driver:
         """Let a failed run be done again with a recording, unless there are enough of its kind."""
         if row["error"] and row.get("same") is None:
             kind = signature(row)
-            if self._recorded[kind] < RECORDED:
-                self._recorded[kind] += 1
+            if self._recordings[kind] < RECORDED:
+                self._recordings[kind] += 1
                 self._waiting.append(Task(run, str(self._ledger.folder / "recordings" / f"{run.name}.mcap")))
 
     def _tell(self) -> None:

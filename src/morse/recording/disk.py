@@ -59,8 +59,8 @@ class Disk:
         self._operations: list[Callable[[McapWriter], object]] = []
         #: ends of chunks: number of a tick, None for everything; number of bytes that were kept until then
         self._ends: list[tuple[int | None, int]] = []
-        self._passed = self._taken = 0  # bytes; only the thread writes the last one
-        self._written = time.monotonic()
+        self._bytes_in = self._bytes_out = 0  # bytes; only the thread writes the last one
+        self._last_write = time.monotonic()
         self._wake, self._room = threading.Event(), threading.Event()
         self._ending = False
         self._thread = threading.Thread(target=self._run, name="morse-recording", daemon=True)
@@ -81,13 +81,15 @@ class Disk:
             size: approximate number of bytes that were kept since the last call.
             tick: number of the last tick of the chunk; None for everything, which is then waited for.
         """
-        self._passed += size
-        self._ends.append((tick, self._passed))
+        self._bytes_in += size
+        self._ends.append((tick, self._bytes_in))
         self._wake.set()
         most = _MOST_WAITING if tick is not None else -1
-        if self._passed - self._taken > most or (tick is None and self._ends):
+        if self._bytes_in - self._bytes_out > most or (tick is None and self._ends):
             self.waits += tick is not None
-            while (self._ends if tick is None else self._passed - self._taken > most // 2) and self._thread.is_alive():
+            while (
+                self._ends if tick is None else self._bytes_in - self._bytes_out > most // 2
+            ) and self._thread.is_alive():
                 self._room.wait(_INTERVAL)
                 self._room.clear()
 
@@ -110,7 +112,7 @@ class Disk:
                 self._wake.clear()
                 self._pass()
                 # all that was kept before a chunk is written with it
-                due = max(due, self._written + _INTERVAL)
+                due = max(due, self._last_write + _INTERVAL)
                 if time.monotonic() >= due:
                     due = time.monotonic() + _INTERVAL
                     self._write(self._source.complete if self._source else 0)
@@ -127,7 +129,7 @@ class Disk:
         while self._ends:
             tick, size = self._ends[0]
             self._write(tick)
-            self._taken = size
+            self._bytes_out = size
             del self._ends[0]
             self._room.set()
 
@@ -142,7 +144,7 @@ class Disk:
         messages: list[Any] = self._source.take(until)
         while self._operations:  # the channels of these messages
             self._operations.pop(0)(self._writer)
-        self._written = time.monotonic()
+        self._last_write = time.monotonic()
         if messages:
             chunk, index = chunk_of(messages)
             self._writer.encoded(chunk.data, index)

@@ -122,14 +122,14 @@ class _Parquet:
 class _Writing:
     """The file of one topic during the export."""
 
-    def __init__(self, folder: Path, channel: Channel, form: str, used: set[str], source: str) -> None:
+    def __init__(self, folder: Path, channel: Channel, form: str, names: set[str], source: str) -> None:
         is_csv = form == "csv"
         self.table: Table | FieldsTable = (
             FieldsTable(channel, source, without_data=is_csv)
             if channel.topic.startswith(f"{FIELDS}/")
             else Table(channel.type, without_data=is_csv)
         )
-        self.path = folder / f"{_file_name(channel.topic, used)}.{form}"
+        self.path = folder / f"{_file_name(channel.topic, names)}.{form}"
         self.topic = channel.topic
         self.count = 0
         self._sink: _Sink = (_Csv if form == "csv" else _Parquet)(self.path, self.table)
@@ -157,14 +157,14 @@ class _Writing:
         self._sink.close()
 
 
-def _file_name(topic: str, used: set[str]) -> str:
+def _file_name(topic: str, names: set[str]) -> str:
     """``robot.pose`` for ``/robot/pose``; the path stays in the folder for any name in a file."""
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", topic.strip("/").replace("/", "."))[:_LONGEST_NAME].lstrip(".") or "topic"
     unique, number = name, 1
-    while unique.lower() in used:
+    while unique.lower() in names:
         number += 1
         unique = f"{name}-{number}"
-    used.add(unique.lower())
+    names.add(unique.lower())
     return unique
 
 
@@ -187,7 +187,7 @@ def export(
             missing. Files that were written before remain.
         OSError: a file cannot be written.
     """
-    wanted = selected(file, topics)
+    topics_to_write = selected(file, topics)
     if form == "parquet":
         try:
             import pyarrow.parquet  # noqa: F401
@@ -197,16 +197,16 @@ def export(
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise RecordingError(f"{target} exists already: remove it, or give another folder; nothing is overwritten")
     target.mkdir(parents=True, exist_ok=True)
-    written: list[Written] = []
+    tables: list[Written] = []
     remarks: list[str] = []
-    used: set[str] = set()
-    for begin in range(0, len(wanted), _FILES):
-        written += _some(file, wanted[begin : begin + _FILES], target, form, used, remarks)
-    return written, remarks
+    names: set[str] = set()
+    for begin in range(0, len(topics_to_write), _FILES):
+        tables += _some(file, topics_to_write[begin : begin + _FILES], target, form, names, remarks)
+    return tables, remarks
 
 
 def _some(
-    file: McapFile, channels: list[Channel], target: Path, form: str, used: set[str], remarks: list[str]
+    file: McapFile, channels: list[Channel], target: Path, form: str, names: set[str], remarks: list[str]
 ) -> list[Written]:
     open_: dict[int, _Writing] = {}
     try:
@@ -215,7 +215,7 @@ def _some(
                 remarks.append(f"{channel.topic} is left out: its encoding is {channel.encoding!r:.40}, expected 'cdr'")
                 continue
             try:
-                open_[channel.number] = _Writing(target, channel, form, used, file.path)
+                open_[channel.number] = _Writing(target, channel, form, names, file.path)
             except RecordingError as error:
                 remarks.append(f"{channel.topic} is left out: {error}")
         for message in file.messages(open_.keys()):
@@ -233,8 +233,8 @@ def selected(file: McapFile, topics: Collection[str]) -> list[Channel]:
     Raises:
         RecordingError: there is no such topic.
     """
-    known = {channel.topic for channel in file.channels.values()}
+    present_topics = {channel.topic for channel in file.channels.values()}
     for topic in topics:
-        if topic not in known:
-            raise RecordingError(f"there is no topic '{topic}' in {file.path}{nearest(topic, sorted(known))}")
+        if topic not in present_topics:
+            raise RecordingError(f"there is no topic '{topic}' in {file.path}{nearest(topic, sorted(present_topics))}")
     return [channel for channel in file.channels.values() if not topics or channel.topic in topics]

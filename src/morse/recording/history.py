@@ -28,22 +28,22 @@ class History:
 
     def __init__(self, file: McapFile) -> None:
         self._file = file
-        self._kept: OrderedDict[int, dict[int, _Series]] = OrderedDict()
+        self._cache: OrderedDict[int, dict[int, _Series]] = OrderedDict()
         self._starts = [chunk.start for chunk in file.chunks]
 
     def _series(self, chunk: Chunk) -> dict[int, _Series]:
-        known = self._kept.get(chunk.offset)
-        if known is None:
-            known = {}
+        present = self._cache.get(chunk.offset)
+        if present is None:
+            present = {}
             for one in self._file.messages_of(chunk):
-                series = known.setdefault(one.channel, _Series([], []))
+                series = present.setdefault(one.channel, _Series([], []))
                 series.times.append(one.log_time)
                 series.messages.append(one)
-            self._kept[chunk.offset] = known
-            if len(self._kept) > _MOST_KEPT:
-                self._kept.popitem(last=False)
-        self._kept.move_to_end(chunk.offset)
-        return known
+            self._cache[chunk.offset] = present
+            if len(self._cache) > _MOST_KEPT:
+                self._cache.popitem(last=False)
+        self._cache.move_to_end(chunk.offset)
+        return present
 
     def last(self, channel: int, until: int) -> Message | None:
         """The last message of a channel whose log time is not later than ``until``, ns; None if there is none.

@@ -21,28 +21,28 @@ TYPE = "std_msgs/msg/String"
 _LENGTH = 2000
 
 
-def as_message(entry: Entry, pack: Callable[[Entry], bytes], told: Callable[[ValueError], object]) -> bytes:
+def as_message(entry: Entry, pack: Callable[[Entry], bytes], complain: Callable[[ValueError], object]) -> bytes:
     """The message of the topic for an entry.
 
     Args:
         entry: an entry of the journal.
         pack: encodes an entry as bytes; raises ValueError for values without a representation.
-        told: called with that error.
+        complain: called with that error.
     """
     exact: str | None = None
     try:
         exact = base64.b64encode(pack(entry)).decode()
     except ValueError as error:
-        told(error)
-    shown = repr(entry.content)
-    said = {
+        complain(error)
+    text = repr(entry.content)
+    line = {
         "tick": entry.tick,
         "kind": entry.kind,
         "name": entry.name,
-        "content": shown if len(shown) <= _LENGTH else f"{shown[:_LENGTH]}…",
+        "content": text if len(text) <= _LENGTH else f"{text[:_LENGTH]}…",
         "exact": exact,
     }
-    return encode(TYPE, {"data": json.dumps(said)})
+    return encode(TYPE, {"data": json.dumps(line)})
 
 
 class Inputs:
@@ -94,10 +94,10 @@ def exact_entry(data: bytes) -> bytes:
         RecordingError: the message is damaged.
     """
     try:
-        said: Any = json.loads(decode(TYPE, data)["data"])
-        exact = said["exact"]
+        line: Any = json.loads(decode(TYPE, data)["data"])
+        exact = line["exact"]
         if exact is None:
-            raise LostInput(int(said["tick"]), str(said["kind"]), str(said["name"]))
+            raise LostInput(int(line["tick"]), str(line["kind"]), str(line["name"]))
         return base64.b64decode(exact, validate=True)
     except (CdrError, ValueError, LookupError, TypeError, RecursionError) as error:
         raise RecordingError(f"an input of the recording is damaged: {error}") from None

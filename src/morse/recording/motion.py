@@ -39,7 +39,7 @@ class Motion:
         self._nodes = backend.publisher(NODES, TEXT_TYPE, Qos(1, latched=True))
         self._looks = backend.publisher(LOOKS, TEXT_TYPE, Qos(1000))
         self.repainted: set[Any] = set()
-        self._told: dict[str, Any] = {}
+        self._last_looks: dict[str, Any] = {}
         self._world.repaint_sinks.append(self.repainted.add)
         self.follow()
 
@@ -50,7 +50,7 @@ class Motion:
 
     def follow(self) -> None:
         """The objects may have changed."""
-        self._layout = self._relocated = -1
+        self._layout = self._relocation_count = -1
         self._objects: list[Any] = []
         self._is_new = True
 
@@ -75,11 +75,11 @@ class Motion:
     def renew(self) -> list[object]:
         """Publish the names of the nodes if they have changed, and return their objects."""
         world = self._world
-        if world.layout != self._layout or len(world.relocated) != self._relocated or self._is_new:
+        if world.layout != self._layout or len(world.relocated) != self._relocation_count or self._is_new:
             if self._is_new:
                 # a restored state may place static objects elsewhere
                 world.relocated.update(world.displaced_slots())
-            self._layout, self._relocated = world.layout, len(world.relocated)
+            self._layout, self._relocation_count = world.layout, len(world.relocated)
             self._name_nodes()
         if self._is_new:
             self._is_new = False
@@ -120,8 +120,8 @@ class Motion:
         looks = []
         for obj in sorted((one for one in self.repainted if not one.invalid), key=lambda one: str(one.name)):
             look = look_of(obj)
-            if self._told.get(obj.name) != look:
-                self._told[obj.name] = look
+            if self._last_looks.get(obj.name) != look:
+                self._last_looks[obj.name] = look
                 looks.append({"name": obj.name, **look})
         self.repainted.clear()
         if looks and self._looks is not None:

@@ -92,8 +92,8 @@ class Recorder(Observer):
         except OSError as error:
             raise RecordingError(f"{self.path} cannot be written: {error.strerror or error}") from None
         self._open = True
-        self._flushed = context.clock.tick
-        self._warned = False
+        self._last_flush = context.clock.tick
+        self._has_warned = False
         self._ticks = 0
         try:
             self._start(beginning, sensors)
@@ -108,7 +108,7 @@ class Recorder(Observer):
             disk.other(partial(McapWriter.attachment, name=name, media_type=MEDIA_TYPE, data=data))
         self._tape = Tape(context, disk)
         self._inputs = Inputs(context.journal, self._tape, beginning.pack)
-        self._made = MadeObjects(
+        self._objects = MadeObjects(
             self._tape,
             disk,
             beginning.made,
@@ -133,28 +133,28 @@ class Recorder(Observer):
         if not self._open:
             return
         tick = self._clock.tick
-        if tick != self._flushed:  # no tick ends while the simulation is paused
-            self._flushed = tick
+        if tick != self._last_flush:  # no tick ends while the simulation is paused
+            self._last_flush = tick
             self._ticks += 1
             self._streams.flush()
             self._tape.end_tick()
         disk = self._disk
-        if disk.waits and not self._warned:
-            self._warned = True
+        if disk.waits and not self._has_warned:
+            self._has_warned = True
             logger.warning("the disk is slower than the simulation, which waits for the recording %s", self.path)
         if disk.error is not None:
             self._fail(disk.error)
 
     def restarted(self) -> None:
         """The components were created again."""
-        self._flushed = self._context.clock.tick
-        self._made.follow()
+        self._last_flush = self._context.clock.tick
+        self._objects.follow()
         self._streams.follow()
 
     def rearranged(self) -> None:
         """Components were added or removed, or another state was restored."""
-        self._flushed = self._context.clock.tick
-        self._made.follow()
+        self._last_flush = self._context.clock.tick
+        self._objects.follow()
         self._streams.follow()
 
     def stop(self) -> None:

@@ -61,17 +61,17 @@ def _copied(file: McapFile, writer: McapWriter, channels: Collection[Channel]) -
     numbers = {
         one.number: writer.channel(one.topic, writer.schema(one.type, one.definition), one.metadata) for one in channels
     }
-    messages = damaged = 0
+    messages = damages = 0
     for chunk in file.chunks:
         if not any(map(chunk.may_hold, numbers)):
             continue
         try:
-            held = list(file.messages_of(chunk, numbers.keys()))
+            messages_of_chunk = list(file.messages_of(chunk, numbers.keys()))
         except RecordingError:
-            damaged += 1
+            damages += 1
             continue
-        writer.chunk([one._replace(channel=numbers[one.channel]) for one in held])
-        messages += len(held)
+        writer.chunk([one._replace(channel=numbers[one.channel]) for one in messages_of_chunk])
+        messages += len(messages_of_chunk)
     for name in file.attachments:
         attachment = file.attached(name)
         if attachment is not None:
@@ -79,4 +79,4 @@ def _copied(file: McapFile, writer: McapWriter, channels: Collection[Channel]) -
     for name, entries in file.metadata.items():
         writer.metadata(name, entries)
     writer.finish()
-    return Rewritten(messages, damaged)
+    return Rewritten(messages, damages)

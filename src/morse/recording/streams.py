@@ -135,7 +135,7 @@ class Tape(Backend):
         """See `morse.recording.disk.Source`."""
         if until is None:
             until = _LAST
-        found = [Messages(one.channel, self._moments(one.ticks), one.data)
+        present = [Messages(one.channel, self._moments(one.ticks), one.data)
                  for rows in list(self.kept) for one in rows.batches(until, self._times)]  # fmt: skip
         ticks, numbers, messages = (self._messages[k::3] for k in range(3))
         count = bisect_right(ticks[: len(messages)], until)
@@ -145,8 +145,8 @@ class Tape(Backend):
             by_channel.setdefault(number, []).append(index)
         for number, indices in by_channel.items():
             moments = self._moments(np.array([ticks[index] for index in indices], dtype=np.int64))
-            found.append(Messages(number, moments, [messages[index] for index in indices]))
-        return [one for one in found if len(one.moments)]
+            present.append(Messages(number, moments, [messages[index] for index in indices]))
+        return [one for one in present if len(one.moments)]
 
     def _times(self, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
         """Log times, ns."""
@@ -220,7 +220,7 @@ class RecordedStreams(TopicManager):
         #: None: messages are encoded in the tick
         self.tape = tape if isinstance(tape, Tape) else None
         self._names = names
-        self._refused: set[str] = set()
+        self._refusals: set[str] = set()
         self.keeper = Keeper()
         #: keeps the data of sensors that measure on read; None if messages are encoded in the tick
         self.rows = None if self.tape is None else KeptRows(context, self.tape)
@@ -252,19 +252,19 @@ class RecordedStreams(TopicManager):
         if self.motion is not None:
             self.motion.follow()
         sensors = {
-            declared.name: declared
-            for declared in self.context.scene.components
-            if declared.kind == "sensor" and (self._names is None or declared.name in self._names)
+            entry.name: entry
+            for entry in self.context.scene.components
+            if entry.kind == "sensor" and (self._names is None or entry.name in self._names)
         }
         components = self.context.components
         for name in [name for name in self.streams if name not in sensors or name not in components]:
             self.disconnect(name)
-        for name, declared in sensors.items():
+        for name, entry in sensors.items():
             streams = self.streams.get(name)
             component = components.get(name)
             if component is None or (streams and streams[0].component_instance is component):
                 continue
-            options = next((dict(s.options) for s in declared.streams if s.manager == ROS2_MANAGER), {})
+            options = next((dict(s.options) for s in entry.streams if s.manager == ROS2_MANAGER), {})
             self._add(component, options)
 
     def _add(self, component: Object, options: Options) -> None:
@@ -281,8 +281,8 @@ class RecordedStreams(TopicManager):
                 for stream in self.streams.pop(component.name(), ()):
                     if hasattr(stream, "robot"):  # it was refused after it had reserved topics
                         self.closed(stream)
-        if component.name() not in self._refused:
-            self._refused.add(component.name())
+        if component.name() not in self._refusals:
+            self._refusals.add(component.name())
             logger.warning("%s is not recorded: %s", component.name(), refusal)
 
     def closed(self, stream: Any) -> None:

@@ -51,14 +51,14 @@ class Ending:
         #: whether signals come from this object itself, to wake a call that waits
         self.interrupts = False
         self._who: str | None = None
-        self._ident, self._since, self._told = 0, 0.0, -1.0
+        self._ident, self._since, self._last_time = 0, 0.0, -1.0
         self._thread: threading.Thread | None = None
         self._is_over = threading.Event()
 
     def run(self, who: str, function: Callable[[], object]) -> None:
         """End a part, given its name for the log."""
         with self._lock:
-            self._ident, self._since, self._told = threading.get_ident(), self._now(), -1.0
+            self._ident, self._since, self._last_time = threading.get_ident(), self._now(), -1.0
             self._who, self.interrupts = who, False
             if self._thread is None:
                 self._is_over.clear()
@@ -92,17 +92,17 @@ class Ending:
                     self._look(self._who, self._now())
 
     def _look(self, who: str, now: float) -> None:
-        if self._told < 0.0:
+        if self._last_time < 0.0:
             if now - self._since <= self._limit:
                 return
-            self._told = now
+            self._last_time = now
             logger.error(
                 "[ERROR][MORSE] %s does not end: after %.1f s it is left at %s",
                 who,
                 now - self._since,
                 line_of(sys._current_frames().get(self._ident)),
             )
-        elif now - self._told > _GRACE and self.leave is not None:
+        elif now - self._last_time > _GRACE and self.leave is not None:
             self.leave()
         self.interrupts = True
         _interrupt(self._ident)

@@ -25,7 +25,7 @@ class Fallen:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._told: WeakSet[Robot] = WeakSet()
+        self._reports: WeakSet[Robot] = WeakSet()
         self._heights: WeakKeyDictionary[Robot, float] = WeakKeyDictionary()
         self._first = self._next = 0
         self._bottom: float | None = None
@@ -49,14 +49,14 @@ class Fallen:
         height = robot.bge_object.world_pose()[0][2]
         before = self._heights.get(robot, height)
         self._heights[robot] = height
-        if before - height < _FALLEN or robot in self._told:
+        if before - height < _FALLEN or robot in self._reports:
             return
         if self._bottom is None:
             self._bottom = lowest_fixed(self._simulation.world)
         below = self._bottom - height
         if below < _BELOW:
             return
-        self._told.add(robot)
+        self._reports.add(robot)
         environment = self._simulation.scene.environment
         logger.warning(
             "%s falls: it is at z = %.1f m, %s; F11 or the service simulation.reset begins again",

@@ -34,10 +34,10 @@ class Finalizing:
 
     def finalize_components(self) -> None:
         """Finalize the components and modifiers."""
-        loaded, self.loaded = self.loaded, Loaded()
+        parts, self.loaded = self.loaded, Loaded()
         overlays = list(self.context.overlays.values())
         self.context.overlays.clear()
-        for part in [*overlays, *loaded.actuators, *loaded.sensors, *loaded.robots, *loaded.modifier_objects]:
+        for part in [*overlays, *parts.actuators, *parts.sensors, *parts.robots, *parts.modifier_objects]:
             self._finalize(part)
         self.ending.rest()
 

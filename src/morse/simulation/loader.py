@@ -76,7 +76,7 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
         LoadError: the message contains the component and the line of the script that created it.
     """
     watch_threads()
-    loaded = Loaded()
+    parts = Loaded()
     declarations = context.scene.components if declarations is None else declarations
     by_node: dict[object, Robot] = {}
     for declaration in declarations:
@@ -90,9 +90,9 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
             own = declaration.kind == "robot"
             (context.robots if own else context.external_robots)[declaration.name] = robot
             if own:
-                loaded.robots.append(robot)
+                parts.robots.append(robot)
     # a constructor may keep a reference to the data of a sensor that was created before
-    with Unclaimed() as unclaimed:
+    with Unclaimed() as leftovers:
         for declaration in declarations:
             if declaration.kind in ("robot", "external_robot") or declaration.robot not in by_node:
                 continue
@@ -104,9 +104,9 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
                 logger.warning("a model file declares it, but it is left out: %s", error)
                 continue
             context.components[declaration.name] = component
-            (loaded.sensors if declaration.kind == "sensor" else loaded.actuators).append(component)
-            unclaimed.add(component)
-    return loaded
+            (parts.sensors if declaration.kind == "sensor" else parts.actuators).append(component)
+            leftovers.add(component)
+    return parts
 
 
 def _where(declaration: ComponentDeclaration) -> str:
@@ -163,8 +163,8 @@ def _instance(cls: type[Any], obj: Body, robot: Robot | None) -> Any:
         try:
             signature.bind(None, obj, robot)
         except TypeError:
-            expected = "expected __init__(self, obj, parent=None)"
-            raise LoadError(f"{cls.__name__}.__init__{signature} cannot be called; {expected}") from None
+            form = "expected __init__(self, obj, parent=None)"
+            raise LoadError(f"{cls.__name__}.__init__{signature} cannot be called; {form}") from None
         raise
 
 
@@ -174,7 +174,7 @@ def _class_of_level(cls: type, level: str | None) -> type:
     return load_class(choice.classpath) if choice is not None and choice.classpath else cls
 
 
-def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDeclaration] | None = None) -> None:
+def connect(context: Context, parts: Loaded, declarations: Sequence[ComponentDeclaration] | None = None) -> None:
     """Add modifiers and overlays, and open streams and services.
 
     Without a network, only streams that do not need one are opened.
@@ -188,7 +188,7 @@ def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDe
     with Unclaimed(component for _, component in present):
         for declaration, component in present:
             for modifier in declaration.modifiers:
-                _add_modifier(component, declaration, modifier, loaded)
+                _add_modifier(component, declaration, modifier, parts)
     check_kinds(present)
     for declaration, component in present:
         _add_interfaces(context, component, declaration)
@@ -264,16 +264,16 @@ def make_modifier(component: Object, declaration: ComponentDeclaration, modifier
         raise LoadError(f"modifier {modifier.classpath} of {_where(declaration)}: {describe(error)}") from error
 
 
-def _add_modifier(component: Object, declaration: ComponentDeclaration, modifier: Any, loaded: Loaded) -> None:
+def _add_modifier(component: Object, declaration: ComponentDeclaration, modifier: Any, parts: Loaded) -> None:
     instance = make_modifier(component, declaration, modifier)
     direction = "OUT" if declaration.kind == "sensor" else "IN"
     if isinstance(component, ExternalObject) and modifier.direction is not None:
         direction = modifier.direction
     (component.output_modifiers if direction == "OUT" else component.input_modifiers).append(instance)
     component.offer(instance)
-    loaded.modifier_objects.append(instance)
-    if modifier.classpath not in loaded.modifiers:
-        loaded.modifiers.append(modifier.classpath)
+    parts.modifier_objects.append(instance)
+    if modifier.classpath not in parts.modifiers:
+        parts.modifiers.append(modifier.classpath)
 
 
 def make_stream_manager(context: Context, classpath: str) -> Any:

@@ -36,7 +36,7 @@ class Ownership:
         self._lock = threading.Lock()
         self._owner: int | None = None
         self._stop = stop
-        self._replaced = False
+        self._is_lost = False
         self.interrupted = False
         self.holds_back = True
 
@@ -49,14 +49,14 @@ class Ownership:
         self.interrupted = False
         main = self.holds_back and threading.current_thread() is threading.main_thread()
         if main and _handler(_SIGINT) is signal.default_int_handler:
-            self._replaced = True
+            self._is_lost = True
             _handle(_SIGINT, self._note)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._replaced:
-            self._replaced = False
+        if self._is_lost:
+            self._is_lost = False
             _handle(_SIGINT, signal.default_int_handler)
         self._owner = None
         self._lock.release()

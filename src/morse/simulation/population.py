@@ -98,13 +98,13 @@ class Population:
         context.world.add(newcomer.roots, newcomer.components)
         try:
             with acting(context), scene.project:
-                loaded = load_components(context, newcomer.components)
-                connect(context, loaded, newcomer.components)
+                parts = load_components(context, newcomer.components)
+                connect(context, parts, newcomer.components)
         except BaseException:
             self._forget(newcomer.components)
             context.world.remove([context.world.object_of(root) for root in newcomer.roots])
             raise
-        simulation.loaded.join(loaded)
+        simulation.loaded.join(parts)
         scene.models += newcomer.models
         roots = tuple(root.name for root in newcomer.roots)
         self._recipes[name] = Recipe(kind, list(position), list(rotation), roots)
@@ -148,9 +148,9 @@ class Population:
         self._forget(declarations, returns=True)
         context.world.renew(roots)
         with acting(context), scene.project:
-            loaded = load_components(context, declarations)
-            connect(context, loaded, declarations)
-        self._simulation.loaded.join(loaded)
+            parts = load_components(context, declarations)
+            connect(context, parts, declarations)
+        self._simulation.loaded.join(parts)
         self._sort_components(scene.components)
         self._changed()
 
@@ -245,13 +245,13 @@ class Population:
         self._recipes.clear()
         simulation.components_changed()
 
-    def edited(self, replaced: Sequence[tuple[Node, Node]], come: Sequence[Node], gone: Sequence[Node]) -> None:
+    def edited(self, pairs: Sequence[tuple[Node, Node]], come: Sequence[Node], removals: Sequence[Node]) -> None:
         """Update the launch after a model was edited, with the present nodes of the model."""
         roots = self._launch[0]
-        latest = dict(replaced)
+        latest = dict(pairs)
         present = {root.name for root in self._simulation.scene.roots}
         self._recipes = {name: recipe for name, recipe in self._recipes.items() if name in present}
-        roots[:] = [*(latest.get(root, root) for root in roots if root not in gone), *come]
+        roots[:] = [*(latest.get(root, root) for root in roots if root not in removals), *come]
 
     # -- state -----------------------------------------------------------------------------
 
@@ -261,8 +261,8 @@ class Population:
 
     def names_at_launch(self, without: Sequence[str]) -> list[str]:
         """Return the robots and components of the launch, except those of the objects in ``without``."""
-        gone = {node for root in self._launch[0] if root.name in without for node in root.walk()}
-        return [d.name for d in self._launch[1] if d.node not in gone and d.robot not in gone]
+        absentees = {node for root in self._launch[0] if root.name in without for node in root.walk()}
+        return [d.name for d in self._launch[1] if d.node not in absentees and d.robot not in absentees]
 
     def makers(self) -> dict[str, Callable[[], object]]:
         """Return the functions that created spawned objects, by name; objects with a named kind are omitted."""
@@ -290,7 +290,7 @@ class Population:
         scene = self._simulation.scene
         roots = [root for root in scene.roots if root.name in recipe.roots]
         nodes = {node for root in roots for node in root.walk()}
-        return Newcomer(roots, [declared for declared in scene.components if declared.node in nodes])
+        return Newcomer(roots, [component for component in scene.components if component.node in nodes])
 
     def get_state(self) -> StateData:
         """Return the spawned objects with their kinds and poses, and the names of the deleted objects.
@@ -351,7 +351,7 @@ class Population:
             return place.get(name, -1)  # objects of the launch are the first, as before
 
         roots = sorted(scene.roots, key=lambda root: order(root.name))
-        components = sorted(scene.components, key=lambda declared: order(declared.robot.name))
+        components = sorted(scene.components, key=lambda component: order(component.robot.name))
         simulation.context.world.arrange(roots, components, list(scene.zones))
         self._sort_components(components)
         self._changed()
@@ -359,14 +359,14 @@ class Population:
     def _sort_components(self, declarations: Sequence[ComponentDeclaration]) -> None:
         """Sort the components as their declarations, because they act in this order."""
         simulation = self._simulation
-        by_declaration = {declared.name: number for number, declared in enumerate(declarations)}
-        for kept in (simulation.loaded.robots, simulation.loaded.actuators, simulation.loaded.sensors):
-            kept.sort(key=lambda component: by_declaration[component.name()])
+        by_declaration = {one.name: number for number, one in enumerate(declarations)}
+        for members in (simulation.loaded.robots, simulation.loaded.actuators, simulation.loaded.sensors):
+            members.sort(key=lambda component: by_declaration[component.name()])
         tables: list[dict[str, Any]] = [simulation.context.robots, simulation.context.components]
         for table in tables:
-            ordered = sorted(table.items(), key=lambda item: by_declaration[item[0]])
+            items = sorted(table.items(), key=lambda item: by_declaration[item[0]])
             table.clear()
-            table.update(ordered)
+            table.update(items)
 
     def _bring_back(self, roots: list[Node]) -> None:
         """Restore deleted robots and objects of the launch."""
@@ -383,9 +383,9 @@ class Population:
         zones = [zone for zone in self._launch[2] if zone in scene.zones or zone.node in missing]
         context.world.arrange([*roots, *came], components, zones)
         with acting(context), scene.project:
-            loaded = load_components(context, back)
-            connect(context, loaded, back)
-        simulation.loaded.join(loaded)
+            parts = load_components(context, back)
+            connect(context, parts, back)
+        simulation.loaded.join(parts)
         self._changed()
 
 

@@ -31,7 +31,7 @@ class PublishedData:
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         # a new version of a class is reported again
-        self._told: set[tuple[str, str, type]] = set()
+        self._reports: set[tuple[str, str, type]] = set()
         self._begin = self._next = 0
 
     def review(self, tick: int, changed: bool) -> int:
@@ -52,14 +52,14 @@ class PublishedData:
         if not sensor.local_data.get("timestamp"):  # a measurement has a time stamp
             return
         for text in uncover(sensor):
-            if (sensor.name(), text, type(sensor)) not in self._told:
-                self._told.add((sensor.name(), text, type(sensor)))
+            if (sensor.name(), text, type(sensor)) not in self._reports:
+                self._reports.add((sensor.name(), text, type(sensor)))
                 logger.warning("%s: %s", sensor.name(), text)
         for field, _, text in misfits(sensor, _is_definite):
             key = sensor.name(), field, type(sensor)
-            if key in self._told:
+            if key in self._reports:
                 continue
-            self._told.add(key)
+            self._reports.add(key)
             # a sensor may publish any number of them
             line = f"{sensor.name()} ({type(sensor).__name__}): {text}"
             self._simulation.context.complaints.warn(line, line)

@@ -23,12 +23,12 @@ def summary(context: Context, modifiers: list[str], datastreams: list[str], *, v
     lines.append("Available services:")
     for classpath, manager in context.services.request_managers().items():
         lines.append(f"\t- Interface {classpath}")
-        offered = manager.services()
+        services_of = manager.services()
         if verbose:
-            lines += [f"\t\t- {component}: {services}" for component, services in offered.items()]
+            lines += [f"\t\t- {component}: {services}" for component, services in services_of.items()]
         else:
-            count = sum(map(len, offered.values()))
-            lines.append(f"\t\t- {count} services of {len(offered)} components; --verbose lists them")
+            count = sum(map(len, services_of.values()))
+            lines.append(f"\t\t- {count} services of {len(services_of)} components; --verbose lists them")
     lines.append("Modifiers in use:")
     lines += [f"\t- '{classpath}'" for classpath in modifiers] or ["\tNone"]
     lines.append("Datastream interfaces configured:")

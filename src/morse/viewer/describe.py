@@ -32,25 +32,25 @@ def describe(
     nodes = list(scene.nodes())
     index = {id(node): i for i, node in enumerate(nodes)}
     frames = rigid_frames(nodes)
-    stretched = (frames.stretches != np.eye(3)).any(axis=(1, 2))
+    is_stretched = (frames.stretches != np.eye(3)).any(axis=(1, 2))
     kinds = {id(component.node): component.kind for component in scene.components}
     movers = {id(mover.node): mover.frame for mover in moving}
-    shown = [shown_mesh(node) for node in nodes]
-    depot.add_meshes(mesh for mesh in shown if mesh is not None)
+    visible_meshes = [shown_mesh(node) for node in nodes]
+    depot.add_meshes(mesh for mesh in visible_meshes if mesh is not None)
     meshes: dict[d.MeshDescription, int] = {}
     materials: dict[d.MaterialDescription, int] = {}
-    described = []
+    descriptions = []
     for i, node in enumerate(nodes):
-        mesh = shown[i]
+        mesh = visible_meshes[i]
         slots = [] if mesh is None else slot_materials(node, mesh)
-        described.append(
+        descriptions.append(
             d.NodeDescription(
                 name=node.name,
                 parent=index.get(id(node.parent), -1),
                 position=tuple(frames.positions[i].tolist()),
                 quaternion=tuple(frames.quaternions[i].tolist()),
                 frame=movers.get(id(node), ""),
-                stretch=tuple(frames.stretches[i].ravel().tolist()) if stretched[i] else None,
+                stretch=tuple(frames.stretches[i].ravel().tolist()) if is_stretched[i] else None,
                 mesh=-1 if mesh is None else meshes.setdefault(depot.mesh(mesh), len(meshes)),
                 materials=tuple(materials.setdefault(_material(m, depot), len(materials)) for m in slots),
                 color=node.color,
@@ -65,7 +65,7 @@ def describe(
         revision=revision,
         key=world_key(scene) if key is None else key,
         environment=scene.environment,
-        nodes=described,
+        nodes=descriptions,
         meshes=list(meshes),
         materials=list(materials),
         moving=[index[id(mover.node)] for mover in moving],

@@ -68,10 +68,10 @@ def _distinct(rows: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.i
     """The first index of each distinct row, and for every row the index of its distinct row."""
     words = np.ascontiguousarray(rows).view(np.uint32).astype(np.uint64)
     factors = np.random.default_rng(1).integers(1, 2**63, size=words.shape[1], dtype=np.uint64) | np.uint64(1)
-    mixed = words * factors
-    mixed ^= mixed >> np.uint64(29)
+    hashes = words * factors
+    hashes ^= hashes >> np.uint64(29)
     # sorting one number per row is an order of magnitude faster than sorting rows
-    _, first, inverse = np.unique(mixed.sum(axis=1, dtype=np.uint64), return_index=True, return_inverse=True)
+    _, first, inverse = np.unique(hashes.sum(axis=1, dtype=np.uint64), return_index=True, return_inverse=True)
     if not np.array_equal(rows[first][inverse], rows):
         _, first, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
     return first, inverse.reshape(-1)

@@ -233,8 +233,8 @@ class Hub:
     def _leave(self, page: Page) -> None:
         del self._pages[page.number]
         self._drop_drag(page)
-        if unanswered := self._requests.forget(page.number):
-            self.events.append(PageLeft(unanswered))
+        if numbers := self._requests.forget(page.number):
+            self.events.append(PageLeft(numbers))
         self.seat.leave(page.number, list(self._pages))
         self._seat_changed()
         self._wishes_changed()

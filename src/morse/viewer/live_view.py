@@ -89,7 +89,7 @@ class View(Observer):
             origins=options.view_origins,
         )
         self._layout = -1
-        self._shown = self._told = self._ticked = 0.0
+        self._last_frame = self._last_pace = self._last_tick = 0.0
         self._listening: str | None = None
         self._told_names: list[str] = []
         self._images: dict[str, Image | None] = {}
@@ -216,10 +216,10 @@ class View(Observer):
         simulation = self._simulation
         pacer, is_running = simulation.pacer, not self._is_paused()
         now = time.monotonic()
-        quick, self._ticked = now - self._ticked < _LONG_TICK, now
+        quick, self._last_tick = now - self._last_tick < _LONG_TICK, now
         interval = _UNPACED_INTERVAL if quick and pacer.speed == math.inf else _SNAPSHOT_INTERVAL
         # while paused, changes that are omitted here are shown within the time of a tick
-        is_due = now - self._shown >= interval
+        is_due = now - self._last_frame >= interval
         if is_due or not is_running:
             self._history.keep(paused=not is_running)
         if not is_due:
@@ -232,7 +232,7 @@ class View(Observer):
                 self._describe()
             for look in appearances(world):
                 self._server.send(look)
-        self._shown = now
+        self._last_frame = now
         clock = simulation.clock
         self._server.publish(
             Snapshot(
@@ -247,8 +247,8 @@ class View(Observer):
         )
         # every image is sent: the camera determines the rate
         self._pictures.update()
-        if now - self._told >= _VALUES_INTERVAL:
-            self._told = now
+        if now - self._last_pace >= _VALUES_INTERVAL:
+            self._last_pace = now
             for feed in self._feeds:
                 feed.update()
 
@@ -265,8 +265,8 @@ class View(Observer):
     def _poses(self) -> NDArray[np.float32]:
         return self._simulation.world.poses()
 
-    def _set_paused(self, paused: bool) -> None:
-        if paused:
+    def _set_paused(self, is_paused: bool) -> None:
+        if is_paused:
             self._simulation.pause()
         else:
             self._simulation.resume()

@@ -26,9 +26,9 @@ def pictured(world: World, images: dict[str, Image | None]) -> bool:
     Args:
         images: textures by name, which are updated.
     """
-    changed = {obj.name: obj.node.image for obj in world.repainted if obj.node.image is not images.get(obj.name)}
-    images.update(changed)
-    return bool(changed)
+    images_now = {obj.name: obj.node.image for obj in world.repainted if obj.node.image is not images.get(obj.name)}
+    images.update(images_now)
+    return bool(images_now)
 
 
 def appearances(world: World) -> Iterator[Appearance]:

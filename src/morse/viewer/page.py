@@ -44,8 +44,8 @@ class Page:
         self._waiting: dict[Subject | int, str | bytes] = {}
         self._unique = 0
         self._poses: bytes | None = None
-        self._sent = 0
-        self._taken = 0
+        self._frame_count = 0
+        self._receipts = 0
         self._wake = asyncio.Event()
 
     def tell(self, subject: Subject | None, frame: str | bytes) -> None:
@@ -68,18 +68,18 @@ class Page:
             Whether the page can take them now: then they count as sent, and the caller has to send them.
         """
         self._poses = poses
-        if self._sent - self._taken >= WINDOW:
+        if self._frame_count - self._receipts >= WINDOW:
             return False
         if self._waiting or self.connection.transport.get_write_buffer_size():
             self._wake.set()
             return False
         self._poses = None
-        self._sent += 1
+        self._frame_count += 1
         return True
 
     def took(self, count: int) -> None:
         """Set the number of pose frames that the page has received."""
-        self._taken = min(count, self._sent)
+        self._receipts = min(count, self._frame_count)
         if self._poses is not None:
             self._wake.set()
 
@@ -101,9 +101,9 @@ class Page:
                     if isinstance(key, int):
                         self.memory.give(len(frame))
                     await self.connection.send(frame)
-                if self._poses is not None and self._sent - self._taken < WINDOW:
+                if self._poses is not None and self._frame_count - self._receipts < WINDOW:
                     poses, self._poses = self._poses, None
-                    self._sent += 1
+                    self._frame_count += 1
                     await self.connection.send(poses)
         except ConnectionClosed:
             pass  # the receiving task handles the end

@@ -67,18 +67,18 @@ class ReplayView(View):
         self._start = simulation.clock.time
         self._direction = 1
         self._target: int | None = None
-        self._ended = False
-        self._looked = -1
+        self._has_ended = False
+        self._last_look = -1
         super().__init__(simulation)
         assert simulation.context.network is not None
         self._network = simulation.context.network
         self._history: Any = _NoHistory()
-        self._recorded = timeline if isinstance(timeline, RecordedTimeline) else None
+        self._recorded_timeline = timeline if isinstance(timeline, RecordedTimeline) else None
         fields = RecordedFields(recording)
-        if self._recorded is not None:
-            self._feeds[0] = RecordedValuesFeed(simulation.context, self._server, self._recorded, fields)
+        if self._recorded_timeline is not None:
+            self._feeds[0] = RecordedValuesFeed(simulation.context, self._server, self._recorded_timeline, fields)
         self._pictures = RecordedPicturesFeed(
-            simulation.context, self._server, fields, self._time, looks=self._recorded is not None
+            simulation.context, self._server, fields, self._time, looks=self._recorded_timeline is not None
         )
         pacer = simulation.pacer
         handlers = dict.fromkeys(self._handlers, self._refuse)
@@ -117,20 +117,20 @@ class ReplayView(View):
         return self._start + self._timeline.position / self._simulation.clock.frequency
 
     def _poses(self) -> NDArray[np.float32]:
-        return super()._poses() if self._recorded is None else self._recorded.poses()
+        return super()._poses() if self._recorded_timeline is None else self._recorded_timeline.poses()
 
     def after_tick(self) -> None:
         """See `View.after_tick`."""
-        if self._recorded is not None and self._server.watched:
+        if self._recorded_timeline is not None and self._server.watched:
             self._look()
         super().after_tick()
 
     def _look(self) -> None:
         """Cast the rays that are shown from the recorded poses."""
         position = self._timeline.position
-        if position == self._looked:
+        if position == self._last_look:
             return
-        self._looked = position
+        self._last_look = position
         cast_wished_rays(self._simulation.context, self._server.wishes.overlays)
 
     def _position(self, time_: float) -> int:
@@ -151,7 +151,7 @@ class ReplayView(View):
 
     def end(self) -> None:
         """Stop showing it; may be called from signal handlers."""
-        self._ended = True
+        self._has_ended = True
 
     # -- the loop ----------------------------------------------------------------------------
 
@@ -159,7 +159,7 @@ class ReplayView(View):
         """Show the run until the page or a signal ends it."""
         self._simulation.pacer.restart()
         try:
-            while not self._ended:
+            while not self._has_ended:
                 self.turn()
         finally:
             self._network.give_back()
@@ -197,7 +197,7 @@ class ReplayView(View):
             self._play(0)
             return
         self._timeline.forward()
-        if self._recorded is not None:
+        if self._recorded_timeline is not None:
             self.after_tick()
         self._simulation.pacer.wait()
 
@@ -211,5 +211,5 @@ class ReplayView(View):
         self.after_tick()
         if position == 0:
             self._play(0)
-        while not self._ended and (rest := until - time.monotonic()) > 0.0:
+        while not self._has_ended and (rest := until - time.monotonic()) > 0.0:
             self._simulation.context.wait(rest)

@@ -30,7 +30,7 @@ class Requests:
 
     def __init__(self) -> None:
         #: page, number of the page, size
-        self._asked: dict[int, tuple[int, int, int]] = {}
+        self._entries: dict[int, tuple[int, int, int]] = {}
         self._last = 0
 
     def number(self, page: int, event: ViewEvent, size: int = 0) -> ViewEvent:
@@ -45,26 +45,26 @@ class Requests:
         if own is None:
             return event
         if isinstance(event, CancelService):
-            number = next((number for number, request in self._asked.items() if request[:2] == (page, own)), 0)
+            number = next((number for number, request in self._entries.items() if request[:2] == (page, own)), 0)
         else:
             self._last = number = self._last + 1
-            self._asked[number] = (page, own, size)
+            self._entries[number] = (page, own, size)
         return msgspec.structs.replace(event, request=number)
 
     def is_full(self, page: int, event: ViewEvent) -> bool:
         """Whether a page has too many requests without an answer to send another one."""
         if isinstance(event, CancelService) or getattr(event, "request", None) is None:
             return False
-        return sum(request[0] == page for request in self._asked.values()) >= MOST_REQUESTS
+        return sum(request[0] == page for request in self._entries.values()) >= MOST_REQUESTS
 
     def take(self, answer: Answer) -> tuple[int, Answer, int]:
         """The page that sent the request (0: disconnected, or already answered), the answer for it, and the size."""
-        page, own, size = self._asked.pop(answer.request, (0, 0, 0))
+        page, own, size = self._entries.pop(answer.request, (0, 0, 0))
         return page, msgspec.structs.replace(answer, request=own), size
 
     def forget(self, page: int) -> list[int]:
         """Forget the requests of a page that has disconnected; returns those without an answer."""
-        unanswered = [number for number, request in self._asked.items() if request[0] == page]
-        for number in unanswered:
-            del self._asked[number]
-        return unanswered
+        numbers = [number for number, request in self._entries.items() if request[0] == page]
+        for number in numbers:
+            del self._entries[number]
+        return numbers

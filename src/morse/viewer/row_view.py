@@ -42,12 +42,12 @@ class RowView(View):
         #: wall-clock and simulated time since which the speed is computed, s
         self._since = time.monotonic(), 0.0
         self._speed = 0.0
-        ignored: Handlers = dict.fromkeys((page.ListenTo, page.ToggleCapturing, PageLeft), _ignore)
+        nothing: Handlers = dict.fromkeys((page.ListenTo, page.ToggleCapturing, PageLeft), _ignore)
         own: Handlers = {
             page.Play: lambda _: self._hold(still=False),
             page.Pause: lambda _: self._hold(still=True),
         }
-        self._handlers = {**dict.fromkeys(self._handlers, self._refuse), **ignored, **own}
+        self._handlers = {**dict.fromkeys(self._handlers, self._refuse), **nothing, **own}
 
     def _hold(self, *, still: bool) -> None:
         self._still, self._next = still, 0.0
@@ -59,12 +59,12 @@ class RowView(View):
         return self._still
 
     def _factor(self) -> float:
-        now, simulated = time.monotonic(), self._simulation.clock.time
+        now, time_now = time.monotonic(), self._simulation.clock.time
         since, begin = self._since
-        if simulated < begin:  # another episode
-            self._since = now, simulated
+        if time_now < begin:  # another episode
+            self._since = now, time_now
         elif now - since > _SPEED_INTERVAL:
-            self._since, self._speed = (now, simulated), (simulated - begin) / (now - since)
+            self._since, self._speed = (now, time_now), (time_now - begin) / (now - since)
         return self._speed
 
     def turn(self, row: Callable[[], Simulation]) -> None:

@@ -31,9 +31,9 @@ class Seat:
         self._lock = threading.Lock()
         self.driver: int | None = None
         self._asking: list[int] = []
-        self._heard = 0.0
-        self._held = _NOTHING
-        self._tapped: set[str] = set()
+        self._last_keys = 0.0
+        self._keys = _NOTHING
+        self._taps: set[str] = set()
         self._tick_taps = _NOTHING
         self._axes: tuple[float, ...] = ()
         self._buttons: tuple[bool, ...] = ()
@@ -86,14 +86,14 @@ class Seat:
         self.driver = page
         self._asking = [other for other in self._asking if other != page]
         self.release()
-        self._heard = self._clock()
+        self._last_keys = self._clock()
 
     # pressed keys --------------------------------------------------------------------------------
 
     @property
     def alive(self) -> bool:
         """Whether the driving page has sent a heartbeat recently."""
-        return self.driver is not None and self._clock() - self._heard < DEAD_MAN
+        return self.driver is not None and self._clock() - self._last_keys < DEAD_MAN
 
     def hear(self, page: int) -> None:
         """A heartbeat; after a timeout, keys must be pressed again."""
@@ -101,41 +101,41 @@ class Seat:
             return
         if not self.alive:
             self.release()
-        self._heard = self._clock()
+        self._last_keys = self._clock()
 
     def hold(self, page: int, keys: frozenset[str]) -> None:
         """The pressed keys of a page; only those of the driving page count."""
         if page != self.driver:
             return
         with self._lock:
-            self._tapped |= keys - (self._held if self.alive else _NOTHING)
-            self._held = keys
-            self._heard = self._clock()
+            self._taps |= keys - (self._keys if self.alive else _NOTHING)
+            self._keys = keys
+            self._last_keys = self._clock()
 
     def steer(self, page: int, axes: tuple[float, ...], buttons: tuple[bool, ...]) -> None:
         """The gamepad of a page."""
         if page == self.driver:
             self._axes, self._buttons = axes, buttons
-            self._heard = self._clock()
+            self._last_keys = self._clock()
 
     def release(self) -> None:
         """Release all keys and the gamepad."""
         with self._lock:
-            self._held = _NOTHING
-            self._tapped.clear()
+            self._keys = _NOTHING
+            self._taps.clear()
             self._axes, self._buttons = (), ()
 
     def begin_tick(self) -> None:
         """Keys that were pressed and released since the last call count as pressed until the next call."""
-        if not self._tapped and not self._tick_taps:
+        if not self._taps and not self._tick_taps:
             return
         with self._lock:
-            self._tick_taps = frozenset(self._tapped)
-            self._tapped.clear()
+            self._tick_taps = frozenset(self._taps)
+            self._taps.clear()
 
     def held_keys(self) -> frozenset[str]:
         """The pressed keys of a driver with a heartbeat."""
-        keys = self._held if self._held and self.alive else _NOTHING
+        keys = self._keys if self._keys and self.alive else _NOTHING
         return keys | self._tick_taps if self._tick_taps else keys
 
     def gamepad(self) -> tuple[tuple[float, ...], tuple[bool, ...]]:

@@ -79,7 +79,7 @@ class ViewServer:
         self._lock = threading.Lock()
         self._messages: deque[tuple[Subject | None, str | bytes, bool]] = deque()
         self._poses: bytes | None = None
-        self._posted = False
+        self._is_waiting = False
 
     def start(self) -> str:
         """Open the server and return the address to open in a browser, with the token if there is one.
@@ -173,8 +173,8 @@ class ViewServer:
         if len(snapshot.poses) != self._moving:
             raise ValueError(f"the snapshot has {len(snapshot.poses)} poses, the scene {self._moving} moving nodes")
         now = time.monotonic()
-        hurried = snapshot.status == "running" == self._last_status and now - self._last_shown < _SHORTEST_INTERVAL
-        if hurried or not self._hub.watched:
+        is_early = snapshot.status == "running" == self._last_status and now - self._last_shown < _SHORTEST_INTERVAL
+        if is_early or not self._hub.watched:
             return
         self._last_shown, self._last_status = now, snapshot.status
         self._poses = pack_snapshot(snapshot, self._revision)
@@ -193,14 +193,14 @@ class ViewServer:
 
     def _post(self) -> None:
         with self._lock:
-            if self._posted:
+            if self._is_waiting:
                 return
-            self._posted = True
+            self._is_waiting = True
         self._network.post(self._flush)
 
     def _flush(self) -> None:
         with self._lock:
-            self._posted = False
+            self._is_waiting = False
         while self._messages:
             subject, frame, lasting = self._messages.popleft()
             self._hub.broadcast(subject, frame, lasting=lasting)

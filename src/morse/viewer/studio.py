@@ -23,7 +23,7 @@ class StudioView(Observer):
 
     def __init__(self, simulation: Simulation) -> None:
         self._studio = Studio(simulation.world, simulation.options.host)
-        self._shown = 0.0
+        self._last_frame = 0.0
 
     @property
     def url(self) -> str:
@@ -37,8 +37,8 @@ class StudioView(Observer):
     def after_tick(self) -> None:
         """Show the state at the rate of a screen."""
         now = time.monotonic()
-        if now - self._shown >= _INTERVAL:
-            self._shown = now
+        if now - self._last_frame >= _INTERVAL:
+            self._last_frame = now
             self._studio.update()
 
     def close(self) -> None:

@@ -150,7 +150,7 @@ def test_the_client_of_the_documentation(yarp: Yarp, load: Callable[..., Any], t
     sim = load(yarp.port, components + 'robot.add_default_interface("yarp")\n')
     ports = next(iter(sim.context.stream_managers.values())).ports
     end = time.monotonic() + LIMIT
-    while len(ports._registered) < 6 and time.monotonic() < end:
+    while len(ports._own_names) < 6 and time.monotonic() < end:
         sim.step()
     assert "\nx is 0.5 m\n" in finish(sim, yarp.python(str(path)))
     assert sim.robot.pose.get()["x"] > 1.4

@@ -38,10 +38,10 @@ class Rows(NamedTuple):
     columns: Mapping[str, Any]
     live: Sequence[Sequence[Any]]
 
-    def some(self, chosen: slice) -> Rows:
+    def some(self, part: slice) -> Rows:
         """Some of the ticks."""
-        columns = {name: column[chosen] for name, column in self.columns.items()}
-        return Rows(self.ticks[chosen], columns, [values[chosen] for values in self.live])
+        columns = {name: column[part] for name, column in self.columns.items()}
+        return Rows(self.ticks[part], columns, [values[part] for values in self.live])
 
 
 def runs_of(parts: Sequence[Rows]) -> list[Rows]:
@@ -84,7 +84,7 @@ class Columns:
         self._live = list(live)
         self._is_plain = not (self._others or self._live)
         self.size = self._dtype.itemsize
-        self._kept = 0
+        self._row_count = 0
         # each operation on a list is atomic: the simulation appends, and only the thread of the recording removes
         self._rows: list[Any] = []
 
@@ -94,15 +94,15 @@ class Columns:
         Raises:
             struct.error: an integer has more than 64 bits.
         """
-        packed = self._pack(*self._numbers(values))
+        data = self._pack(*self._numbers(values))
         if self._is_plain:
-            self._rows += (tick, packed, None)
+            self._rows += (tick, data, None)
             return self.size
         others = [values[index] if way is None else way(values[index]) for index, way in self._others]
         others += [live() for live in self._live]
-        self._rows += (tick, packed, others)
-        self._kept += 1
-        if self._kept % _LOOK == 1:
+        self._rows += (tick, data, others)
+        self._row_count += 1
+        if self._row_count % _LOOK == 1:
             self.size = self._dtype.itemsize + sum(map(_size, others))
         return self.size
 
@@ -114,10 +114,10 @@ class Columns:
         if not count:
             return None
         del self._rows[: _STRIDE * count]
-        packed, others = some[1 : _STRIDE * count : _STRIDE], some[2 : _STRIDE * count : _STRIDE]
+        rows_of_numbers, others = some[1 : _STRIDE * count : _STRIDE], some[2 : _STRIDE * count : _STRIDE]
         columns: Fields = {}
         if self._number_names:
-            numbers = np.frombuffer(b"".join(packed), dtype=self._dtype)
+            numbers = np.frombuffer(b"".join(rows_of_numbers), dtype=self._dtype)
             columns.update({name: np.ascontiguousarray(numbers[name]) for name in self._number_names})
         live: Sequence[Sequence[object]] = ()
         if not self._is_plain:

@@ -52,15 +52,15 @@ class KeptPoses:
 
     def follow(self) -> None:
         """The objects may have changed."""
-        self._displacements = self._relocated = -1
+        self._displacements = self._relocation_count = -1
         self._mountings: list[object] = []
         self._objects: list[Any] = []
-        self._written: World | None = None
+        self._world_so_far: World | None = None
 
     def keep(self) -> bool:
         """Keep the poses of the present tick; return False if the frames or the nodes have changed."""
         world, is_same = self._world, True
-        if self._transforms.changed or len(world.relocated) != self._relocated or self._written is None:
+        if self._transforms.changed or len(world.relocated) != self._relocation_count or self._world_so_far is None:
             self._renew()
             is_same = False
         if world.displacements != self._displacements:
@@ -70,7 +70,7 @@ class KeptPoses:
             if mountings != self._mountings:
                 self._mountings = mountings
         positions, rotations = world.positions, world.rotations
-        self._rows += (self._clock.tick, self._written, self._mountings, positions.share(), rotations.share())
+        self._rows += (self._clock.tick, self._world_so_far, self._mountings, positions.share(), rotations.share())
         self._tape.held += 96 * len(positions)
         return is_same
 
@@ -80,10 +80,10 @@ class KeptPoses:
             # only the fixed frames are sent, and the moving ones found
             self._transforms.publish(stamp, wanted=False)
         nodes = self.motion.renew()
-        self._relocated = len(world.relocated)
+        self._relocation_count = len(world.relocated)
         frames = self._transforms.plain()
         self.has_frames = frames is not None
-        self._written, self._objects = world_of(self._channels, nodes, frames)
+        self._world_so_far, self._objects = world_of(self._channels, nodes, frames)
         self._displacements = -1
 
     def batches(self, until: int, times: Callable[[NDArray[np.int64]], NDArray[np.int64]]) -> Iterator[Batch]:
@@ -93,7 +93,7 @@ class KeptPoses:
         del self._rows[: _STRIDE * count]
         columns = (some[k : _STRIDE * count : _STRIDE] for k in range(_STRIDE))
         for _, group in groupby(zip(*columns, strict=True), key=lambda row: (id(row[1]), len(row[3]))):
-            ticks, written, mountings, positions, rotations = zip(*group, strict=True)
+            ticks, worlds, mountings, positions, rotations = zip(*group, strict=True)
             numbers = np.array(ticks, dtype=np.int64)
             poses = PoseRows.of(positions, rotations, mountings)
-            yield from written[0].of(numbers, self._clock.stamps_of(numbers), poses)
+            yield from worlds[0].of(numbers, self._clock.stamps_of(numbers), poses)

@@ -102,13 +102,13 @@ class KeptRows:
             if plan is None:
                 return
             self._plans[rows] = plan
-        keep, kept = plan.columns.keep, list[Any]()
+        keep, arrays = plan.columns.keep, list[Any]()
         size = _OVERHEAD + _POSE * len(plan.sensors)
         if keep is not None:
-            kept = [keep(member.observed) for member in plan.members]
-            size += sum([one.nbytes for one in kept])
+            arrays = [keep(member.observed) for member in plan.members]
+            size += sum([one.nbytes for one in arrays])
         live = [[read() for read in reads] for reads in plan.live]
-        self._rows += (self._context.clock.tick, plan, rows.time, rows.poses, kept, live)
+        self._rows += (self._context.clock.tick, plan, rows.time, rows.poses, arrays, live)
         self._tape.held += size
 
     def _plan(self, sensors: Sequence[object]) -> _Plan | None:
@@ -141,11 +141,11 @@ class KeptRows:
         plans: Sequence[_Plan],
         times: Sequence[float],
         poses: Sequence[Any],
-        kept: Sequence[Any],
+        arrays: Sequence[Any],
         lives: Sequence[Any],
     ) -> None:
         plan, numbers, stamps = plans[0], np.array(ticks, dtype=np.int64), np.array(times)
-        fields = plan.columns.of(poses, kept)
+        fields = plan.columns.of(poses, arrays)
         for index, (stream, place) in enumerate(plan.streams):
             column = index if plan.columns.keep else place
             values = {"timestamp": stamps, **{name: each[column] for name, each in fields.items()}}

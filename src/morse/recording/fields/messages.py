@@ -79,10 +79,10 @@ def messages_of(
     if line.ready is not None:
         return _one_by_one(line, rows, rows.live[line.ready].__getitem__, complain)
     if line.message is not None:
-        kept = rows.live[line.message]
-        return _one_by_one(line, rows, lambda row: kept[row] and _encoded(line, kept[row]), complain)
+        live_values = rows.live[line.message]
+        return _one_by_one(line, rows, lambda row: live_values[row] and _encoded(line, live_values[row]), complain)
     try:
-        return [_together(line, rows, stamps, chosen) for chosen in _alike(line, rows)]
+        return [_together(line, rows, stamps, part) for part in _alike(line, rows)]
     except UNFIT:  # one of them shows which
         return _one_by_one(
             line, rows, lambda row: _encoded(line, _message(line, rows, int(stamps[row]), row)), complain
@@ -118,29 +118,27 @@ def _form(value: Any) -> object:
     return kind, value
 
 
-def _together(line: Line, rows: Rows, stamps: NDArray[np.int64], chosen: NDArray[np.intp]) -> Batch:
-    columns = _Chosen(rows.columns, chosen)
-    component = _attributes(line, rows, int(chosen[0]))
+def _together(line: Line, rows: Rows, stamps: NDArray[np.int64], part: NDArray[np.intp]) -> Batch:
+    columns = _Chosen(rows.columns, part)
+    component = _attributes(line, rows, int(part[0]))
     values = [
-        source.rows(columns, component)
-        if place is None
-        else _stacked([rows.live[place][row] for row in chosen.tolist()])
+        source.rows(columns, component) if place is None else _stacked([rows.live[place][row] for row in part.tolist()])
         for (_, source), place in zip(line.bound.sources, line.slots, strict=True)
     ]
-    message = line.bound.message_of_rows(values, stamps[chosen])
-    made = line.outlet.make(message, line.frame)
-    ticks = rows.ticks[chosen]
-    if made is None:
+    message = line.bound.message_of_rows(values, stamps[part])
+    content = line.outlet.make(message, line.frame)
+    ticks = rows.ticks[part]
+    if content is None:
         return Batch(line.channel, ticks[:0], [])
-    return Batch(line.channel, ticks, encode_rows(line.outlet.type, made, len(chosen)))
+    return Batch(line.channel, ticks, encode_rows(line.outlet.type, content, len(part)))
 
 
 class _Chosen(Fields):
     """Columns of some rows, which are stacked when they are read."""
 
-    def __init__(self, columns: Mapping[str, Any], chosen: NDArray[np.intp]) -> None:
+    def __init__(self, columns: Mapping[str, Any], part: NDArray[np.intp]) -> None:
         super().__init__()
-        self._columns, self._chosen = columns, chosen
+        self._columns, self._part = columns, part
 
     def __contains__(self, name: object) -> bool:
         return name in self._columns
@@ -148,9 +146,9 @@ class _Chosen(Fields):
     def __missing__(self, name: str) -> object:
         column = self._columns[name]
         if isinstance(column, np.ndarray):
-            self[name] = column[self._chosen]
+            self[name] = column[self._part]
         else:
-            self[name] = _stacked([column[row] for row in self._chosen.tolist()])
+            self[name] = _stacked([column[row] for row in self._part.tolist()])
         return self[name]
 
 
@@ -195,21 +193,21 @@ def _at(column: Any, row: int) -> object:
 
 
 def _encoded(line: Line, message: Message) -> bytes | None:
-    made = line.outlet.make(message, line.frame)
-    return None if made is None else encode(line.outlet.type, made)
+    content = line.outlet.make(message, line.frame)
+    return None if content is None else encode(line.outlet.type, content)
 
 
 def _one_by_one(
-    line: Line, rows: Rows, encoded: Callable[[int], bytes | None], complain: Callable[[Line, BaseException], object]
+    line: Line, rows: Rows, encode_row: Callable[[int], bytes | None], complain: Callable[[Line, BaseException], object]
 ) -> list[Batch]:
-    chosen, messages = [], []
+    numbers, messages = [], []
     for row in range(len(rows.ticks)):
         try:
-            data = encoded(row)
+            data = encode_row(row)
         except Exception as error:  # data of the user may be anything
             complain(line, error)
             continue
         if data is not None:
             messages.append(data)
-            chosen.append(row)
-    return [Batch(line.channel, rows.ticks[chosen], messages)] if messages else []
+            numbers.append(row)
+    return [Batch(line.channel, rows.ticks[numbers], messages)] if messages else []

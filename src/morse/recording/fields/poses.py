@@ -60,19 +60,21 @@ class World(NamedTuple):
             rows: the poses of the engine.
         """
         count = len(ticks)
-        made = [Batch(self.channels.clock, ticks, encode_rows(CLOCK_TYPE, {"clock": time(stamps)}, count))]
+        batches = [Batch(self.channels.clock, ticks, encode_rows(CLOCK_TYPE, {"clock": time(stamps)}, count))]
         positions, rotations = rows.carried(self.slots)
         if self.frames:
             transforms = self._transforms(stamps, positions, rotations)
-            made.append(Batch(self.channels.frames, ticks, encode_rows(FRAMES_TYPE, {"transforms": transforms}, count)))
+            batches.append(
+                Batch(self.channels.frames, ticks, encode_rows(FRAMES_TYPE, {"transforms": transforms}, count))
+            )
         # a sum with zero removes the sign of zero, as the product with the pose of the world
         nodes = [numbers[:, : self.nodes] + 0.0 for numbers in (*positions, *rotations)]
         poses = [
-            {"position": _named("xyz", place), "orientation": _named("xyzw", turned)}
-            for place, turned in zip(_each(nodes[:3]), _each(_quaternions(nodes[3:])), strict=True)
+            {"position": _named("xyz", place), "orientation": _named("xyzw", quaternion)}
+            for place, quaternion in zip(_each(nodes[:3]), _each(_quaternions(nodes[3:])), strict=True)
         ]
         message = {"header": header_at(stamps, MAP), "poses": poses}
-        return [*made, Batch(self.channels.poses, ticks, encode_rows(POSES_TYPE, message, count))]
+        return [*batches, Batch(self.channels.poses, ticks, encode_rows(POSES_TYPE, message, count))]
 
     def _transforms(self, stamps: NDArray[np.int64], positions: Numbers, rotations: Numbers) -> list[Fields]:
         assert self.frames is not None
@@ -83,10 +85,10 @@ class World(NamedTuple):
         parents = [np.concatenate((start, numbers[:, above]), axis=1)
                    for start, numbers in zip(starts, (*positions, *rotations), strict=True)]  # fmt: skip
         place, m = parents[:3], parents[3:]
-        moved = turn_back(m, [q[:, children] - p for p, q in zip(place, positions, strict=True)])  # type: ignore[arg-type]
+        offsets = turn_back(m, [q[:, children] - p for p, q in zip(place, positions, strict=True)])  # type: ignore[arg-type]
         back = m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]
-        turned = product(back, tuple(numbers[:, children] for numbers in rotations))  # type: ignore[arg-type]
-        pairs = zip(self.frames, _each(moved), _each(_quaternions(turned)), strict=True)  # type: ignore[arg-type]
+        turns = product(back, tuple(numbers[:, children] for numbers in rotations))  # type: ignore[arg-type]
+        pairs = zip(self.frames, _each(offsets), _each(_quaternions(turns)), strict=True)  # type: ignore[arg-type]
         return [
             {
                 "header": header_at(stamps, parent),
@@ -113,8 +115,8 @@ def world_of(
 def _quaternions(rotations: Numbers) -> Numbers:
     """Quaternions x, y, z, w, as messages have them."""
     shape = rotations[0].shape
-    turned = quaternions_from_rotations([numbers.reshape(-1) for numbers in rotations])
-    return [np.broadcast_to(part, turned[0].shape).reshape(shape) for part in xyzw(np.stack(turned, axis=-1))]  # type: ignore[arg-type]
+    quaternions = quaternions_from_rotations([numbers.reshape(-1) for numbers in rotations])
+    return [np.broadcast_to(part, quaternions[0].shape).reshape(shape) for part in xyzw(np.stack(quaternions, axis=-1))]  # type: ignore[arg-type]
 
 
 def _each(numbers: Numbers) -> list[list[NDArray[np.float64]]]:

@@ -45,10 +45,10 @@ class RecordedFields:
         message = None if channel is None else self._history.last(channel, until)
         if message is None:
             return None
-        known = self._blocks.get(name)
-        if known is None or known[0] is not message:
-            known = self._blocks[name] = message, block_of(message, self._path)
-        block = known[1]
+        former = self._blocks.get(name)
+        if former is None or former[0] is not message:
+            former = self._blocks[name] = message, block_of(message, self._path)
+        block = former[1]
         count = block.until(until)
         return block.row(count - 1) if count else None
 

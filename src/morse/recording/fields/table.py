@@ -51,8 +51,8 @@ class FieldsTable:
         self._path = path
         self._fields: list[tuple[str, tuple[type, ...]]] = []
         try:
-            declared = json.loads(channel.metadata[DECLARED])[:_MOST]
-            for field in declared:
+            declarations = json.loads(channel.metadata[DECLARED])[:_MOST]
+            for field in declarations:
                 name, kind, shape = str(field["name"]), str(field["type"]), field.get("shape")
                 if without_data and isinstance(shape, list) and len(shape) > 1:
                     self.left_out.append(name)

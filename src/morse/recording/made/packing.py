@@ -41,7 +41,7 @@ class Packing:
         roots: the nodes without a parent.
         components: the declarations of the components.
         objects: the components by name, if they exist; the panels of those with classes of a project are described.
-        packed: meshes and images of earlier descriptions with their digests, by the id of the object; their blocks are
+        digests: meshes and images of earlier descriptions with their digests, by the id of the object; their blocks are
             left out, and new ones are added.
 
     Attributes:
@@ -52,21 +52,21 @@ class Packing:
         self,
         roots: Sequence[Node],
         components: Sequence[ComponentDeclaration],
-        packed: dict[int, tuple[object, str]] | None = None,
+        digests: dict[int, tuple[object, str]] | None = None,
         objects: Mapping[str, Any] = MappingProxyType({}),
     ) -> None:
         self._objects = objects
         self.blocks: dict[str, bytes] = {}
-        self._packed = {} if packed is None else packed
+        self._digests = {} if digests is None else digests
         nodes = [node for root in roots for node in root.walk()]
         self._places = {node: place for place, node in enumerate(nodes)}
-        self._known: dict[int, int] = {}
+        self._numbers: dict[int, int] = {}
         self._meshes: list[form.MeshForm] = []
         self._materials: list[form.MaterialForm] = []
         self._images: list[form.ImageForm] = []
         self._form = form.DescriptionForm(
             [self._node(node) for node in nodes],
-            [self._component(declared) for declared in components],
+            [self._component(component) for component in components],
             self._meshes,
             self._materials,
             self._images,
@@ -83,18 +83,18 @@ class Packing:
 
     def _once(self, source: object, pack: Callable[[], str]) -> str:
         """The digest of an object, whose block is made for the first description of it."""
-        if id(source) not in self._packed:
+        if id(source) not in self._digests:
             # the object is kept, so that no other object gets its id
-            self._packed[id(source)] = source, pack()
-        return self._packed[id(source)][1]
+            self._digests[id(source)] = source, pack()
+        return self._digests[id(source)][1]
 
     def _arrays(self, source: object, kinds: dict[str, str]) -> str:
-        found: RosMessage = {}
+        arrays: RosMessage = {}
         for name, kind in kinds.items():
             values: NDArray[Any] | None = getattr(source, name)
             if values is not None:
-                found[name] = [list(values.shape), np.ascontiguousarray(values, dtype=kind).tobytes()]
-        return self._block(_encoder.encode(found)) if found else ""
+                arrays[name] = [list(values.shape), np.ascontiguousarray(values, dtype=kind).tobytes()]
+        return self._block(_encoder.encode(arrays)) if arrays else ""
 
     def _node(self, node: Node) -> form.NodeForm:
         inverse = None if node.parent_inverse is None else [v for row in node.parent_inverse for v in row]
@@ -125,13 +125,13 @@ class Packing:
         )
 
     def _mesh(self, mesh: Mesh) -> int:
-        known = self._known.get(id(mesh))
-        if known is None:
-            known = self._known[id(mesh)] = len(self._meshes)
+        number = self._numbers.get(id(mesh))
+        if number is None:
+            number = self._numbers[id(mesh)] = len(self._meshes)
             slots = [self._material(one) for one in mesh.materials]
             digest = self._once(mesh, lambda: self._arrays(mesh, MESH_ARRAYS))
             self._meshes.append(form.MeshForm(mesh.name, slots, digest))
-        return known
+        return number
 
     def _shape(self, shape: CollisionShape) -> form.ShapeForm:
         size = tuple(map(float, shape.size))
@@ -141,9 +141,9 @@ class Packing:
     def _material(self, material: Material | None) -> int:
         if material is None:
             return -1
-        known = self._known.get(id(material))
-        if known is None:
-            known = self._known[id(material)] = len(self._materials)
+        number = self._numbers.get(id(material))
+        if number is None:
+            number = self._numbers[id(material)] = len(self._materials)
             color: Any = tuple(map(float, material.color))
             self._materials.append(
                 form.MaterialForm(
@@ -158,28 +158,28 @@ class Packing:
                     bool(material.double_sided),
                 )
             )
-        return known
+        return number
 
     def _image(self, image: Image) -> int:
-        known = self._known.get(id(image))
-        if known is None:
-            known = self._known[id(image)] = len(self._images)
+        number = self._numbers.get(id(image))
+        if number is None:
+            number = self._numbers[id(image)] = len(self._images)
             digest = self._once(image, lambda: self._block(image.data))
             self._images.append(form.ImageForm(image.name, image.mime, digest))
-        return known
+        return number
 
-    def _component(self, declared: ComponentDeclaration) -> form.ComponentForm:
+    def _component(self, entry: ComponentDeclaration) -> form.ComponentForm:
         return form.ComponentForm(
-            self._places[declared.node],
-            self._places[declared.robot],
-            declared.kind,
-            _classes(declared.classpath, self._objects.get(declared.name)),
-            declared.frequency,
-            declared.level,
-            [(modifier.classpath, _plain_items(modifier.options)) for modifier in declared.modifiers],
-            declared.options.get("wheels"),  # type: ignore[arg-type]
-            declared.options.get("realism"),  # type: ignore[arg-type]
-            _panel(component) if (component := self._objects.get(declared.name)) is not None else None,
+            self._places[entry.node],
+            self._places[entry.robot],
+            entry.kind,
+            _classes(entry.classpath, self._objects.get(entry.name)),
+            entry.frequency,
+            entry.level,
+            [(modifier.classpath, _plain_items(modifier.options)) for modifier in entry.modifiers],
+            entry.options.get("wheels"),  # type: ignore[arg-type]
+            entry.options.get("realism"),  # type: ignore[arg-type]
+            _panel(component) if (component := self._objects.get(entry.name)) is not None else None,
         )
 
 
@@ -234,12 +234,12 @@ def _triple(values: Sequence[float]) -> form.Triple:
 
 def _plain_items(values: Any) -> RosMessage:
     """The items that a file can hold; objects of a program stay behind."""
-    found = {}
+    items = {}
     for name, value in values.items():
         plain = _plain(value)
         if isinstance(name, str) and (plain is not None or value is None):
-            found[name] = plain
-    return found
+            items[name] = plain
+    return items
 
 
 def _plain(value: object) -> Any:

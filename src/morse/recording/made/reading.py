@@ -50,9 +50,9 @@ class Description:
     """
 
     def __init__(
-        self, made: RecordedMade, name: str, title: str, position: tuple[float, ...], rotation: tuple[float, ...]
+        self, source: RecordedMade, name: str, title: str, position: tuple[float, ...], rotation: tuple[float, ...]
     ) -> None:
-        self._made, self.name, self.title = made, name, title
+        self._source, self.name, self.title = source, name, title
         self.position, self.rotation = position, rotation
 
     def __call__(self) -> Newcomer:
@@ -61,7 +61,7 @@ class Description:
         Raises:
             RecordingError: the description is damaged.
         """
-        return self._made.newcomer(self)
+        return self._source.newcomer(self)
 
 
 class RecordedMade:
@@ -88,17 +88,17 @@ class RecordedMade:
         self._recording, self._modules, self._exact = recording, modules, exact
         self._blocks: dict[str, bytes] = {}
         self._size = 0
-        self._said: set[str] = set()
+        self._warnings: set[str] = set()
         self._descriptions: dict[int, dict[str, Description]] = {}
         try:
             for one in recording.messages(recording.topic_numbers(TOPIC)):
-                said = json.loads(decode(TYPE, one.data)["data"])
-                name, title = str(said["name"]), str(said["description"])
-                place, turn = (tuple(map(_number, said[part])) for part in ("position", "rotation"))
-                if said.get("kind") and not all_kinds:
+                entry = json.loads(decode(TYPE, one.data)["data"])
+                name, title = str(entry["name"]), str(entry["description"])
+                place, turn = (tuple(map(_number, entry[part])) for part in ("position", "rotation"))
+                if entry.get("kind") and not all_kinds:
                     continue
-                made = Description(self, name, title, place, turn)
-                self._descriptions.setdefault(int(said["input"]), {})[name] = made
+                description = Description(self, name, title, place, turn)
+                self._descriptions.setdefault(int(entry["input"]), {})[name] = description
         except (CdrError, ValueError, LookupError, TypeError, RecursionError) as error:
             raise RecordingError(f"{recording.path}: the names of spawned objects are damaged: {error}") from None
 
@@ -113,12 +113,12 @@ class RecordedMade:
         Raises:
             RecordingError: the description is damaged.
         """
-        made = Unpacking(self._attached(OBJECTS), self._block, self._class_of)
-        if self._exact and (unlike := [*made.omitted, *made.replaced]):
+        unpacking = Unpacking(self._attached(OBJECTS), self._block, self._class_of)
+        if self._exact and (unlike := [*unpacking.omitted, *unpacking.replaced]):
             raise RecordingError(f"the class of {quoted(unlike[0])} is not a part of MORSE")
-        for name in made.omitted:
+        for name in unpacking.omitted:
             self._say_once(f"{quoted(name)} is not shown: its class is not a part of MORSE")
-        return unpacked_scene(self._attached(SCENE), made)
+        return unpacked_scene(self._attached(SCENE), unpacking)
 
     @property
     def is_empty(self) -> bool:
@@ -131,9 +131,9 @@ class RecordedMade:
         Raises:
             RecordingError: a description is damaged, or not complete.
         """
-        for made in self._descriptions.values():
-            for described in made.values():
-                self.newcomer(described)
+        for descriptions in self._descriptions.values():
+            for description in descriptions.values():
+                self.newcomer(description)
 
     def after(self, index: int) -> dict[str, Description]:
         """The objects that the input of this number created; -1 for those present at the beginning."""
@@ -141,33 +141,33 @@ class RecordedMade:
 
     def known(self, index: int) -> dict[str, Description]:
         """The latest description of each name up to an input."""
-        found: dict[str, Description] = {}
+        descriptions: dict[str, Description] = {}
         for number in sorted(number for number in self._descriptions if number <= index):
-            found |= self._descriptions[number]
-        return found
+            descriptions |= self._descriptions[number]
+        return descriptions
 
-    def newcomer(self, described: Description) -> Newcomer:
+    def newcomer(self, description: Description) -> Newcomer:
         """Create the object of a description.
 
         Raises:
             RecordingError: the description is damaged.
         """
         try:
-            made = Unpacking(self._attached(described.title), self._block, self._class_of)
-            if described.name not in [root.name for root in made.roots]:
+            unpacking = Unpacking(self._attached(description.title), self._block, self._class_of)
+            if description.name not in [root.name for root in unpacking.roots]:
                 raise RecordingError("its description is that of another object")
-            if self._exact and (unlike := [*made.omitted, *made.replaced]):
+            if self._exact and (unlike := [*unpacking.omitted, *unpacking.replaced]):
                 raise RecordingError(f"the class of {quoted(unlike[0])} is not a part of MORSE or of this project")
         except RecordingError as error:
-            self._say_once(f"{quoted(described.name)} is not shown: {error}")
+            self._say_once(f"{quoted(description.name)} is not shown: {error}")
             raise
-        for name in made.omitted:
+        for name in unpacking.omitted:
             self._say_once(f"{quoted(name)} is not shown: its class is not a part of MORSE or of this project")
-        return Newcomer(made.roots, made.components)
+        return Newcomer(unpacking.roots, unpacking.components)
 
     def _say_once(self, text: str) -> None:
-        if text not in self._said:
-            self._said.add(text)
+        if text not in self._warnings:
+            self._warnings.add(text)
             logger.warning("%s", text)
 
     def _attached(self, name: str) -> bytes:
@@ -176,24 +176,24 @@ class RecordedMade:
             raise RecordingError(f"{self._recording.path}: the attachment {name[:80]!r} is missing")
         try:
             reader = zstandard.ZstdDecompressor(max_window_size=LARGEST).stream_reader(data)
-            found = reader.read(LARGEST + 1)
+            content = reader.read(LARGEST + 1)
         except zstandard.ZstdError as error:
             raise RecordingError(f"{self._recording.path}: {name[:80]} is damaged: {error}") from None
-        if len(found) > LARGEST:
+        if len(content) > LARGEST:
             raise RecordingError(f"{self._recording.path}: {name[:80]} is larger than {LARGEST >> 20} MiB")
-        return found
+        return content
 
     def _block(self, digest: str) -> bytes:
-        known = self._blocks.get(digest)
-        if known is None:
-            known = self._attached(f"{BLOCKS}{digest}")
-            if hashlib.sha256(known).hexdigest() != digest:
+        block = self._blocks.get(digest)
+        if block is None:
+            block = self._attached(f"{BLOCKS}{digest}")
+            if hashlib.sha256(block).hexdigest() != digest:
                 raise RecordingError(f"{self._recording.path}: the block {digest[:80]} is damaged")
-            self._size += len(known)
+            self._size += len(block)
             if self._size > _MOST_BYTES:
                 raise RecordingError(f"{self._recording.path}: the meshes are larger than {_MOST_BYTES >> 20} MiB")
-            self._blocks[digest] = known
-        return known
+            self._blocks[digest] = block
+        return block
 
     def _class_of(self, paths: list[str]) -> str | None:
         """The first class that is one of MORSE or of the project: other modules might be programs."""
@@ -202,9 +202,9 @@ class RecordedMade:
             if not path.startswith(OWN) and module not in self._modules():
                 continue
             try:
-                found = load_class(path)
+                cls = load_class(path)
             except (MorseError, ImportError):
                 continue
-            if issubclass(found, (Object, AbstractModifier)) and not getattr(found, "__abstractmethods__", None):
+            if issubclass(cls, (Object, AbstractModifier)) and not getattr(cls, "__abstractmethods__", None):
                 return path
         return None

@@ -75,22 +75,22 @@ class Unpacking:
         self.replaced: list[str] = []
         try:
             check_keys(data)
-            found = _descriptions.decode(data)
+            parts = _descriptions.decode(data)
             for what in ("nodes", "components", "meshes", "materials", "images"):
-                count = len(getattr(found, what))
+                count = len(getattr(parts, what))
                 _check(count <= _MOST_PARTS, f"{count} {what}, expected up to {_MOST_PARTS}")
             # the page gets them with their types
-            _check(all(one.mime in _PICTURES for one in found.images), f"images that are not {' or '.join(_PICTURES)}")
-            self._images = [Image(one.name, block(one.data), one.mime) for one in found.images]
-            self._materials = [self._material(one) for one in found.materials]
-            self._meshes = [self._mesh(one) for one in found.meshes]
+            _check(all(one.mime in _PICTURES for one in parts.images), f"images that are not {' or '.join(_PICTURES)}")
+            self._images = [Image(one.name, block(one.data), one.mime) for one in parts.images]
+            self._materials = [self._material(one) for one in parts.materials]
+            self._meshes = [self._mesh(one) for one in parts.meshes]
             self._nodes: list[Node] = []
-            for one in found.nodes:
+            for one in parts.nodes:
                 self._nodes.append(self._node(one))
             _check(len({node.name for node in self._nodes}) == len(self._nodes), "two nodes of one name")
             self.roots = [node for node in self._nodes if node.parent is None]
-            made = [self._component(one) for one in found.components]
-            self.components = [declared for declared in made if declared is not None]
+            components = [self._component(one) for one in parts.components]
+            self.components = [component for component in components if component is not None]
         except _DAMAGED as error:
             raise RecordingError(f"the description of an object is damaged: {error}") from None
 
@@ -104,12 +104,12 @@ class Unpacking:
         return [None if place < 0 else self._materials[place] for place in places]
 
     def _arrays(self, digest: str, kinds: dict[str, str]) -> dict[str, NDArray[Any]]:
-        found = {}
+        arrays = {}
         for name, (shape, data) in _arrays.decode(self._block(digest)).items() if digest else ():
             _check(all(number >= 0 for number in shape) and len(shape) <= 3, f"an array of the shape {shape}")
-            found[name] = np.frombuffer(data, kinds[name]).reshape(shape).copy()
-            _check(bool(np.isfinite(found[name]).all()), f"numbers in {name} that are not finite")
-        return found
+            arrays[name] = np.frombuffer(data, kinds[name]).reshape(shape).copy()
+            _check(bool(np.isfinite(arrays[name]).all()), f"numbers in {name} that are not finite")
+        return arrays
 
     def _mesh(self, one: form.MeshForm) -> Mesh:
         arrays = self._arrays(one.data, MESH_ARRAYS)
@@ -184,8 +184,8 @@ class Unpacking:
             _check(len(one.panel.fields) <= _MOST_FIELDS, f"{len(one.panel.fields)} fields")
             node.properties[PANEL], classpath = one.panel, STAND_INS[classpath]
         _check_properties(node, classpath)
-        known = [(self._class_of([path]), options) for path, options in one.modifiers]
-        if unlike or any(path is None for path, _ in known):
+        modifiers = [(self._class_of([path]), options) for path, options in one.modifiers]
+        if unlike or any(path is None for path, _ in modifiers):
             self.replaced.append(node.name)
         options = {"wheels": one.wheels, "realism": one.realism}
         return ComponentDeclaration(
@@ -195,7 +195,7 @@ class Unpacking:
             robot,
             _own(node, "frequency", frequency),
             _own(node, "abstraction_level", one.level),
-            modifiers=[ModifierDeclaration(path, options) for path, options in known if path is not None],
+            modifiers=[ModifierDeclaration(path, options) for path, options in modifiers if path is not None],
             options={name: value for name, value in options.items() if value is not None},
         )
 
@@ -211,24 +211,24 @@ def unpacked_scene(data: bytes, objects: Unpacking) -> Scene:
     """
     try:
         check_keys(data)
-        found = _scenes.decode(data)
-        settings = found.settings
+        parts = _scenes.decode(data)
+        settings = parts.settings
         # what a file says starts no processes
         settings.cameras_on = 0
         _check_finite("the settings", *_numbers(asdict(settings)))
         _check(0.0 < settings.frequency <= _FASTEST, f"a frequency of {settings.frequency} Hz")
         _check(0 < settings.physics_steps <= _FASTEST, f"{settings.physics_steps} physics steps")
         nodes = {node.name: node for root in objects.roots for node in root.walk()}
-        zones = [Zone(nodes[name], kind) for name, kind in found.zones]
+        zones = [Zone(nodes[name], kind) for name, kind in parts.zones]
     except _DAMAGED as error:
         raise RecordingError(f"the description of the scene is damaged: {error}") from None
     return Scene(
-        environment=found.environment[:_LONGEST_NAME],
+        environment=parts.environment[:_LONGEST_NAME],
         roots=objects.roots,
         components=objects.components,
         zones=zones,
         settings=settings,
-        properties=found.properties,
+        properties=parts.properties,
     )
 
 
@@ -252,8 +252,8 @@ def _numbers(value: object) -> Iterator[float]:
 
 def _own(node: Node, name: str, value: object) -> Any:
     """The property of a node if it equals a value: objects know by identity which properties have changed."""
-    given = node.properties.get(name)
-    return given if type(given) is type(value) and given == value else value
+    present = node.properties.get(name)
+    return present if type(present) is type(value) and present == value else value
 
 
 def _bone(one: Any, place: int, count: int) -> Bone:

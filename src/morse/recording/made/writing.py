@@ -53,9 +53,9 @@ class MadeObjects:
     ) -> None:
         self._tape, self._disk = tape, disk
         self._present, self._count = present, count
-        self._known: dict[str, object] = {}
-        self._written: set[str] = set()
-        self._packed: dict[int, tuple[object, str]] = {}
+        self._identities: dict[str, object] = {}
+        self._digests_so_far: set[str] = set()
+        self._digests: dict[int, tuple[object, str]] = {}
         self._number = 0
         self._objects = objects
         self._describe(scene)
@@ -63,10 +63,10 @@ class MadeObjects:
 
     def _describe(self, scene: Scene) -> None:
         try:
-            packing = Packing(scene.roots, scene.components, self._packed, self._objects)
+            packing = Packing(scene.roots, scene.components, self._digests, self._objects)
             objects, settings = packing.to_bytes(), scene_to_bytes(scene)
         except Exception as error:  # a scene script may set values of any class
-            self._packed.clear()
+            self._digests.clear()
             logger.warning(
                 "the scene cannot be described: to show the recording, morse replay will need the script: %s", error
             )
@@ -78,49 +78,49 @@ class MadeObjects:
     def follow(self) -> None:
         """Objects may have been spawned or deleted."""
         present = self._present()
-        for name, made in present.items():
-            if self._known.get(name) is made.identity:
+        for name, entry in present.items():
+            if self._identities.get(name) is entry.identity:
                 continue
             try:
-                newcomer = made.describe()
-                packing = Packing(newcomer.roots, newcomer.components, self._packed, self._objects)
+                newcomer = entry.describe()
+                packing = Packing(newcomer.roots, newcomer.components, self._digests, self._objects)
                 data = packing.to_bytes()
             except Exception as error:  # a component of the user may have values of any class
-                self._packed.clear()
+                self._digests.clear()
                 logger.warning(
                     "'%s' cannot be described: the recording does not show it%s: %s",
                     name[:80],
-                    "" if made.kind else ", and cannot be simulated again, because a function spawned it",
+                    "" if entry.kind else ", and cannot be simulated again, because a function spawned it",
                     error,
                 )
-                self._name(name, made, "")
+                self._name(name, entry, "")
                 continue
-            self._write(name, made, data, packing.blocks)
-        self._known = {name: made.identity for name, made in present.items()}
+            self._write(name, entry, data, packing.blocks)
+        self._identities = {name: entry.identity for name, entry in present.items()}
 
-    def _write(self, name: str, made: Made, data: bytes, blocks: Mapping[str, bytes]) -> None:
+    def _write(self, name: str, entry: Made, data: bytes, blocks: Mapping[str, bytes]) -> None:
         self._attach_blocks(blocks)
         title = f"{DESCRIPTIONS}{self._number}"
         self._number += 1
         self._attach(title, data)
-        self._name(name, made, title)
+        self._name(name, entry, title)
 
     def _attach_blocks(self, blocks: Mapping[str, bytes]) -> None:
         for digest, block in blocks.items():
-            if digest not in self._written:
-                self._written.add(digest)
+            if digest not in self._digests_so_far:
+                self._digests_so_far.add(digest)
                 self._attach(f"{BLOCKS}{digest}", block)
 
-    def _name(self, name: str, made: Made, title: str) -> None:
-        said = {
+    def _name(self, name: str, entry: Made, title: str) -> None:
+        line = {
             "name": name,
             "input": self._count() - 1,
-            "position": [_number(value) for value in made.position],
-            "rotation": [_number(value) for value in made.rotation],
+            "position": [_number(value) for value in entry.position],
+            "rotation": [_number(value) for value in entry.rotation],
             "description": title,
-            "kind": made.kind,
+            "kind": entry.kind,
         }
-        self._tape.topic(TOPIC, TYPE, Qos(1000)).publish(encode(TYPE, {"data": json.dumps(said)}))
+        self._tape.topic(TOPIC, TYPE, Qos(1000)).publish(encode(TYPE, {"data": json.dumps(line)}))
 
     def _attach(self, name: str, data: bytes) -> None:
         self._disk.other(partial(_attach, name=name, data=data))

@@ -254,8 +254,8 @@ class McapFile:
         fields = self._content(records.CHUNK, place.size)
         _, _, size, checksum = fields.numbers("<QQQI")
         compression = fields.text()
-        (compressed,) = fields.numbers("<Q")
-        data = fields.bytes(compressed)
+        (size_in_file,) = fields.numbers("<Q")
+        data = fields.bytes(size_in_file)
         if size > LARGEST:
             raise self._damaged(f"a chunk declares {size} bytes; more than {LARGEST >> 20} MiB are not read")
         if compression == "zstd":

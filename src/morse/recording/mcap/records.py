@@ -90,17 +90,17 @@ def message(one: Message) -> bytes:
     return head + one.data
 
 
-def chunk_head(start: int, end: int, size: int, compression: str, compressed: int) -> bytes:
+def chunk_head(start: int, end: int, size: int, compression: str, size_in_file: int) -> bytes:
     """The beginning of a chunk: the compressed records follow it.
 
     Args:
         start, end: first and last log time, ns.
         size: of the records, bytes. Their CRC-32 is omitted: compressed data have a checksum of their own.
         compression: name of the algorithm; empty for none.
-        compressed: size of the records after compression, bytes.
+        size_in_file: size of the records after compression, bytes.
     """
     content = CHUNK_HEAD.pack(start, end, size, 0) + text(compression)
-    return PREFIX.pack(CHUNK, len(content) + 8 + compressed) + content + struct.pack("<Q", compressed)
+    return PREFIX.pack(CHUNK, len(content) + 8 + size_in_file) + content + struct.pack("<Q", size_in_file)
 
 
 #: size of a chunk before its compressed records: the name of the algorithm has four letters

@@ -53,7 +53,7 @@ class McapWriter:
         self._file = file
         self._offset = 0
         self._schemas: dict[tuple[str, str], int] = {}
-        self._repeated: list[bytes] = []
+        self._summary_records: list[bytes] = []
         self._counts: dict[int, int] = {}
         self._chunks: list[records.ChunkPlace] = []
         self._attachments: list[_Named] = []
@@ -90,7 +90,7 @@ class McapWriter:
             record = records.schema(number, name, "ros2msg", definition.encode())
             self._write(record)
             self._schemas[key] = number
-            self._repeated.append(record)
+            self._summary_records.append(record)
         return self._schemas[key]
 
     def channel(self, topic: str, schema: int, metadata: Mapping[str, str]) -> int:
@@ -99,7 +99,7 @@ class McapWriter:
         record = records.channel(number, schema, topic, "cdr", metadata)
         self._write(record)
         self._counts[number] = 0
-        self._repeated.append(record)
+        self._summary_records.append(record)
         return number
 
     def chunk(self, messages: Sequence[Message]) -> None:
@@ -121,11 +121,11 @@ class McapWriter:
             index: their positions in ``plain``.
         """
         is_large = len(plain) > _LARGE * sum(index.counts.values())
-        compressed = (self._far_compressor if is_large else self._compressor).compress(plain)
-        sizes = len(compressed), len(plain)
+        frame = (self._far_compressor if is_large else self._compressor).compress(plain)
+        sizes = len(frame), len(plain)
         head = records.chunk_head(index.start, index.end, sizes[1], _COMPRESSION, sizes[0])
-        offset = self._write(head, compressed, index.records)
-        length = records.CHUNK_ROOM + len(compressed)
+        offset = self._write(head, frame, index.records)
+        length = records.CHUNK_ROOM + len(frame)
         places = {number: offset + length + at for number, at in index.places.items()}
         self._chunks.append(
             records.ChunkPlace(index.start, index.end, offset, length, places, len(index.records), _COMPRESSION, *sizes)
@@ -151,7 +151,7 @@ class McapWriter:
         end = max((place.end for place in self._chunks), default=0)
         counts = self._counts
         summary = [
-            *self._repeated,
+            *self._summary_records,
             records.statistics(
                 counts, len(self._schemas), len(self._attachments), len(self._metadata), len(self._chunks), start, end
             ),

@@ -45,7 +45,7 @@ class Handles(Arranging):
         self._requests = LocalRequests(self.context, self.step)
         self.context.services.add_internal(self._requests)
         self._handles: dict[str, Any] | None = None
-        self._taken: set[str] = set()
+        self._names: set[str] = set()
         self._by_full_name: dict[str, ComponentHandle] = {}
         self._failure: tuple[BaseException, str] | None = None
 
@@ -80,8 +80,8 @@ class Handles(Arranging):
         if self._handles is None:
             self._handles = component_handles(self, self._by_full_name)
             for name in self._handles:
-                if (hasattr(type(self), name) or name in vars(self)) and name not in self._taken:
-                    self._taken.add(name)
+                if (hasattr(type(self), name) or name in vars(self)) and name not in self._names:
+                    self._names.add(name)
                     logger.warning("the attribute '%s' already exists: access the robot as simulation[%r]", name, name)
         return self._handles
 
@@ -211,7 +211,7 @@ class Handles(Arranging):
         self.close()
 
 
-def _no_robot(name: str, known: list[str]) -> str:
+def _no_robot(name: str, names: list[str]) -> str:
     from morse.core.reports.hints import nearest
 
-    return f"no robot '{name}' in the simulation{nearest(name, known)}"
+    return f"no robot '{name}' in the simulation{nearest(name, names)}"

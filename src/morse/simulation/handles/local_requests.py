@@ -33,7 +33,7 @@ class LocalRequests(RequestManager):
         super().__init__(context)
         self._context = context
         self._tick = tick
-        self._found: dict[tuple[str, str], tuple[AbstractObject, OfferedService]] = {}
+        self._entries: dict[tuple[str, str], tuple[AbstractObject, OfferedService]] = {}
         self._futures: dict[uuid.UUID, LocalFuture] = {}
 
     def initialization(self) -> bool:
@@ -56,7 +56,7 @@ class LocalRequests(RequestManager):
         """
         with acting(self._context):
             try:
-                done, outcome = self.on_incoming_request(component, service, list(arguments))
+                is_complete, outcome = self.on_incoming_request(component, service, list(arguments))
             except MorseRPCNbArgsError as error:
                 raise TypeError(str(error)) from None
             except Exception as error:
@@ -65,7 +65,7 @@ class LocalRequests(RequestManager):
                 text = str(error) if isinstance(error, MorseError) else summary(error)
                 raise MorseServiceFailed(text) from error
         future = LocalFuture(self._tick, self._context.clock, self._context.guard)
-        if done:
+        if is_complete:
             future.finish(outcome)
         else:
             self._futures[outcome] = future
@@ -93,15 +93,15 @@ class LocalRequests(RequestManager):
 
     def find(self, component: str, service: str) -> OfferedService | None:
         """Return the present service of a component."""
-        owner, offered = self._found.get((component, service), (None, None))
+        owner, entry = self._entries.get((component, service), (None, None))
         if owner is not None and any(owner is obj for obj in self._objects(component)):
-            return offered
+            return entry
         for obj in self._objects(component):
             for declaration in obj.services():
                 if declaration.name == service:
-                    offered = OfferedService.of(getattr(obj, declaration.attribute), service, declaration.asynchronous)
-                    self._found[component, service] = obj, offered
-                    return offered
+                    entry = OfferedService.of(getattr(obj, declaration.attribute), service, declaration.asynchronous)
+                    self._entries[component, service] = obj, entry
+                    return entry
         return None
 
     def _objects(self, name: str) -> list[AbstractObject]:

@@ -69,5 +69,5 @@ class NamedPictures:
             raise MorseRPCInvokationError(f"the picture {path} cannot be used: {reader.warnings[0]}")
         if len(self._images) >= _MOST:
             self._images.clear()
-        shared = self._images[version] = shared_image(image.name, image.data, image.mime)
-        return shared
+        image_file = self._images[version] = shared_image(image.name, image.data, image.mime)
+        return image_file

@@ -65,7 +65,7 @@ class FlightRecorder(Observer):
         # with three states or more, at least two whole segments have passed
         self._every = max(1, round(span / 2 * simulation.clock.frequency))
         self._segments: list[_Segment] = []
-        self._known: set[str] = set()
+        self._reports: set[str] = set()
         self._files = 0
         self._begin_anew()
         simulation.journal.sinks.append(self._take)
@@ -99,17 +99,17 @@ class FlightRecorder(Observer):
 
     def after_tick(self) -> None:
         """Save a state if one is due; check whether a component has failed."""
-        failed = self._simulation.context.failed
-        if len(failed) > len(self._known):
-            names = ", ".join(sorted(failed - self._known))
-            self._known = set(failed)
+        failures = self._simulation.context.failed
+        if len(failures) > len(self._reports):
+            names = ", ".join(sorted(failures - self._reports))
+            self._reports = set(failures)
             self.write(f"{names} failed", self._simulation.ticks)
         if self._simulation.ticks - self._began >= self._every or self._full:
             self._add()
 
     def restarted(self) -> None:
         """The simulation was restarted: time begins at 0."""
-        self._known.clear()
+        self._reports.clear()
         self._begin_anew()
 
     def edited(self) -> None:

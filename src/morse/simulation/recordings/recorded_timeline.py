@@ -67,7 +67,7 @@ class RecordedTimeline:
     def __init__(
         self, simulation: Running, recording: Recording, inputs: InputRecording, *, described: bool = False
     ) -> None:
-        self._simulation, self._inputs, self._described = simulation, inputs, described
+        self._simulation, self._inputs, self._from_descriptions = simulation, inputs, described
         self._world = simulation.world
         self.recorded = RecordedWorld(recording)
         self.length = recording.length()
@@ -75,26 +75,26 @@ class RecordedTimeline:
         self._start = simulation.clock.stamp_of(recording.number("tick"))
         (channel,) = recording.topic_numbers(INPUTS) or (-1,)
         times = [one.log_time for one in self.recorded.history.every(channel)]
-        timed = list(zip(times, inputs.entries, strict=True))
+        pairs = list(zip(times, inputs.entries, strict=True))
         self._events: list[tuple[int, int, Entry]] = [
-            (time, index, entry) for index, (time, entry) in enumerate(timed) if entry.kind in _POPULATION
+            (time, index, entry) for index, (time, entry) in enumerate(pairs) if entry.kind in _POPULATION
         ]
         self.made = RecordedMade(recording, partial(modules_of, simulation))
         self.lost = [entry.name for _, index, entry in self._events if self._is_lost(entry, index)]
         self._inputs_of: dict[tuple[str, str], tuple[list[int], list[Entry]]] = {}
-        for time, entry in timed:
-            known = self._inputs_of.setdefault((entry.kind, entry.name), ([], []))
-            known[0].append(time)
-            known[1].append(entry)
+        for time, entry in pairs:
+            inputs_so_far = self._inputs_of.setdefault((entry.kind, entry.name), ([], []))
+            inputs_so_far[0].append(time)
+            inputs_so_far[1].append(entry)
         self._apply: dict[str, Callable[[int, Entry], object]] = {
             RESET: lambda _, entry: simulation.restart(entry.content),
             RESTORE: lambda index, entry: self._arrange(entry.content, index),
             SPAWN: self._spawn,
             DELETE: lambda _, entry: simulation.delete(entry.name),
         }
-        self._applied = 0
+        self._event_count = 0
         self._looks_until = -1
-        self._placed: set[str] = set()
+        self._placements: set[str] = set()
         self._rows: tuple[Any, list[tuple[int, int]], list[tuple[int, Any]]] = (None, [], [])
         self._static: list[int] = []
         self._begin()
@@ -149,12 +149,12 @@ class RecordedTimeline:
         self._populate(time - 2000)
         # before the first recorded tick, the world is that of the beginning
         self.moment = self.recorded.at(time) or self._first
-        stray = self._placed.difference(self.moment.names)
+        stray = self._placements.difference(self.moment.names)
         if any(name in self._world.objects_by_name for name in stray):
             # it was moved later: at this moment, it was at its place in the scene
             self._begin()
             self._populate(time - 2000)
-        self._placed = set(self.moment.names)
+        self._placements = set(self.moment.names)
         self._paint(time)
         self._simulation.clock.go_to(self.moment.tick)
         self._place(self.moment)
@@ -164,7 +164,7 @@ class RecordedTimeline:
             self._simulation.restart(self._inputs.seed)
         else:
             self._arrange(self._inputs.start, -1)
-        self._applied = 0
+        self._event_count = 0
         self._looks_until = -1
         world = self._world
         objects = [world.object_of(node) for node, _ in world.moving_nodes()]
@@ -178,27 +178,27 @@ class RecordedTimeline:
     def _populate(self, time: int) -> None:
         """Let robots come and go as before a log time: inputs of that time came after the tick."""
         count = sum(1 for moment, _, _ in self._events if moment < time)
-        if count < self._applied:
+        if count < self._event_count:
             self._begin()
-        for _, index, entry in self._events[self._applied : count]:
+        for _, index, entry in self._events[self._event_count : count]:
             try:
                 self._apply[entry.kind](index, entry)
             except Exception as error:  # what was refused during the recording is refused again
                 logger.debug("%s of %s: %s", entry.kind, entry.name, describe(error))
             self._looks_until = -1
-        self._applied = count
+        self._event_count = count
 
     def _spawn(self, index: int, entry: Entry) -> None:
         entity = self.made.after(index).get(entry.name)
         if entity is not None:
             self._simulation.spawn(entry.name, entity, entity.position, entity.rotation)
-        elif entry.content is not None and not self._described:
+        elif entry.content is not None and not self._from_descriptions:
             self._simulation.spawn(entry.name, *entry.content)
 
     def _arrange(self, state: State, index: int) -> None:
         """Restore who is there and where; the components do not act, so that their states are not needed."""
-        completed = State(state.parts, state.unsaved, self.made.known(index), state.middlewares)
-        self._simulation.arrange(completed, described=self._described)
+        whole = State(state.parts, state.unsaved, self.made.known(index), state.middlewares)
+        self._simulation.arrange(whole, described=self._from_descriptions)
 
     def _is_lost(self, entry: Entry, index: int) -> bool:
         """Whether an object was spawned, and cannot be shown: in recordings of earlier versions, one by a function."""

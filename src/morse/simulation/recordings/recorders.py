@@ -53,10 +53,10 @@ def start_recording(
     Raises:
         RecordingError: the file exists or cannot be written, or there is no such sensor.
     """
-    known = [declared.name for declared in simulation.scene.components if declared.kind == "sensor"]
+    sensor_names = [component.name for component in simulation.scene.components if component.kind == "sensor"]
     for name in sensors or ():
-        if name not in known:
-            raise RecordingError(f"there is no sensor '{name}' to record{nearest(name, known)}")
+        if name not in sensor_names:
+            raise RecordingError(f"there is no sensor '{name}' to record{nearest(name, sensor_names)}")
     recorder = Recorder(simulation.context, path, _beginning(simulation, sensors), sensors)
 
     def ended() -> None:

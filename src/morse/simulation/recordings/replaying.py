@@ -44,7 +44,7 @@ class Replay:
         self._recording = recording
         self._next = 0
         self._commands: dict[str, Entry] = {}
-        self._wired: dict[str, Object] = {}
+        self._actuators: dict[str, Object] = {}
         self._calls: list[tuple[str, str, LocalFuture]] = []
         if recording.start is None:
             simulation.restart(recording.seed)
@@ -112,9 +112,9 @@ class Replay:
 
     def _wire(self, name: str) -> None:
         component = self._simulation.context.components.get(name)
-        if component is None or self._wired.get(name) is component:
+        if component is None or self._actuators.get(name) is component:
             return
-        self._wired[name] = component
+        self._actuators[name] = component
         if isinstance(component, Actuator):
             component.input_functions.append(self._take)
 
@@ -141,9 +141,9 @@ class Replay:
     def _is_input(self, component: str, service: str) -> bool:
         """Whether calls of a service are recorded. A damaged recording may contain others, which write files."""
         for obj in self._simulation.context.service_objects:
-            for declared in obj.services():
-                if (declared.component or obj.name(), declared.name) == (component, service):
-                    return declared.changes
+            for one in obj.services():
+                if (one.component or obj.name(), one.name) == (component, service):
+                    return one.changes
         return True
 
     def _cancel(self, entry: Entry) -> None:

@@ -48,7 +48,7 @@ class Timeline:
         self.length = length
         self.position = 0
         self._every = _EVERY
-        self._kept: list[_Kept] = []
+        self._moments: list[_Kept] = []
         self._keep()
 
     @property
@@ -60,13 +60,13 @@ class Timeline:
         """Run one tick."""
         self._replay.step()
         self.position += 1
-        if self.position > self._kept[-1].position + self._every - 1:
+        if self.position > self._moments[-1].position + self._every - 1:
             self._keep()
 
     def _keep(self) -> None:
-        self._kept.append(_Kept(self.position, self._simulation.silent_state(), self._replay.place()))
-        if len(self._kept) > _MOST:
-            del self._kept[1::2]
+        self._moments.append(_Kept(self.position, self._simulation.silent_state(), self._replay.place()))
+        if len(self._moments) > _MOST:
+            del self._moments[1::2]
             self._every *= 2
 
     def approach(self, target: int) -> bool:
@@ -76,7 +76,7 @@ class Timeline:
             Whether the position is reached, or the recording ends before it.
         """
         target = max(0, min(target, self.length))
-        nearest = self._kept[bisect.bisect_right(self._kept, target, key=lambda kept: kept.position) - 1]
+        nearest = self._moments[bisect.bisect_right(self._moments, target, key=lambda moment: moment.position) - 1]
         if target < self.position or nearest.position > self.position:
             self._simulation.restore(nearest.state)
             self._replay.go_to(nearest.replay)

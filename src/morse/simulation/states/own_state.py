@@ -49,10 +49,10 @@ def _converted(name: str, state: object, kind: type) -> Any:
 def check_population(state: Any) -> StateData:
     """Return the validated state of a population; raise `StateError` if it is not valid."""
     _converted("population", state, _Population)
-    checked: StateData = state
-    if any(len(place) != 3 or len(turn) != 3 for _, _, place, turn in checked["came"]):
+    population: StateData = state
+    if any(len(place) != 3 or len(turn) != 3 for _, _, place, turn in population["came"]):
         raise StateError("population: the saved state is damaged: a position and a rotation have 3 numbers")
-    return checked
+    return population
 
 
 class ClockState:

@@ -37,7 +37,7 @@ class Saving:
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
         self._parts = StateParts(simulation)
-        self._said: set[str] = set()
+        self._warnings: set[str] = set()
         #: states of this simulation that need no check, while the world has the arrangement of that number
         self._valid: WeakKeyDictionary[State, int] = WeakKeyDictionary()
         #: their physics, as the world has validated it
@@ -56,10 +56,10 @@ class Saving:
         writer = Writer(self._parts)
         parts = {name: writer.part(name, _state_of(name, holder)) for name, holder in self._holders()}
         writer.release()
-        for unsaved in writer.unsaved:
-            if tell and unsaved not in self._said:
-                self._said.add(unsaved)
-                logger.warning("%s cannot be saved: it does not change when a state is restored", unsaved)
+        for path in writer.unsaved:
+            if tell and path not in self._warnings:
+                self._warnings.add(path)
+                logger.warning("%s cannot be saved: it does not change when a state is restored", path)
         states = {name: one.get_state() for name, one in self._managers()}
         middlewares = {name: state for name, state in states.items() if state is not None}
         state = State(parts, tuple(writer.unsaved), self._simulation.population.makers(), middlewares)

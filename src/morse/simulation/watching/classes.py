@@ -52,16 +52,16 @@ class _Exchange:
         #: name of the component, index of the modifier, and the new modifier
         self._modifiers: list[tuple[str, int, object]] = []
 
-    def run(self, changed: list[str], sources: dict[str, str]) -> list[str]:
+    def run(self, modules_changed: list[str], sources: dict[str, str]) -> list[str]:
         present = list(self._present())
         modules = {module for _, component in present for module in _modules(component)}
         modules |= {module for d, c in present for modifier in _modifiers(d, c) for module in _modules(modifier)}
-        renewed = to_renew(changed, modules, sources)
-        if not renewed:
+        names = to_renew(modules_changed, modules, sources)
+        if not names:
             return []
         try:
-            with acting(self._context), self._project.renewed(renewed):
-                self._make(present, renewed)
+            with acting(self._context), self._project.renewed(names):
+                self._make(present, names)
                 self._inherit()
         except BaseException:
             for part in [*self._new.values(), *(modifier for _, _, modifier in self._modifiers)]:
@@ -76,25 +76,25 @@ class _Exchange:
     def _present(self) -> Iterator[tuple[ComponentDeclaration, Object]]:
         """The components, robots first."""
         declarations = self._simulation.scene.components
-        for declaration in sorted(declarations, key=lambda declared: declared.kind != "robot"):
+        for declaration in sorted(declarations, key=lambda component: component.kind != "robot"):
             component = self._context.component(declaration.name)
             if component is not None:
                 yield declaration, component
 
-    def _make(self, present: list[tuple[ComponentDeclaration, Object]], renewed: set[str]) -> None:
+    def _make(self, present: list[tuple[ComponentDeclaration, Object]], names: set[str]) -> None:
         robots = {d.node: component for d, component in present if d.kind == "robot"}
         for declaration, component in present:
             new = component
-            if renewed & _modules(component):
+            if names & _modules(component):
                 robot = None if declaration.kind == "robot" else robots[declaration.robot]
                 self._old[declaration.name] = component
                 new = self._new[declaration.name] = make_component(self._context, declaration, robot)  # type: ignore[arg-type]
                 if declaration.kind == "robot":
                     robots[declaration.node] = new
             for number, modifier in enumerate(_modifiers(declaration, component)):
-                if renewed & _modules(modifier):
-                    made = make_modifier(new, declaration, declaration.modifiers[number])
-                    self._modifiers.append((declaration.name, number, made))
+                if names & _modules(modifier):
+                    modifier_copy = make_modifier(new, declaration, declaration.modifiers[number])
+                    self._modifiers.append((declaration.name, number, modifier_copy))
 
     def _inherit(self) -> None:
         inheritance = Inheritance(StateParts(self._simulation), self._new)
@@ -125,17 +125,17 @@ class _Exchange:
                 self._simulation.finalize_one(before)
 
     def _replace(self, declaration: ComponentDeclaration, old: Object, new: Object) -> None:
-        context, loaded, name = self._context, self._simulation.loaded, declaration.name
+        context, parts, name = self._context, self._simulation.loaded, declaration.name
         tables: list[dict[str, Any]] = [context.robots, context.components]
         for table in tables:
             if table.get(name) is old:
                 table[name] = new
-        kept: list[list[Any]] = [loaded.robots, loaded.actuators, loaded.sensors]
-        for components in kept:
+        groups: list[list[Any]] = [parts.robots, parts.actuators, parts.sensors]
+        for components in groups:
             components[:] = [new if one is old else one for one in components]
-        for carried in context.components.values():
-            if cast("object", carried.robot_parent) is old:
-                carried.robot_parent = cast("Robot", new)
+        for part in context.components.values():
+            if cast("object", part.robot_parent) is old:
+                part.robot_parent = cast("Robot", new)
         new.input_modifiers, new.output_modifiers = old.input_modifiers, old.output_modifiers
         for modifier in [*new.input_modifiers, *new.output_modifiers]:
             modifier.component_instance = new

@@ -24,23 +24,23 @@ def to_renew(changed: Iterable[str], running: Iterable[str], sources: Mapping[st
         SyntaxError: a file is not valid Python.
         OSError: a file cannot be read.
     """
-    imported = {name: set(_imports(name, Path(file), sources)) for name, file in sources.items()}
-    importers = {name: {other for other in imported if name in imported[other]} for name in sources}
-    return _reached(changed, importers) & _reached(running, imported)
+    imports = {name: set(_imports(name, Path(file), sources)) for name, file in sources.items()}
+    importers = {name: {other for other in imports if name in imports[other]} for name in sources}
+    return _reached(changed, importers) & _reached(running, imports)
 
 
 def _reached(first: Iterable[str], ways: Mapping[str, set[str]]) -> set[str]:
-    reached: set[str] = set()
+    dependents: set[str] = set()
     waiting = [name for name in first if name in ways]
     while waiting:
         name = waiting.pop()
-        if name not in reached:
-            reached.add(name)
+        if name not in dependents:
+            dependents.add(name)
             waiting += ways[name]
-    return reached
+    return dependents
 
 
-def _imports(module: str, path: Path, known: Mapping[str, str]) -> Iterator[str]:
+def _imports(module: str, path: Path, modules: Mapping[str, str]) -> Iterator[str]:
     """Iterate over the known modules that a file imports, at any place in the file."""
     package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
     for node in ast.walk(ast.parse(read_regular(path), str(path))):
@@ -51,4 +51,4 @@ def _imports(module: str, path: Path, known: Mapping[str, str]) -> Iterator[str]
             above = package[: len(package) - node.level + 1] if node.level else []
             base = ".".join([*above, *([node.module] if node.module else [])])
             names = [base, *(f"{base}.{alias.name}" for alias in node.names)]
-        yield from (name for name in names if name in known and name != module)
+        yield from (name for name in names if name in modules and name != module)

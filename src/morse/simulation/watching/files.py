@@ -19,29 +19,29 @@ class SavedFiles:
     """
 
     def __init__(self) -> None:
-        self._known: dict[str, _Stamp | None] = {}
+        self._stamps: dict[str, _Stamp | None] = {}
         self._changing: dict[str, _Stamp] = {}
 
     def look(self, paths: Iterable[str]) -> list[str]:
         """Return the files that were saved since the first check, or since they were last returned."""
-        saved = []
+        news = []
         for path in paths:
             stamps = stamp(path)
-            if path not in self._known:
-                self._known[path] = stamps
-            elif stamps is None or stamps == self._known[path]:
+            if path not in self._stamps:
+                self._stamps[path] = stamps
+            elif stamps is None or stamps == self._stamps[path]:
                 self._changing.pop(path, None)
             elif self._changing.get(path) == stamps:
                 del self._changing[path]
-                self._known[path] = stamps
-                saved.append(path)
+                self._stamps[path] = stamps
+                news.append(path)
             else:
                 self._changing[path] = stamps
-        return saved
+        return news
 
     def unchanged(self, path: str) -> bool:
         """Whether a file is unchanged since `look` returned it."""
-        return stamp(path) == self._known.get(path)
+        return stamp(path) == self._stamps.get(path)
 
 
 def stamp(path: str) -> _Stamp | None:

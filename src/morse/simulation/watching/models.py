@@ -71,7 +71,7 @@ def carry_out(simulation: Simulation, edit: ModelEdit) -> None:
         ValueError: the engine refuses a shape; the scene is then unchanged.
     """
     revisions = [revision for _, revision in edit.latest]
-    replaced = [pair for revision in revisions for pair in revision.replaced]
+    pairs = [pair for revision in revisions for pair in revision.replaced]
     come: list[Node] = [root for revision in revisions for root in revision.come]
     nodes: list[Node] = [node for revision in revisions for node in revision.gone]
 
@@ -79,18 +79,18 @@ def carry_out(simulation: Simulation, edit: ModelEdit) -> None:
         for revision in revisions:
             for node, place in revision.moved:
                 change.move(node, place)
-        for now, after in replaced:
+        for now, after in pairs:
             change.replace(now, after)
         change.remove(nodes)
         change.add(come, ())
 
-    if replaced or come or nodes:
+    if pairs or come or nodes:
         world = simulation.world
-        bottoms = {now.name: bottom_of(world, now) for now, _ in replaced if world.object_of(now).is_dynamic}
+        bottoms = {now.name: bottom_of(world, now) for now, _ in pairs if world.object_of(now).is_dynamic}
         world.rebuild(rebuild)
-        for _, after in replaced:
+        for _, after in pairs:
             _lift(simulation, after, bottoms.get(after.name))
-        simulation.population.edited(replaced, come, nodes)
+        simulation.population.edited(pairs, come, nodes)
     records = {id(use): revision.use for use, revision in edit.latest}
     models = simulation.scene.models
     models[:] = [records.get(id(use), use) for use in models]

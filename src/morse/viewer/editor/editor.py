@@ -51,8 +51,8 @@ class Editor:
         options = simulation.options
         sources = [*options.source_paths, *(source_folders(Path(options.script).absolute()) if options.script else ())]
         self._catalog = Catalog(server, options.resource_paths, list(dict.fromkeys(sources)))
-        self._restarted = False
-        self._sent: SceneChanges | None = None
+        self._is_restarting = False
+        self._last_message: SceneChanges | None = None
 
     # -- requests --------------------------------------------------------------------------
 
@@ -102,8 +102,8 @@ class Editor:
             return name
         x, y, z = event.position
         place = _rounded((x, y, z - lowest), 2)
-        turned = _rounded((angles[0], angles[1], angles[2] + event.yaw))
-        self._spawn(Addition(name, event.model, place, turned, "", position, angles))
+        angles_now = _rounded((angles[0], angles[1], angles[2] + event.yaw))
+        self._spawn(Addition(name, event.model, place, angles_now, "", position, angles))
         self._undos.append((f"{name} was added", lambda: self._delete(name, undoable=False)))
         return name
 
@@ -135,19 +135,19 @@ class Editor:
         # a robot goes with everything on it
         is_robot = root.name in self._simulation.context.robots
         below = [] if is_robot else [node.name for node in root.walk()][1:]
-        carried = {one.name: one for one in self._additions.values() if one.robot == root.name}
+        additions = {one.name: one for one in self._additions.values() if one.robot == root.name}
         addition, move = self._additions.get(root.name), self._moves.get(root.name)
         if addition is None and self._file.path is not None:
             self._file.changed(Changes(deletions={root.name: below}))  # can it be saved?
         self._services.run("simulation", "delete", root.name)
-        for gone in (*carried, root.name):
-            self._additions.pop(gone, None)
+        for part in (*additions, root.name):
+            self._additions.pop(part, None)
         self._moves.pop(root.name, None)
         if addition is None:
             self._deletions[root.name] = below
         if undoable:
             self._undos.append(
-                (f"{root.name} was deleted", lambda: self._bring_back(root.name, addition, move, carried))
+                (f"{root.name} was deleted", lambda: self._bring_back(root.name, addition, move, additions))
             )
         return root.name
 
@@ -161,7 +161,7 @@ class Editor:
         return node
 
     def _bring_back(
-        self, name: str, addition: Addition | None, move: Move | None, carried: dict[str, Addition]
+        self, name: str, addition: Addition | None, move: Move | None, additions: dict[str, Addition]
     ) -> None:
         if addition is not None:
             self._spawn(addition)
@@ -171,7 +171,7 @@ class Editor:
             present = population.get_state()
             population.set_state({**present, "gone": [one for one in present["gone"] if one != name]})
             self._deletions.pop(name)
-        self._additions |= carried
+        self._additions |= additions
         if move is not None:
             self._moves[name] = move
             self._place(name, move.position, move.angles)
@@ -228,13 +228,13 @@ class Editor:
 
     def restarted(self) -> None:
         """The simulation has restarted without its changes."""
-        self._restarted = True
+        self._is_restarting = True
 
     def change_again(self) -> None:
         """Make the changes again after a restart."""
-        if not self._restarted:
+        if not self._is_restarting:
             return
-        self._restarted = False
+        self._is_restarting = False
         for name in self._deletions:
             self._services.run("simulation", "delete", name)
         for addition in [*self._additions.values()]:
@@ -250,8 +250,8 @@ class Editor:
         count = len(self._additions) + len(self._moves) + len(self._deletions)
         last = self._undos[-1][0] if self._undos else ""
         message = SceneChanges(count, last, waiting, "" if self._file.path is None else self._file.path.name)
-        if message != self._sent:
-            self._sent = message
+        if message != self._last_message:
+            self._last_message = message
             self._server.send(message)
 
     def close(self) -> None:

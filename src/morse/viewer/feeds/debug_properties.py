@@ -31,39 +31,39 @@ class ViewDebug:
         self._world = simulation.world
         self._profile: Profile | None = simulation.sensor_profile
         self._server = server
-        self._wanted = simulation.scene.settings.view.show_debug_properties
-        self._profiled = [d.name for d in simulation.scene.components if d.profile]
-        self._spent: dict[str, float] = {}
+        self._is_on = simulation.scene.settings.view.show_debug_properties
+        self._profile_names = [d.name for d in simulation.scene.components if d.profile]
+        self._times: dict[str, float] = {}
         self._shares: list[DebugProperty] = []
-        self._looked = self._measured = 0.0
-        self._sent: DebugProperties | None = None
+        self._last_look = self._last_measurement = 0.0
+        self._last_message: DebugProperties | None = None
 
     def update(self) -> None:
         """Send the list if it has changed since the last call."""
         now = time.monotonic()
-        if not (self._wanted or self._profiled) or now - self._looked < _LOOKS:
+        if not (self._is_on or self._profile_names) or now - self._last_look < _LOOKS:
             return
-        self._looked = now
-        if now - self._measured >= _COSTS:
-            self._shares = list(self._costs(now - self._measured)) if self._measured else []
-            self._measured = now
+        self._last_look = now
+        if now - self._last_measurement >= _COSTS:
+            self._shares = list(self._costs(now - self._last_measurement)) if self._last_measurement else []
+            self._last_measurement = now
         lines = [*self._shares]
-        if self._wanted:
+        if self._is_on:
             lines += [line for obj in self._world.objects_by_name.values() for line in _shown(obj)]
         message = DebugProperties(lines[:_MOST], max(0, len(lines) - _MOST))
-        if message != self._sent:
-            self._sent = message
+        if message != self._last_message:
+            self._last_message = message
             self._server.send(message)
 
     def _costs(self, seconds: float) -> Iterator[DebugProperty]:
         """The share of one processor that each profiled sensor used in that time."""
         if self._profile is None:
             return
-        for name in self._profiled:
+        for name in self._profile_names:
             cost = self._profile.components.get(name)
             total = 0.0 if cost is None else cost.total
-            share = (total - self._spent.get(name, 0.0)) / seconds
-            self._spent[name] = total
+            share = (total - self._times.get(name, 0.0)) / seconds
+            self._times[name] = total
             yield DebugProperty(name, "profile", f"{100.0 * share:.1f} %")
 
 

@@ -19,7 +19,7 @@ class EditsFeed:
     def __init__(self, edits: Edits, server: ViewServer) -> None:
         self._edits = edits
         self._server = server
-        self._sent = SavedFiles([], [])
+        self._last_message = SavedFiles([], [])
 
     def update(self) -> None:
         """Send it if it has changed."""
@@ -27,6 +27,6 @@ class EditsFeed:
             FileMistake(PurePath(one.path).name, one.line, printable(one.text)) for one in self._edits.mistakes.values()
         ]
         message = SavedFiles(mistakes, [PurePath(path).name for path in self._edits.waiting])
-        if message != self._sent:
-            self._sent = message
+        if message != self._last_message:
+            self._last_message = message
             self._server.send(message)

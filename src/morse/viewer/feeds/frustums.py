@@ -28,19 +28,19 @@ class ViewFrustums:
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._sent: JsonObject = {}
+        self._last_frustums: JsonObject = {}
 
     def restarted(self) -> None:
         """Send everything again, because the components are described again."""
-        self._sent.clear()
+        self._last_frustums.clear()
 
     def update(self) -> None:
         """Send the changes since the last call."""
         for name in sorted(self._server.wishes.overlays):
             component = self._context.components.get(name)
             lens = getattr(component, "lens", None)
-            if lens is not None and self._sent.get(name) is not lens:
-                self._sent[name] = lens
+            if lens is not None and self._last_frustums.get(name) is not lens:
+                self._last_frustums[name] = lens
                 self._server.send(Frustum(name, [(x, y, z) for x, y, z in rim(lens).tolist()], lens.near, lens.far))
 
 

@@ -32,12 +32,12 @@ class ViewOverlays:
 
     def update(self) -> None:
         """Send the changes since the last call."""
-        wished = self._server.wishes.overlays
-        if CONTACTS in wished or self._had_contacts:
-            self._had_contacts = CONTACTS in wished
+        wishes = self._server.wishes.overlays
+        if CONTACTS in wishes or self._had_contacts:
+            self._had_contacts = CONTACTS in wishes
             points = self._context.world.contact_forces() if self._had_contacts else b""
             self._server.send(Contacts(points))
-        for name in sorted(wished):
+        for name in sorted(wishes):
             component = self._context.components.get(name)
             space = component.watched_space() if isinstance(component, Sensor) else None
             if space is not None and self._spaces.get(name) != space:

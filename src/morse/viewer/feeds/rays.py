@@ -24,7 +24,7 @@ class ViewRays:
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._sent: dict[str, int] = {}
+        self._last_counts: dict[str, int] = {}
         self._components: list[Object] = []
         self.restarted()
 
@@ -34,16 +34,16 @@ class ViewRays:
 
     def update(self) -> None:
         """Send the rays cast since the last call."""
-        wished = self._server.wishes.overlays
+        wishes = self._server.wishes.overlays
         for component in self._components:
             name = component.name()
-            if name not in wished and not getattr(component, "visible_arc", False):
-                self._sent.pop(name, None)
+            if name not in wishes and not getattr(component, "visible_arc", False):
+                self._last_counts.pop(name, None)
                 continue
             bundles = [bundle for bundle in _bundles(component) if bundle.stamp >= 0]
             stamp = max((bundle.stamp for bundle in bundles), default=None)
-            if stamp is not None and self._sent.get(name) != stamp:
-                self._sent[name] = stamp
+            if stamp is not None and self._last_counts.get(name) != stamp:
+                self._last_counts[name] = stamp
                 segments = np.concatenate([bundle.segments() for bundle in bundles])
                 step = -(-len(segments) // _MOST_SHOWN)
                 self._server.send(Rays(segments[:: max(step, 1)].tobytes(), name))

@@ -46,9 +46,9 @@ class RecordedPicturesFeed(PicturesFeed):
         self._time = time
         self._looks = looks
         #: times at which cameras have captured images
-        self._looked: dict[str, float] = {}
+        self._last_look: dict[str, float] = {}
         #: log time and image of each camera
-        self._known: dict[str, tuple[int, Shot | None]] = {}
+        self._shots: dict[str, tuple[int, Shot | None]] = {}
 
     def shot(self, name: str, component: object) -> Shot | None:
         """The last image of the camera at the present time of the recording."""
@@ -60,17 +60,17 @@ class RecordedPicturesFeed(PicturesFeed):
             return self._present(name, component)
         if fields is None:
             return None
-        known = self._known.get(name)
-        if known is None or known[0] != fields.time:
-            known = self._known[name] = fields.time, shot_of(component, fields.values)
+        entry = self._shots.get(name)
+        if entry is None or entry[0] != fields.time:
+            entry = self._shots[name] = fields.time, shot_of(component, fields.values)
         if "image" not in fields.values:  # such as a semantic camera
             return self._present(name, component)
-        return known[1]
+        return entry[1]
 
     def _present(self, name: str, component: object) -> Shot | None:
         """The image of the present world."""
-        if self._looks and self._looked.get(name) != self._time():
-            self._looked[name] = self._time()
+        if self._looks and self._last_look.get(name) != self._time():
+            self._last_look[name] = self._time()
             with acting(self._context):
                 look_around(component)
         return super().shot(name, component)

@@ -46,8 +46,8 @@ class RecordedValuesFeed:
                 data, note = self._commanded(component)
             elif component is not None:
                 data, note = self.measured(name)
-                measured = data.get("timestamp")
-                time = measured if isinstance(measured, float) else time
+                stamp = data.get("timestamp")
+                time = stamp if isinstance(stamp, float) else time
             else:
                 data, note = {}, "not recorded" if name in self._context.robots else ""
             if data or note:

@@ -30,10 +30,10 @@ def look_around(camera: Any) -> None:
         logger.debug("%s cannot look at the recorded world: %s", name_of(camera), describe(error))
 
 
-def cast_wished_rays(context: Context, wished: Collection[str]) -> None:
+def cast_wished_rays(context: Context, wishes: Collection[str]) -> None:
     """Cast the rays of sensors from their recorded poses, and those with a visible arc."""
     for sensor in context.components.values():
-        if sensor.name() in wished or getattr(sensor, "visible_arc", False):
+        if sensor.name() in wishes or getattr(sensor, "visible_arc", False):
             for request in sensor.requests:
                 if isinstance(request, RayBundle):
                     request.refresh()

@@ -30,23 +30,23 @@ class RecordingsFeed:
         self._simulation = simulation
         self._server = server
         self._possible = possible
-        self._looked = 0.0
-        self._sent: Recordings | None = None
+        self._last_look = 0.0
+        self._last_message: Recordings | None = None
 
     def update(self) -> None:
         """Send the changes since the last call."""
         recorders = self._simulation.recorders
         now = time.monotonic()
-        paths = [] if self._sent is None else [one.path for one in self._sent.recordings]
-        if now - self._looked < _INTERVAL and paths == [recorder.path for recorder in recorders]:
+        paths = [] if self._last_message is None else [one.path for one in self._last_message.recordings]
+        if now - self._last_look < _INTERVAL and paths == [recorder.path for recorder in recorders]:
             return
-        self._looked = now
+        self._last_look = now
         services = self._simulation.context.service_objects
         stoppable = {one.path for one in services if isinstance(one, RecordingServices)}
-        described = [self._describe(recorder, recorder.path in stoppable) for recorder in recorders]
-        message = Recordings(described, self._possible)
-        if message != self._sent:
-            self._sent = message
+        descriptions = [self._describe(recorder, recorder.path in stoppable) for recorder in recorders]
+        message = Recordings(descriptions, self._possible)
+        if message != self._last_message:
+            self._last_message = message
             self._server.send(message)
 
     def _describe(self, recorder: Recorder, stoppable: bool) -> RecordingDescription:

@@ -44,24 +44,24 @@ class SoundsFeed:
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._sent: dict[str, tuple[str, str]] = {}
+        self._last_states: dict[str, tuple[str, str]] = {}
         self._addresses: dict[str, str | None] = {}
         self._speakers: list[Sound] = []
-        self._permitted: frozenset[str] = frozenset()
+        self._file_names: frozenset[str] = frozenset()
         self.restarted()
 
     def restarted(self) -> None:
         """The components were created again."""
         self._speakers = [one for one in self._context.components.values() if isinstance(one, Sound)]
         if self._speakers:
-            self._permitted |= frozenset(named_files(self._context))
+            self._file_names |= frozenset(named_files(self._context))
 
     def update(self) -> None:
         """Send the changes since the last call."""
         for speaker in self._speakers:
             name, state = speaker.name(), (speaker.mode, speaker.file)
-            if self._sent.get(name) != state:
-                self._sent[name] = state
+            if self._last_states.get(name) != state:
+                self._last_states[name] = state
                 self._server.send(
                     SoundState(name, speaker.mode, self._address(name, speaker.file), speaker.played, self._now())
                 )
@@ -72,7 +72,7 @@ class SoundsFeed:
     def _address(self, name: str, file: str) -> str | None:
         if not file:
             return None
-        if file not in self._permitted:
+        if file not in self._file_names:
             # clients may set any number of long names: none of them is kept
             text = f"{name}: the scene script does not name {shown(file)}: pages play a tone"
             self._context.complaints.warn(f"{name}: sound", text)

@@ -53,7 +53,7 @@ def _pseudo_components(context: Context) -> list[ComponentDescription]:
             "",
             name.capitalize(),
             _first_line(objects[0]),
-            services=[described for obj in objects for described in _services(obj)],
+            services=[service for obj in objects for service in _services(obj)],
         )
         for name, objects in parts.items()
     ]

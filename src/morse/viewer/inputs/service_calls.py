@@ -41,9 +41,9 @@ class ServiceCalls(RequestManager):
         """Offer the services of the present components."""
         self._services.clear()
         context = self._context
-        offered: list[tuple[str, Offering]] = [(obj.name(), obj) for obj in context.service_objects]
-        offered += [*context.robots.items(), *context.components.items()]
-        for name, obj in offered:
+        owners: list[tuple[str, Offering]] = [(obj.name(), obj) for obj in context.service_objects]
+        owners += [*context.robots.items(), *context.components.items()]
+        for name, obj in owners:
             for declaration in obj.services():
                 method = getattr(obj, declaration.attribute)
                 register = self.register_async_service if declaration.asynchronous else self.register_service

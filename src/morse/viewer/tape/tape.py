@@ -82,10 +82,10 @@ class Tape:
         self._revision += 1
         if self._key is None:
             self._key = world_key(scene)
-        described = encode_json(describe(scene, moving, self._revision, self._depot, self._key))
+        description = encode_json(describe(scene, moving, self._revision, self._depot, self._key))
         url = f"/worlds/{self._revision}.json"
         self._files.update(self._depot.take_new())
-        self._files[url] = "application/json", described
+        self._files[url] = "application/json", description
         self.send(World(self._revision, url))
 
     def publish(self, poses: NDArray[np.float32]) -> None:
@@ -135,12 +135,12 @@ class Tape:
             begin, _ = place(steps.view(np.uint8).reshape(-1, 4).T.tobytes())
             poses.append({"revision": revision, "times": times, "width": len(rows[0]), "begin": begin})
         files = {url: [mime, *place(data)] for url, (mime, data) in self._files.items()}
-        listed = [
+        entries = [
             [round(time, 5), about, plain, list(place(payload)) if payload else None]
             for time, about, plain, payload in sorted(messages, key=lambda entry: entry[0])
         ]
         head = json.dumps(
-            {**facts, "places": PLACES, "poses": poses, "files": files, "messages": listed}, separators=(",", ":")
+            {**facts, "places": PLACES, "poses": poses, "files": files, "messages": entries}, separators=(",", ":")
         ).encode()
         return gzip.compress(len(head).to_bytes(4, "little") + head + b"".join(parts), compresslevel=9, mtime=0)
 
@@ -148,13 +148,13 @@ class Tape:
 def _every(pictures: list[tuple[float, str, JsonObject, bytes]], step: int) -> list[Any]:
     """Every ``step``-th image of each camera."""
     counts: dict[str, int] = {}
-    kept = []
+    frames = []
     for entry in pictures:
         number = counts.get(entry[1], 0)
         counts[entry[1]] = number + 1
         if number % step == 0:
-            kept.append(entry)
-    return kept
+            frames.append(entry)
+    return frames
 
 
 def _rounded(floats: bytes) -> bytes:

@@ -61,7 +61,7 @@ def wind(
     """
     context, world = simulation.context, simulation.world
     frequency, start = simulation.clock.frequency, simulation.clock.time
-    recorded = timeline if isinstance(timeline, RecordedTimeline) else None
+    recorded_timeline = timeline if isinstance(timeline, RecordedTimeline) else None
     first = round(span.begin * frequency)
     last = timeline.length if span.length is None else min(timeline.length, first + round(span.length * frequency))
     if first >= last:
@@ -69,8 +69,12 @@ def wind(
     server: Any = Tape(title)
     server.wishes = _wishes(simulation)
     fields = RecordedFields(recording)
-    values = ValuesFeed(context, server) if recorded is None else RecordedValuesFeed(context, server, recorded, fields)
-    pictures = RecordedPicturesFeed(context, server, fields, lambda: server.time, looks=recorded is not None)
+    values = (
+        ValuesFeed(context, server)
+        if recorded_timeline is None
+        else RecordedValuesFeed(context, server, recorded_timeline, fields)
+    )
+    pictures = RecordedPicturesFeed(context, server, fields, lambda: server.time, looks=recorded_timeline is not None)
     overlays: list[Feed] = [
         ViewRays(context, server),
         ViewOverlays(context, server),
@@ -104,11 +108,11 @@ def wind(
                 getattr(feed, "restarted", list)()
         for look in appearances(world):
             server.send(look)
-        server.publish(world.poses() if recorded is None else recorded.poses())
+        server.publish(world.poses() if recorded_timeline is None else recorded_timeline.poses())
         if number % round(_POSES / _DATA) == 0:
             values.update()
         if number % round(_POSES / _SIGHTS) == 0:
-            if recorded is not None:
+            if recorded_timeline is not None:
                 cast_wished_rays(context, server.wishes.overlays)
             for feed in overlays:
                 feed.update()
@@ -123,6 +127,6 @@ def _wishes(simulation: Simulation) -> Wishes:
     parts = context.components
     cameras = [name for name, part in parts.items() if "image" in data_fields(type(part))][:_CAMERAS]
     images = [name for name in display.images if name in parts] or cameras
-    shown = set(parts) if {"rays", "cones"} & set(display.overlays) else {*display.rays, *images}
+    components = set(parts) if {"rays", "cones"} & set(display.overlays) else {*display.rays, *images}
     contacts = {CONTACTS} & set(display.overlays)
-    return Wishes(values=frozenset(parts), overlays=frozenset(shown | contacts), images=frozenset(images))
+    return Wishes(values=frozenset(parts), overlays=frozenset(components | contacts), images=frozenset(images))
