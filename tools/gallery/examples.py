@@ -31,8 +31,8 @@ morse demo laser
 morse demo laser --copy .
 ```
 
-The first command lists them. The second command runs a scene in the live view; its client starts when the page shows the
-scene. The third command copies both files, as a basis for your own scene. With `--headless` there is no live view, and
+The first command lists them. The second command runs a scene in the live view; its client starts when the page shows
+the scene. The third command copies both files, as a basis for your own scene. With `--headless` there is no live view, and
 the simulation ends with the client.
 
 [Programs that others wrote](../examples/README.md), such as KISS-ICP, OpenCV, a planner and MAVSDK, drive robots too.

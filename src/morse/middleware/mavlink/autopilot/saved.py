@@ -16,7 +16,6 @@ from morse.middleware.mavlink.autopilot.modes import mode_of_custom
 from morse.middleware.mavlink.autopilot.setpoints import Setpoint  # noqa: TC001  msgspec reads it
 
 if TYPE_CHECKING:
-
     from morse.core.values import Fields
     from morse.middleware.mavlink.autopilot.flight import Flight
     from morse.middleware.mavlink.autopilot.gimbal import Gimbal
