@@ -17,12 +17,14 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
-from gym_tasks import LookAround, Meet, Picture
+from gym_tasks import LookAround, Meet, Picture, two_robots
 from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
+from gymnasium.wrappers.vector import NormalizeObservation, RecordEpisodeStatistics
 
 import morse.gym
+from morse.gym import Command, Read
 from morse.gym.crossing import AGENTS, Crossing
 from morse.gym.reach import Reach, ReachDepth
 from morse.gym.walk import Walk
@@ -113,6 +115,72 @@ def test_rows_are_as_alone_with_any_number_of_workers():
     finally:
         for env in vectors:
             env.close()
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_modes_of_beginning_anew(workers):
+    """The episodes of all modes are the same; they differ in the steps in which they begin."""
+    done, starts = {}, {}
+    for mode in AutoresetMode:
+        env = morse.gym.vector(LookAround, 2, workers=workers, autoreset_mode=mode.value)
+        assert env.metadata["autoreset_mode"] is mode
+        env.reset(seed=1)
+        ends, firsts = [], []
+        for number in range(2 * LookAround.limit + 2):
+            observations, rewards, _, late, infos = env.step(np.ones((2, 2), np.float32))
+            if ends and number == ends[-1] + 1 and mode is AutoresetMode.NEXT_STEP:
+                assert not rewards.any()
+                assert not infos["_x"].any()
+                firsts.append(observations)
+            if late.all():
+                ends.append(number)
+                assert ("final_obs" in infos) == (mode is AutoresetMode.SAME_STEP)
+                if mode is AutoresetMode.SAME_STEP:
+                    firsts.append(observations)
+                elif mode is AutoresetMode.DISABLED:
+                    with pytest.raises((ResetNeeded, RuntimeError), match=r"episodes of the rows \[0"):
+                        env.step(np.zeros((2, 2), np.float32))
+                    firsts.append(env.reset(options={"reset_mask": late})[0])
+        done[mode], starts[mode] = ends, firsts
+        env.close()
+    limit = LookAround.limit
+    assert done[AutoresetMode.SAME_STEP] == done[AutoresetMode.DISABLED] == [limit - 1, 2 * limit - 1]
+    assert done[AutoresetMode.NEXT_STEP] == [limit - 1, 2 * limit]
+    for first in starts.values():
+        for name, value in first[0].items():
+            assert np.array_equal(value, starts[AutoresetMode.SAME_STEP][0][name])
+
+
+def test_wrappers_of_vectors():
+    env = morse.gym.vector(Reach, 2, autoreset_mode="NextStep")
+    env = RecordEpisodeStatistics(NormalizeObservation(env))
+    env.reset(seed=0)
+    assert env.step(env.action_space.sample())[0].shape == (2, 40)
+    env.close()
+
+
+def test_an_action_for_several_actuators_and_a_space_of_several_parts():
+    class Two(LookAround):
+        scene, limit = two_robots, 6
+        action = (Command("r0.motion", v=(-1.0, 1.0)), Command("r1.motion", v=(-2.0, 2.0), w=(-1.0, 1.0)))
+        observation = gymnasium.spaces.Dict({"goal": gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)})
+        data = {"a": Read("r0.pose", "x"), "b": Read("r1.pose", "x")}  # noqa: RUF012
+
+        def start(self, rows, rngs):
+            self.values["goal"][rows] = 0.5
+
+        def reward(self, before, now):
+            return now["b"] - before["b"], np.abs(now["a"] - before["a"]) > 1.0, {"a": now["a"]}
+
+    env = morse.gym.TaskEnv(Two)
+    check_env(env)
+    assert env.action_space == gymnasium.spaces.Box(np.float32([-1, -2, -1]), np.float32([1, 2, 1]))
+    assert list(env.observation_space.spaces) == ["goal"]
+    env.reset(seed=0)
+    _, reward, _, _, infos = env.step(np.float32([-0.5, 2.0, 0.0]))
+    assert reward == pytest.approx(0.2, abs=1e-4)
+    assert infos["a"] == pytest.approx(-0.05, abs=1e-4)
+    env.close()
 
 
 def test_truncation_is_not_termination():
@@ -339,6 +407,7 @@ def test_names_that_are_not_there_are_named():
         ({"observation": 3}, "'observation' is a Read, a Touch or a space"),
         ({"observation": morse.gym.Read("robot.camera", "imago")}, "no field 'imago'"),
         ({"action": "robot.motion"}, "action is a morse.gym.Command"),
+        ({"action": []}, "action is a morse.gym.Command or a list of them"),
         ({"ticks": 0}, "'ticks' of Wrong is at least 1, not 0"),
         ({"ticks": 2.5}, "'ticks' of Wrong is an integer, not 2.5"),
         ({"limit": "60"}, "'limit' of Wrong is an integer, not '60'"),
@@ -356,6 +425,16 @@ def test_mistakes_of_a_caller_are_named():
         morse.gym.TaskEnv(Reach, render_mode="human")
     with pytest.raises(ValueError, match="1 to 2 workers"):
         morse.gym.vector(Reach, 2, workers=3)
+    with pytest.raises(ValueError, match="'NextStep', 'SameStep', 'Disabled', not 'never'"):
+        morse.gym.vector(Reach, 2, autoreset_mode="never")
+    with pytest.raises(TypeError, match=r"gymnasium\.make_vec knows tasks by their names"):
+        morse.gym.vector("morse/Reach-v0", 2)
+
+
+def test_a_name_that_imports_the_tasks():
+    code = "import gymnasium; gymnasium.make('morse.gym:morse/Reach-v0').close()"
+    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert outcome.returncode == 0, outcome.stderr
 
 
 def test_a_missing_extra_is_named():

@@ -124,6 +124,26 @@ def test_watching_changes_nothing():
     assert hashes[0] == hashes[1]
 
 
+def test_a_robot_that_is_placed_leaves_its_contacts_behind():
+    with morse.load(arena) as sim:
+        contacts, wall = sim.robot.contacts(), None
+        sim.robot.motion.publish({"v": 2.0, "w": 0.0})
+        for _ in range(300):
+            sim.step(1)
+            if contacts.touched:
+                wall = contacts.events[0]
+                break
+        assert wall is not None
+        touching, arrived = sim.contacts(wall.other), sim.time()
+        sim.step(1)
+        assert touching.touched
+        sim.place("robot", [0.0, 0.0, 0.0])
+        assert wall.end == pytest.approx(arrived + 1.0 / 60.0)
+        sim.step(6)
+        assert not contacts.touched
+        assert not touching.touched
+
+
 def test_contacts_of_a_batch():
     with morse.batch(arena, 3) as many:
         drive, hit = many.command("robot.motion", "v", "w"), many.contacts("robot")

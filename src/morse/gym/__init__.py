@@ -36,4 +36,4 @@ def __getattr__(name: str) -> object:
     raise AttributeError(f"module 'morse.gym' has no attribute '{name}'")
 
 
-register_all("morse/")
+register_all()

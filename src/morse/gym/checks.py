@@ -32,12 +32,15 @@ def check_task(task: Task) -> None:
     """
     kind = type(task).__name__
     if not isinstance(task, Task):
-        raise TypeError(f"a task is a morse.gym.Task, not {task!r:.80}")
+        mend = "; gymnasium.make_vec knows tasks by their names" if isinstance(task, str) else ""
+        raise TypeError(f"a task is a morse.gym.Task, not {task!r:.80}{mend}")
     for name in ("scene", "action", "observation"):
         if getattr(task, name, None) is None:
             raise TypeError(f"{kind} has no attribute '{name}'; see morse.gym.Task")
-    if not isinstance(task.action, Command):
-        raise TypeError(f"action is a morse.gym.Command, not {task.action!r:.80}")
+    actions = task.action if isinstance(task.action, list | tuple) and task.action else [task.action]
+    for action in actions:
+        if not isinstance(action, Command):
+            raise TypeError(f"action is a morse.gym.Command or a list of them, not {action!r:.80}")
     for name, number in {"ticks": task.ticks, "limit": 1 if task.limit is None else task.limit}.items():
         if isinstance(number, bool) or not hasattr(number, "__index__"):
             raise TypeError(f"'{name}' of {kind} is an integer, not {number!r:.80}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -46,15 +47,17 @@ class Episodes:
         self._rows = len(many)
         self.generators = [np.random.default_rng(row) for row in range(self._rows)]
         try:
-            self._drive = many.command(task.action.component, *task.action.ranges)
-            self.action_space = action_space(task.action)
-            self._actions = np.zeros((self._rows, len(task.action.ranges)), np.float32)
+            commands = task.commands
+            self._drives = [many.command(command.component, *command.ranges) for command in commands]
+            self.action_space = action_space(commands)
+            self._actions = np.zeros((self._rows, *self.action_space.shape), np.float32)
             self._data: dict[str, NDArray[Any]] = {}
             task.values = Data()
-            named = task.observation if isinstance(task.observation, dict) else {_NAME: task.observation}
+            several = isinstance(task.observation, Mapping)
+            named = dict(task.observation) if several else {_NAME: task.observation}
             own = {name: self._bind(name, part) for name, part in {**task.data, **named}.items()}
             parts = {name: own[name] for name in named}
-            self.observation_space: Any = spaces.Dict(parts) if isinstance(task.observation, dict) else parts[_NAME]
+            self.observation_space: Any = spaces.Dict(parts) if several else parts[_NAME]
         except BaseException:
             many.close()
             raise
@@ -122,7 +125,11 @@ class Episodes:
         if not self._now:
             raise ResetNeeded("no episode has begun: call reset() before step()")
         self._actions = np.clip(actions_of(actions, self._actions.shape), space.low, space.high)
-        self._drive[:] = self._actions.reshape(self._drive.shape)
+        first = 0
+        for drive in self._drives:
+            last = first + drive[0].size
+            drive[:] = self._actions[:, first:last].reshape(drive.shape)
+            first = last
         self.many.step(task.ticks, measure=True)
         self._age += 1
         before, self._now = self._now, self._look()

@@ -48,14 +48,13 @@ def _make(create: Callable[..., Any], task: type[Task] | str, **options: Any) ->
 
 #: the tasks of MORSE
 TASKS = {
-    "Reach-v0": "morse.gym.reach:Reach",
-    "ReachDepth-v0": "morse.gym.reach:ReachDepth",
-    "Walk-v0": "morse.gym.walk:Walk",
+    "morse/Reach-v0": "morse.gym.reach:Reach",
+    "morse/ReachDepth-v0": "morse.gym.reach:ReachDepth",
+    "morse/Walk-v0": "morse.gym.walk:Walk",
 }
 
 
-def register_all(namespace: str = "") -> None:
-    """Register the tasks of MORSE: Gymnasium calls it when it is imported, in the namespace ``morse``."""
+def register_all() -> None:
+    """Register the tasks of MORSE: Gymnasium knows them when `morse.gym` is imported."""
     for name, task in TASKS.items():
-        if f"morse/{name}" not in gymnasium.registry:
-            register(f"{namespace}{name}", task)
+        register(name, task)

@@ -10,6 +10,8 @@ from gymnasium import spaces
 from morse.core.declarations import fields_of_component
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from morse.gym.task import Command, Read
@@ -51,9 +53,9 @@ def limits(field: Any, low: NDArray[Any], high: NDArray[Any], index: Any) -> Non
         low[index], high[index] = np.float32(-np.pi), np.float32(np.pi)
 
 
-def action_space(command: Command) -> spaces.Box:
-    """Return the space of the actions."""
-    low, high = np.array(list(command.ranges.values()), np.float32).T
+def action_space(commands: Sequence[Command]) -> spaces.Box:
+    """Return the space of the actions: the numbers of all commands, side by side."""
+    low, high = np.array([limits for command in commands for limits in command.ranges.values()], np.float32).T
     return spaces.Box(low, high, dtype=np.float32)
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -56,7 +57,7 @@ class Task:
         scene: a scene as for `morse.load`, or a list of scenes for the rows in turn.
         ticks: number of ticks of an action.
         limit: number of actions after which an episode is truncated; None for no limit.
-        action: what the actions command.
+        action: what the actions command; a list of `Command` for several actuators, whose numbers stand side by side.
         observation: what the agent sees: a `Read`, a `Touch`, a space of Gymnasium, or a dictionary of these. The
             values of a space are ``self.values[name]`` (``self.values["observation"]`` without a dictionary), which the
             task sets; or `observe` returns them.
@@ -75,7 +76,7 @@ class Task:
     scene: Any = None
     ticks: ClassVar[int] = 6
     limit: ClassVar[int | None] = None
-    action: ClassVar[Command]
+    action: ClassVar[Command | Sequence[Command]]
     observation: ClassVar[object]
     data: ClassVar[Mapping[str, Read | Touch]] = {}
     arguments: ClassVar[Mapping[str, Distribution]] = {}
@@ -104,13 +105,18 @@ class Task:
             rngs: (M,) a generator for each of them, which is determined by the seed of the row.
         """
 
+    @property
+    def commands(self) -> list[Command]:
+        """What the actions command, as a list."""
+        return [self.action] if isinstance(self.action, Command) else list(self.action)
+
     def observe(self, data: dict[str, NDArray[Any]]) -> Any:
         """Return the observations of all rows; by default the data that ``observation`` names.
 
         Args:
             data: name to (N, ...): all of ``observation`` and ``data``, and ``action``, the last actions.
         """
-        if isinstance(self.observation, dict):
+        if isinstance(self.observation, Mapping):
             return {name: data[name] for name in self.observation}
         return data["observation"]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
@@ -22,14 +23,33 @@ if TYPE_CHECKING:
     from morse.viewer.notebook import Frame
 
 
+#: what gymnasium wants to know of a vector
+METADATA = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": ["rgb_array"], "render_fps": 10}
+
+
+def mode_of(mode: AutoresetMode | str) -> AutoresetMode:
+    """Return when episodes begin anew.
+
+    Raises:
+        ValueError: there is no such mode.
+    """
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        names = ", ".join(f"'{one.value}'" for one in AutoresetMode)
+        raise ValueError(f"autoreset_mode is one of {names}, not {mode!r:.80}") from None
+
+
 class Rows:
-    """Rows of a task that begin a new episode in the step in which the last one ends.
+    """Rows of a task, whose episodes begin anew as the mode says.
 
     Args:
         first: number of the first row in the whole vector.
     """
 
-    def __init__(self, task: Task | Callable[[], Task], count: int, first: int = 0) -> None:
+    def __init__(self, task: Task | Callable[[], Task], count: int, first: int, mode: AutoresetMode) -> None:
+        self._mode = mode
+        self._over = np.zeros(count, bool)  # rows whose episode has ended and that have not begun another
         self.episodes = Episodes(task, lambda one: batch(scenes_of(one, first, count), count, seed=first))
         self.episodes.task.first_row = first
         self.count = count
@@ -38,19 +58,32 @@ class Rows:
         """Begin episodes in all rows, or in those of a mask."""
         rows = list(range(self.count)) if mask is None else np.flatnonzero(mask).tolist()
         self.episodes.begin(rows, None if seeds is None else [seeds[row] for row in rows])
+        self._over[rows] = False
         return self.episodes.observations(), _drawn(self.episodes, rows, self.count)
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Do an action in all rows; see `TaskVectorEnv.step`."""
-        episodes = self.episodes
+        episodes, over = self.episodes, self._over.copy()
+        if over.any() and self._mode is AutoresetMode.DISABLED:
+            rows = (np.flatnonzero(over) + episodes.task.first_row).tolist()
+            raise ResetNeeded(f'the episodes of the rows {rows} are over: call reset(options={{"reset_mask": …}})')
         rewards, ended, late, values = episodes.step(actions)
         infos: dict[str, Any] = {}
         for name, value in values.items():
             infos[name] = np.broadcast_to(np.asarray(value), (self.count, *np.shape(value)[1:])).copy()
             infos[f"_{name}"] = np.ones(self.count, bool)
+        if over.any():  # the step in which these begin another episode does nothing else
+            rewards[over], ended[over], late[over] = 0.0, False, False
+            for name in values:
+                infos[f"_{name}"][over] = False
+            rows = np.flatnonzero(over).tolist()
+            episodes.begin(rows)
+            infos |= _drawn(episodes, rows, self.count)
         done = ended | late
         observations = episodes.observations()
-        if done.any():
+        if self._mode is not AutoresetMode.SAME_STEP:
+            self._over = done
+        elif done.any():
             rows = np.flatnonzero(done).tolist()
             final = np.full(self.count, None, object)
             for row in rows:
@@ -78,20 +111,23 @@ def _drawn(episodes: Episodes, rows: Sequence[int], count: int) -> dict[str, Any
 class TaskVectorEnv(VectorEnv[Any, Any, Any]):
     """N simulations of a task in this process; ``gymnasium.make_vec`` creates it.
 
-    An episode that ends begins anew in the same step (``AutoresetMode.SAME_STEP``): the observation is that of the new
-    episode, ``infos["final_obs"][k]`` the last one of the old episode.
+    By default, an episode that ends begins anew in the same step (``AutoresetMode.SAME_STEP``): the observation is that
+    of the new episode, ``infos["final_obs"][k]`` the last one of the old episode.
     """
 
-    metadata: ClassVar[dict[str, object]] = {
-        "autoreset_mode": AutoresetMode.SAME_STEP,
-        "render_modes": ["rgb_array"],
-        "render_fps": 10,
-    }
+    metadata: ClassVar[dict[str, object]] = METADATA
 
-    def __init__(self, task: Task | Callable[[], Task], num_envs: int = 1, render_mode: str | None = None) -> None:
+    def __init__(
+        self,
+        task: Task | Callable[[], Task],
+        num_envs: int = 1,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
+    ) -> None:
         check_render_mode(render_mode)
         self.render_mode, self.num_envs = render_mode, num_envs
-        self._rows = Rows(task, num_envs)
+        self.metadata = METADATA | {"autoreset_mode": mode_of(autoreset_mode)}  # type: ignore[misc]
+        self._rows = Rows(task, num_envs, 0, mode_of(autoreset_mode))
         episodes = self._rows.episodes
         self.single_observation_space, self.single_action_space = episodes.observation_space, episodes.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -128,7 +164,14 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
         self._rows.episodes.close()
 
 
-def vector(task: Task | Callable[[], Task], num_envs: int, *, workers: int = 0, render_mode: str | None = None) -> Any:
+def vector(
+    task: Task | Callable[[], Task],
+    num_envs: int,
+    *,
+    workers: int = 0,
+    render_mode: str | None = None,
+    autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
+) -> Any:
     """Return a vector of environments.
 
     Row ``k`` gives the same bits with any number of workers.
@@ -138,12 +181,14 @@ def vector(task: Task | Callable[[], Task], num_envs: int, *, workers: int = 0, 
         num_envs: number of simulations, N.
         workers: number of processes, each with a part of the rows; 0 for this process.
         render_mode: ``rgb_array`` for `render`, which returns a picture of each row.
+        autoreset_mode: when an episode that has ended begins anew, as in Gymnasium: in the same step, in the next step
+            (``NextStep``), or by `reset` with a ``reset_mask`` (``Disabled``).
 
     Raises:
-        ValueError: there are more workers than rows.
+        ValueError: there are more workers than rows, or no such mode.
     """
     if workers:
         from morse.gym.workers import WorkersVectorEnv
 
-        return WorkersVectorEnv(task, num_envs, workers, render_mode)
-    return TaskVectorEnv(task, num_envs, render_mode)
+        return WorkersVectorEnv(task, num_envs, workers, render_mode, autoreset_mode)
+    return TaskVectorEnv(task, num_envs, render_mode, autoreset_mode)

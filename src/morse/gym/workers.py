@@ -22,7 +22,7 @@ from gymnasium.vector.utils import batch_space
 from morse.core.reports.faults import describe
 from morse.gym.checks import actions_of
 from morse.gym.env import check_render_mode
-from morse.gym.vector import Rows
+from morse.gym.vector import METADATA, Rows, mode_of
 from morse.many.pool import ONE_THREAD, can_fork
 from morse.many.rows import only_row_of, seeds_of
 
@@ -93,7 +93,9 @@ def _kind_of_start() -> str:
     return "fork" if can_fork() else "spawn"
 
 
-def _work(connection: Connection, task: Any, first: int, count: int, inherited: Sequence[Connection]) -> None:
+def _work(
+    connection: Connection, task: Any, place: slice, mode: AutoresetMode, inherited: Sequence[Connection]
+) -> None:
     """Serve one part of the rows until the connection is closed.
 
     Args:
@@ -104,14 +106,14 @@ def _work(connection: Connection, task: Any, first: int, count: int, inherited: 
     os.environ.update(ONE_THREAD)
     rows: Rows | None = None
     shared: _Shared | None = None
-    place = slice(first, first + count)
+    first, count = place.start, place.stop - place.start
     with contextlib.suppress(EOFError, ConnectionError, KeyboardInterrupt):
         while True:
             order, content = connection.recv()
             try:
                 answer: Any = None
                 if order == "open":
-                    rows = Rows(task, count, first)
+                    rows = Rows(task, count, first, mode)
                     answer = rows.episodes.observation_space, rows.episodes.action_space
                 elif order == "share":
                     shared = _Shared(*content)
@@ -143,19 +145,21 @@ def _work(connection: Connection, task: Any, first: int, count: int, inherited: 
 class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
     """N simulations of a task in several processes; see `morse.gym.vector`."""
 
-    metadata: ClassVar[dict[str, object]] = {
-        "autoreset_mode": AutoresetMode.SAME_STEP,
-        "render_modes": ["rgb_array"],
-        "render_fps": 10,
-    }
+    metadata: ClassVar[dict[str, Any]] = METADATA
 
     def __init__(
-        self, task: Task | Callable[[], Task], num_envs: int, workers: int, render_mode: str | None = None
+        self,
+        task: Task | Callable[[], Task],
+        num_envs: int,
+        workers: int,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
     ) -> None:
         check_render_mode(render_mode)
         if not 1 <= workers <= num_envs:
             raise ValueError(f"{num_envs} rows need 1 to {num_envs} workers, not {workers}")
         self.render_mode, self.num_envs = render_mode, num_envs
+        self.metadata = METADATA | {"autoreset_mode": mode_of(autoreset_mode)}  # type: ignore[misc]
         self._task = task
         self._memory: list[_Shared] = []
         self._connections: list[Connection] = []
@@ -189,8 +193,8 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
             args=(
                 theirs,
                 self._task,
-                place.start,
-                place.stop - place.start,
+                place,
+                self.metadata["autoreset_mode"],
                 list(self._connections) if kind == "fork" else [],
             ),
             daemon=True,

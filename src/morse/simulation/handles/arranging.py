@@ -44,7 +44,9 @@ class Arranging:
         self._contacts: dict[str, Contacts] = {}
 
     def place(self, name: str, pose: Sequence[float]) -> None:
-        """Place a robot or an object, at rest. Sensors measure there at their next measurement, or by `measure`.
+        """Place a robot or an object, at rest, which ends its contacts.
+
+        Sensors measure there at their next measurement, or by `measure`.
 
         Args:
             name: name of the robot or the object.
@@ -56,7 +58,10 @@ class Arranging:
             ValueError: there are other than 3, 6 or 7 numbers, or one is not finite, or is farther than 10,000 km.
         """
         numbers = self.pose_of(name, pose)
-        self.rpc("simulation", "set_object_pose", self._object(name).name, numbers[:3], numbers[3:])
+        name = self._object(name).name
+        self.rpc("simulation", "set_object_pose", name, numbers[:3], numbers[3:])
+        for contacts in self._contacts.values():
+            contacts.part(name)
 
     def pose_of(self, name: str, pose: Sequence[float]) -> list[float]:
         """Return the pose at which `place` places an object: x, y, z, qw, qx, qy, qz.

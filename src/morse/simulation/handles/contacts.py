@@ -113,6 +113,12 @@ class Contacts(Observer):
                 lambda callback, error: guard.remove(callbacks, callback, error),
             )
 
+    def part(self, name: str) -> None:
+        """End the contacts of a body that has been placed: the next step begins without them."""
+        lasting = self._lasting
+        for other in list(lasting) if name == self.body else [name] if name in lasting else []:
+            lasting.pop(other).end = self._context.clock.time
+
     def restarted(self) -> None:
         """Forget all contacts, because the simulation has restarted."""
         self.rearranged()
