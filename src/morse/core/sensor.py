@@ -94,6 +94,9 @@ class Sensor(Object):
     def remember(self) -> None:
         """Take note of the pose of a measurement, for a sensor whose next one depends on it (`morse.core.rows`)."""
 
+    def placed(self) -> None:
+        """Called after the robot was placed elsewhere, at rest: that is no motion which the next measurement contains."""
+
     def look_again(self) -> None:
         """Called before a further measurement in the same tick, such as after the robot was placed elsewhere."""
 

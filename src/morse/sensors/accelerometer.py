@@ -39,6 +39,11 @@ class Accelerometer(MotionSensor):
         super().__init__(obj, parent)
         self._place: Sequence[float] = self._pose[0]
 
+    def placed(self) -> None:
+        """The next distance is that from the present position."""
+        super().placed()
+        self._place = self._pose[0]
+
     def measure(self) -> None:
         """Measure distance, velocity and acceleration."""
         motion = self.motion()

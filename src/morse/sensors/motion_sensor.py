@@ -96,6 +96,12 @@ class MotionSensor(Sensor):
         (vx, vy, vz), (wx, wy, wz), _ = self.observation()
         self._linear, self._angular = (vx, vy, vz), (wx, wy, wz)
 
+    def placed(self) -> None:
+        """The next velocities and accelerations are computed from rest at the present pose."""
+        position, rotation = self.bge_object.world_pose()
+        self._time, self._pose = self.clock.time, (tuple(position), tuple(rotation))
+        self._linear = self._angular = (0.0, 0.0, 0.0)
+
     def _measured_pose(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         # tuples: states of sensors that have measured in each tick are equal to those of others
         position, rotation = self.position_3d.get_pose()

@@ -102,6 +102,11 @@ class Odometry(Sensor):
         """The present pose in the frame of the start pose."""
         return self.original_pos.transformation3d_with(self.position_3d)
 
+    def placed(self) -> None:
+        """The next displacement is that from the present pose."""
+        self.previous_pos = self.original_pos.transformation3d_with(Transformation3d(self.bge_object))
+        self._time = self.clock.time
+
     def default_action(self) -> None:
         """Measure the displacement since the last tick."""
         pose, before = self.relative_pose(), self.previous_pos

@@ -12,6 +12,8 @@ from morse.core.mathutils import Quaternion
 from morse.core.reports import log
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted, short
+from morse.core.rows.unread import present_data
+from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.values import JsonObject
 from morse.services import looks
@@ -244,9 +246,16 @@ class Supervision(AbstractObject):
         if not any(quaternion):
             raise MorseRPCTypeError("the quaternion 0, 0, 0, 0 is not an orientation; 1, 0, 0, 0 is no rotation")
         obj = self._object(object_name)
+        components = self.context.components
+        parts = [components.get(part.name) for part in (obj, *obj.childrenRecursive)]
+        sensors = [part for part in parts if isinstance(part, Sensor) and type(part).placed is not Sensor.placed]
+        for sensor in sensors:
+            present_data(sensor)  # those that measure when they are read measure where the robot still is
         obj.worldOrientation = Quaternion([float(number) for number in quaternion])
         obj.worldPosition = [float(coordinate) for coordinate in position]
         obj.halt()
+        for sensor in sensors:
+            sensor.placed()
 
     def _object(self, name: str) -> Any:
         objects = self.context.world.objects_by_name
