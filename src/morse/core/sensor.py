@@ -95,7 +95,7 @@ class Sensor(Object):
         """Take note of the pose of a measurement, for a sensor whose next one depends on it (`morse.core.rows`)."""
 
     def placed(self) -> None:
-        """Called after the robot was placed elsewhere, at rest: that is no motion which the next measurement contains."""
+        """Called after the robot was placed elsewhere, at rest: the next measurement does not contain this motion."""
 
     def look_again(self) -> None:
         """Called before a further measurement in the same tick, such as after the robot was placed elsewhere."""
