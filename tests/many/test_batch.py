@@ -217,7 +217,7 @@ def test_a_closed_batch_says_so(many):
         many.step, many.restart, many.save, many.measure, lambda: many.read("robot.pose", "x"), lambda: many[0],
         lambda: many.command("robot.motion"), lambda: many.contacts("robot"), lambda: many.restore(None, states),
         lambda: many.place(None, "robot", [0, 0, 0]), lambda: many.vary("robot", mass=1),
-        lambda: many.component("robot.pose"),
+        lambda: many.declarations("robot.pose"),
     ]  # fmt: skip
     for use in uses:
         with pytest.raises(RuntimeError, match="closed"):

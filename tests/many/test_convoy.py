@@ -107,3 +107,23 @@ def test_rows_go_on_together():
         finally:
             type(simulation).step = run
         assert steps == [simulation], "who was handed out is stepped, the others are not"
+
+
+@pytest.mark.skipif(library() is None, reason="without the kernel, each row runs on its own")
+def test_rows_along_a_wall_go_on_together():
+    """A wall that is near, but that the robot does not touch in the next tick, is no reason to run alone."""
+    with morse.batch(arena, 2) as many:
+        drive, hit = many.command("robot.motion", "v", "w"), many.contacts("robot")
+        many.read("robot.pose", "x", "y")
+        drive[:] = 1.0, 0.0
+        many.place(None, "robot", [-1.5, 1.9 - 0.2 - 0.06, 0.0])
+        many.step(30, measure=True)
+        steps, run = [], morse.Simulation.step
+        try:
+            morse.Simulation.step = lambda self, *a, **k: steps.append(self) or run(self, *a, **k)
+            for _ in range(10):
+                many.step(6, measure=True)
+                assert not hit.any()
+        finally:
+            morse.Simulation.step = run
+        assert not steps

@@ -70,7 +70,7 @@ class Episodes:
         many = self.many
         if isinstance(part, Read):
             values = self._data[name] = many.read(part.component, *part.fields)
-            return space_of(part, many.component(part.component), values)
+            return space_of(part, many.declarations(part.component), values)
         if isinstance(part, Touch):
             self._data[name] = many.contacts(part.robot)
             return spaces.Box(0.0, 1.0, (1,), np.float32)

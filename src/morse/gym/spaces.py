@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from gymnasium import spaces
 
-from morse.core.declarations import fields_of_component
-
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from morse.core.declarations import DataField
     from morse.gym.task import Command, Read
 
 
-def space_of(read: Read, component: object, values: NDArray[np.generic]) -> spaces.Box:
+def space_of(read: Read, declared: Mapping[str, DataField], values: NDArray[np.generic]) -> spaces.Box:
     """Return the space of data: uint8 for pictures, else float32 within the declared ranges.
 
     Args:
+        declared: the declared data of the component.
         values: (N, ...) the present data.
 
     Raises:
@@ -31,7 +31,6 @@ def space_of(read: Read, component: object, values: NDArray[np.generic]) -> spac
     shape = values.shape[1:] or (1,)
     if values.dtype == np.uint8:
         return spaces.Box(0, 255, shape, np.uint8)
-    declared = fields_of_component(component)
     low, high = np.full(shape, -np.inf, np.float32), np.full(shape, np.inf, np.float32)
     if len(read.fields) == 1:
         limits(declared.get(read.fields[0]), low, high, ...)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from morse.core.declarations import fields_of_component
 from morse.core.reports.hints import nearest
 from morse.gym.variety import AGENT
 from morse.launch.load import load
@@ -14,10 +15,11 @@ from morse.many.scenes import Scenes
 from morse.many.window import Window
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from morse.core.declarations import DataField
     from morse.viewer.notebook import Frame
 
 
@@ -49,9 +51,9 @@ class Team:
     def __getitem__(self, row: int) -> object:
         return self._simulation
 
-    def component(self, name: str) -> Any:
-        """Return the component of the first robot."""
-        return self._handles(name)[0].component
+    def declarations(self, name: str) -> Mapping[str, DataField]:
+        """Return the declared data of the component of the first robot."""
+        return fields_of_component(self._handles(name)[0].component)
 
     def _handles(self, name: str, simulation: Any = None) -> list[Any]:
         handles = []

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from morse.core.actuator import Actuator
+from morse.core.declarations import fields_of_component
 from morse.core.reports.faults import ENDINGS
 from morse.core.reports.hints import nearest
 from morse.core.rows.unread import present_data
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.declarations import DataField
     from morse.many.commands import Command
     from morse.many.readings import Contacts
     from morse.scene import Scene
@@ -190,15 +192,13 @@ class Batch:
         self._readings.append(column)
         return column.array
 
-    def component(self, name: str) -> Any:
-        """Return a component of the first row, with its declarations.
+    def declarations(self, name: str) -> Mapping[str, DataField]:
+        """Return the declared data of a component, by field: units, frames, ranges.
 
         Raises:
             KeyError: there is no such component.
         """
-        component = self._handles(name)[0].component
-        self._convoy.publish([0])
-        return component
+        return fields_of_component(self._handles(name)[0].component)
 
     def _handles(self, name: str) -> list[Any]:
         self._check_open()

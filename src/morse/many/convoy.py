@@ -80,24 +80,40 @@ class Convoy:
                 self._simulations[row].world.drives.clear()
             else:
                 self.leave(row, measured=False)
-        for row in np.flatnonzero(self.members & (self._left < ticks)).tolist():
-            self._left[row] = self._simulations[row].world.free_run.ahead(ticks, int(self._owed[row]))
-            if self._left[row] < ticks:
-                self.leave(row, measured=False)
         rows = np.flatnonzero(self.members)
-        if not len(rows):
-            return ran
-        assert self._courses is not None
-        ran[rows] = done = self._courses.run(rows, ticks)
-        self._owed[rows] += done
-        self._left[rows] -= done
-        for row in rows[done < ticks].tolist():
+        for row in rows[self._left[rows] < ticks].tolist():
+            self._left[row] = self._simulations[row].world.free_run.ahead(ticks, int(self._owed[row]))
+        near = self._left[rows] < ticks
+        self._go(rows[~near], ticks, ran)
+        for row in rows[near].tolist():
+            self._go_near(row, ticks, ran)
+        for row in rows[ran[rows] < ticks].tolist():
             self.leave(row, measured=False)
-        rows = rows[done == ticks]
+        rows = rows[ran[rows] == ticks]
         if len(rows):
+            assert self._courses is not None
             for column in self._columns:
                 column.update(rows, self._courses)
         return ran
+
+    def _go(self, rows: NDArray[np.int64], ticks: int, ran: NDArray[np.int64]) -> None:
+        """Run ticks of rows, in which nothing is touched."""
+        if len(rows):
+            assert self._courses is not None
+            done = self._courses.run(rows, ticks)
+            ran[rows] += done
+            self._owed[rows] += done
+            self._left[rows] -= done
+
+    def _go_near(self, row: int, ticks: int, ran: NDArray[np.int64]) -> None:
+        """Run ticks of a row as long as nothing is so near that it could be touched in the next tick."""
+        free_run, rows = self._simulations[row].world.free_run, np.array([row])
+        while ran[row] < ticks and self._left[row]:
+            before, count = ran[row], min(self._left[row], ticks - ran[row])
+            self._go(rows, count, ran)
+            if ran[row] - before < count:
+                return
+            self._left[row] = free_run.ahead(int(ticks - ran[row]), int(self._owed[row])) if ran[row] < ticks else 0
 
     # -- who is a member -----------------------------------------------------------------------
 
