@@ -53,8 +53,9 @@ class Episodes:
             self._actions = np.zeros((self._rows, *self.action_space.shape), np.float32)
             self._data: dict[str, NDArray[Any]] = {}
             task.values = Data()
-            several = isinstance(task.observation, Mapping)
-            named = dict(task.observation) if several else {_NAME: task.observation}
+            seen = task.observation
+            several = isinstance(seen, Mapping)
+            named: dict[str, object] = dict(seen) if isinstance(seen, Mapping) else {_NAME: seen}
             own = {name: self._bind(name, part) for name, part in {**task.data, **named}.items()}
             parts = {name: own[name] for name in named}
             self.observation_space: Any = spaces.Dict(parts) if several else parts[_NAME]
