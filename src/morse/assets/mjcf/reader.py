@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from morse.assets.mjcf.model import BodyData, ModelData
 
 _LIGHTEST = 1e-3
+#: of the engine, s: a tick has 167 of them; robots with fine contacts have steps of 0.5 to 2 ms
+_SHORTEST_STEP = 1e-4
 #: height of a plane that is the floor, m
 _FLOOR = 1e-3
 
@@ -53,6 +55,8 @@ class _Reader:
     def __init__(self, source: Source, model: ModelData) -> None:
         self.source, self.model = source, model
         self.warnings = [*source.warnings, *dict.fromkeys(model.lost)]
+        if model.step < _SHORTEST_STEP:
+            self.warnings.append(f"its time step of {model.step:g} s is too short: it is {_SHORTEST_STEP:g} s here")
         self._images = TextureImages(source.textures)
         self._names: set[str] = set()
         self._ground: tuple[float, ...] = DEFAULT_CONTACT
@@ -175,7 +179,7 @@ class _Reader:
                 for node in root.walk()
                 if (node.source_name or node.name) in self._shape_of
             },
-            step=model.step,
+            step=max(model.step, _SHORTEST_STEP),
             motors={} if bones is None else bones.motors,
             ground=self._ground,
             is_joined=any((one in own) != (other in own) for one, other in model.joined if one and other),
