@@ -16,6 +16,7 @@ from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
 from morse.assets.mjcf.heights import MOST_POINTS, check_implied, check_points, suffix_of
+from morse.assets.mjcf.old_files import modernize
 from morse.assets.mjcf.textures import take_textures
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.triangle_limit import check_parts
@@ -202,6 +203,7 @@ class Source:
             check_parts(self.path, count, f"elements <{tag:.40}>")
 
     def _reduce(self, root: ElementTree.Element) -> None:
+        modernize(root, self.path)
         for child in list(root):
             if child.tag in _LEFT_OUT:
                 root.remove(child)
@@ -210,12 +212,19 @@ class Source:
             unsupported.append("geom of type sdf")
         if any(element.get("camera") for element in root.iter("rangefinder")):
             unsupported.append("rangefinder of a camera")
+        if {"composite", "flexcomp"} & set(unsupported) and (keys := root.findall("keyframe")):
+            # they have values for the joints of what is left out
+            unsupported.append("keyframe")
+            for key in keys:
+                root.remove(key)
         if unsupported:
             self.warnings.append(f"it has {', '.join(unsupported)}; they are left out")
+        made = [mesh for mesh in root.iter("mesh") if mesh.find("plugin") is not None and not mesh.get("file")]
         for parent in list(root.iter()):
             for child in list(parent):
-                if _is_left_out(child):
+                if _is_left_out(child) or child in made:
                     parent.remove(child)
+        _remove_shapes(root, "mesh", {_asset_name(mesh) for mesh in made})
         for compiler in root.iter("compiler"):
             folder = compiler.get("assetdir") or ""
             self._folder = compiler.get("meshdir") or folder or self._folder
