@@ -117,3 +117,82 @@ def test_ticks_are_left_out():
         sim.context.world.step_freely = lambda most: ticks.append(run(sim.context.world, most)) or ticks[-1]
         sim.step(60, measure=True)
         assert sum(ticks) > 40
+
+
+#: a body on a leg, which falls over, with sensors of its file; a ball that rolls away from it
+HOPPER = """<mujoco model="hopper"><option timestep="0.004"/><worldbody>
+  <body name="trunk" pos="0 0 0.6"><freejoint/><geom type="sphere" size="0.1" mass="2"/><site name="imu"/>
+    <camera name="eye" pos="0.1 0 0"/>
+    <body name="leg"><joint name="hip" axis="0 1 0" range="-60 60" damping="0.1"/>
+      <geom name="leg" type="capsule" fromto="0 0 0 0.05 0 -0.45" size="0.03" mass="0.5"/>
+      <site name="foot" pos="0.05 0 -0.45" size="0.05"/></body></body></worldbody>
+  <actuator><position name="servo" joint="hip" kp="20"/></actuator>
+  <sensor><accelerometer site="imu"/><gyro site="imu"/><velocimeter site="imu"/><force site="foot"/>
+    <touch site="foot"/></sensor></mujoco>"""
+
+
+def hopper(folder, rates):
+    """The robot of the file, with its sensors at several rates, and something that sleeps in the end."""
+    from morse.builder import Armature, Environment, Odometry, Pose, Robot
+
+    file = folder / "hopper.xml"
+    file.write_text(HOPPER)
+
+    def scene():
+        robot = Robot(str(file))
+        robot.name = "robot"
+        for number, sensor in enumerate(robot.sensors.values()):
+            sensor.frequency(rates[number % len(rates)])
+        for part in (Pose("pose"), Odometry("odometry")):
+            part.frequency(rates[-1])
+            robot.append(part)
+        if rates[0] == 12:
+            robot.append(Armature("joints", armature_name="hopper_joints"))
+        block("crate", 1.0, 0.0, 0.5, 0.2, static=False)
+        Environment("empty")
+
+    return scene
+
+
+@settings(max_examples=examples(16))
+@given(
+    script=st.lists(
+        st.tuples(st.sampled_from(["go", "aim", "place", "watch", "read", "kick"]), st.integers(2, 80), st.booleans()),
+        min_size=1,
+        max_size=5,
+    ),
+    rates=st.sampled_from([(60, 60, 30), (60, 20, 7), (12, 60, 4)]),
+)
+def test_ticks_of_the_engine_alone_are_as_single_ticks(tmp_path_factory, script, rates):
+    scene = hopper(tmp_path_factory.mktemp("file"), rates)
+    with morse.load(scene, seed=5) as leaping, morse.load(scene, seed=5) as single:
+        for what, ticks, measure in script:
+            for sim in (leaping, single):
+                if what == "place":
+                    sim.robot.place((0.2, 0.1, 0.8))
+                elif what == "aim" and rates[0] == 12:
+                    sim.robot.joints.publish({"hip": 0.01 * ticks})
+                elif what == "watch":
+                    assert sim.robot.eye.get()["image"] is not None
+                elif what == "kick":  # so hard that the engine diverges
+                    sim.context.world.data.qvel[-6] = 1e12
+                elif what == "read":
+                    sim.robot.pose.component.local_data["x"]
+            leaping.step(ticks, measure=measure)
+            for tick in range(ticks):
+                single.step(1, measure=measure and tick == ticks - 1)
+            assert leaping.time() == single.time()
+            assert leaping.state_hash() == single.state_hash()
+            for name, part in leaping.robot.parts.items():
+                assert repr(part.data) == repr(single.robot.parts[name].data), name
+
+
+def test_a_camera_that_nobody_reads_and_sensors_of_a_file_end_no_leap(tmp_path):
+    with morse.load(hopper(tmp_path, (60, 20, 7))) as sim:
+        sim.step(30)
+        ticks = []
+        run = type(sim.context.world).step_freely
+        sim.context.world.step_freely = lambda most: ticks.append(run(sim.context.world, most)) or ticks[-1]
+        sim.step(60)
+        assert sum(ticks) > 50
+        assert len(ticks) < 10

@@ -105,6 +105,15 @@ class Armature(JointReach):
             if self.on_completion is not None:
                 self.completed(status.SUCCESS)
 
+    def holds(self) -> bool:
+        """Whether all joints have their setpoints, and nothing else moves them."""
+        return (
+            type(self).default_action is Armature.default_action
+            and not (self._tendons or self._targets)
+            and (self._move, self._trajectory, self._awaited) == (None, None, None)
+            and self._wanted() == self._values
+        )
+
     def _stop(self) -> None:
         self._move = None
         super()._stop()

@@ -10,7 +10,7 @@ from morse.core.declarations import add_state, fields_of_component
 from morse.core.guard import modify, read
 from morse.core.journal import COMMAND
 from morse.core.object import Object
-from morse.core.rows.marks import lasting_fields
+from morse.core.rows.marks import is_overridden, lasting_fields, waiting
 from morse.core.streams.extent import check_fields
 
 if TYPE_CHECKING:
@@ -61,6 +61,21 @@ class Actuator(Object):
     def limits_commands(self) -> bool:
         """Whether a stream of the scene limits the time of commands."""
         return self._command_limit is not None
+
+    def rests(self) -> bool:
+        """Whether its next actions change nothing but its own pose, as long as no command arrives."""
+        if type(self).action is not Actuator.action or is_overridden(self) or self._is_checked:
+            return False
+        if not self._active:
+            return True
+        signs = [waiting(function) for function in self.input_functions]
+        return (
+            self.command_end is None and not self.limits_commands and None not in signs and not any(signs)
+        ) and self.holds()
+
+    def holds(self) -> bool:
+        """Whether `default_action` has nothing to do until the data change."""
+        return False
 
     def action(self) -> None:
         """One tick: update the pose, read the streams, apply the modifiers to new commands, call `default_action`."""

@@ -8,7 +8,7 @@ from morse.core.declarations import add_data, add_state, data_fields
 from morse.core.guard import modify, publish
 from morse.core.noise import measured
 from morse.core.object import Object
-from morse.core.rows.marks import is_on_read
+from morse.core.rows.marks import is_on_read, is_overridden
 from morse.core.rows.unread import Unread, present_data
 from morse.core.services import service
 from morse.core.streams.extent import check_fields
@@ -99,6 +99,10 @@ class Sensor(Object):
 
     def look_again(self) -> None:
         """Called before a further measurement in the same tick, such as after the robot was placed elsewhere."""
+
+    def rests(self) -> bool:
+        """Whether its next actions change nothing but its own pose and time, as long as nobody outside of it acts."""
+        return not self._active and type(self).action is Sensor.action and not is_overridden(self)
 
     def default_action(self) -> None:
         """One measurement."""

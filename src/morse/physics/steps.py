@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 
 from morse.physics.gliding.passage import Passage
-from morse.physics.poses.kinematics import settle_fixed
+from morse.physics.poses.kinematics import settle_fixed, sync
 from morse.physics.stability import UnstableError
 from morse.physics.state import engine_values
 
@@ -55,8 +55,10 @@ class Steps:
         self.reset()
 
     def reset(self) -> None:
-        """Forget that all bodies slept in the last tick."""
+        """Forget that all bodies slept in the last tick, or that they diverged."""
         self._slept = False
+        #: the error of the next tick, which was begun with the ticks before
+        self._unstable: UnstableError | None = None
 
     def step(self) -> None:
         """Run the steps of a tick. Bodies that diverge are reset, and the tick is repeated.
@@ -65,6 +67,8 @@ class Steps:
             UnstableError: the simulation diverges even after every body has been reset.
         """
         state = self._state
+        if self._unstable is not None:
+            raise self._unstable
         if self._gliding.glides and self._glide_alone():
             state.known_contacts = _NO_CONTACTS
         elif not self._all_sleep():
@@ -74,6 +78,32 @@ class Steps:
                 state.data.xfrc_applied[:] = 0.0
                 state.has_forces = False
         state.is_stirred = False
+
+    def run(self, ticks: int) -> int:
+        """Run at most that many ticks in which only the engine has work, and nobody looks at the poses between them.
+
+        Returns:
+            The number of ticks; 0 if a tick needs more than steps of the engine, and nothing has changed then.
+        """
+        state, data, gliding = self._state, self._data, self._gliding
+        if gliding.glides or state.has_forces or not data.nv_awake or self._unstable is not None:
+            return 0
+        self._slept = False
+        for number in range(1, ticks + 1):
+            gliding.tick += 1
+            try:
+                if self._run_safely() and data.nv_awake:
+                    continue
+            except UnstableError as error:
+                if number == 1:
+                    raise
+                # the ticks before it count
+                number, self._unstable = number - 1, error
+            break
+        state.known_contacts = None
+        state.is_stirred = False
+        sync(state)
+        return number
 
     def _glide_alone(self) -> bool:
         """Run the tick without the engine if only gliding robots move; return False if that is not possible."""
@@ -102,13 +132,17 @@ class Steps:
             data.time += self._step
         return True
 
-    def _run_safely(self) -> None:
-        """Run the steps; if they fail, again without the bodies that overlap most, or that diverge."""
-        self._state.sliding.begin()
+    def _run_safely(self) -> bool:
+        """Run the steps; if they fail, again without the bodies that overlap most, or that diverge.
+
+        Returns:
+            Whether they did not fail.
+        """
+        state, data = self._state, self._data
+        state.sliding.begin()
         self._crowding.relieve()
-        mujoco.mj_getState(self._state.model, self._state.data, self._saved, _STATE)
-        np.copyto(self._asleep, self._tree_asleep)
-        data = self._state.data
+        mujoco.mj_getState(state.model, data, self._saved, _STATE)
+        self._asleep[:] = self._tree_asleep
         data.maxuse_con = 0
         try:
             self._run()
@@ -118,8 +152,10 @@ class Steps:
             # the engine may also continue with a part of the contacts
             if data.maxuse_con > self._crowding.most and data.warning[_FULL].number:
                 self._run_relieved("there are too many")
-        if not self._rescue.all_is_well():
-            self._rescue.repeat(self._saved, self._asleep, self._run)
+        if self._rescue.all_is_well():
+            return True
+        self._rescue.repeat(self._saved, self._asleep, self._run)
+        return False
 
     def _run_relieved(self, problem: str) -> None:
         """Run the steps again after the engine has run out of memory, without the bodies that overlap most.

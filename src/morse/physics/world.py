@@ -330,7 +330,11 @@ class World(ObjectWorld):
 
     def step_freely(self, ticks: int) -> int:
         """See `morse.core.world.World.step_freely`."""
-        return self.free_run.run(ticks)
+        done = self.free_run.run(ticks)
+        if not done and self.drives.is_idle and self._is_idle():
+            # nobody is driven, and asks for the poses at the beginning of the last tick
+            done = self._steps.run(ticks)
+        return done
 
     def _is_idle(self) -> bool:
         """Whether no part of the physics but the drives has work."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseBuilderError, MorseRPCTypeError
+from morse.core.rows.marks import is_overridden
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, service
 from morse.core.status import SUCCESS
@@ -255,6 +256,19 @@ class Camera(Sensor):
     def _is_wanted(self) -> bool:
         """Whether somebody reads the images, or they are taken anyway."""
         return not self.on_demand or self.watched or bool(self.output_functions) or self._left > 0
+
+    def rests(self) -> bool:
+        """Whether no image is due, and no method of a subclass is called."""
+        cls = type(self)
+        return super().rests() or (
+            self._left != 0
+            and not (self.capturing and self._is_wanted())
+            and self.realism is None
+            and not (self.output_functions or self.output_modifiers or self._reports or is_overridden(self))
+            and cls.measure is Camera.measure
+            and cls.default_action is Sensor.default_action
+            and cls.action is Sensor.action
+        )
 
     def watched_space(self) -> WatchedSpace | None:
         """Return None, because the field of view is not a cone around the X axis."""

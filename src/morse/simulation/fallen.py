@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary, WeakSet
+from weakref import WeakSet
 
 from morse.physics.model.fixed_bottom import lowest_fixed
 
@@ -16,8 +16,8 @@ logger = logging.getLogger(__name__)
 
 #: ticks between two checks, and robots of one check: the checks take less than 1 % of a tick
 _INTERVAL, _ROBOTS = 30, 16
-#: depth below everything that stands still, and depth fallen since the last check, m
-_BELOW, _FALLEN = 2.0, 0.5
+#: depth below everything that stands still, m, and speed of a fall, m/s
+_BELOW, _FALLING = 2.0, 1.0
 
 
 class Fallen:
@@ -26,7 +26,6 @@ class Fallen:
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._reports: WeakSet[Robot] = WeakSet()
-        self._heights: WeakKeyDictionary[Robot, float] = WeakKeyDictionary()
         self._first = self._next = 0
         self._bottom: float | None = None
 
@@ -46,11 +45,10 @@ class Fallen:
         return self._next
 
     def _check(self, robot: Robot) -> None:
-        height = robot.bge_object.world_pose()[0][2]
-        before = self._heights.get(robot, height)
-        self._heights[robot] = height
-        if before - height < _FALLEN or robot in self._reports:
+        body = robot.bge_object
+        if robot in self._reports or body.velocity()[0][2] > -_FALLING:
             return
+        height = body.world_pose()[0][2]
         if self._bottom is None:
             self._bottom = lowest_fixed(self._simulation.world)
         below = self._bottom - height

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from morse.core.rows.marks import lasting_fields
-from morse.core.rows.rows import Rows, waiting
+from morse.core.rows.marks import lasting_fields, waiting
+from morse.core.rows.rows import Rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

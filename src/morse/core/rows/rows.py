@@ -10,11 +10,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar, cast
 
 from morse.core.realism import phase_of
-from morse.core.rows.marks import is_overridden
+from morse.core.rows.marks import is_overridden, waiting
 from morse.helpers.transformation import FollowingPose
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence, Sized
+    from collections.abc import Callable, Sequence
 
     from morse.core.interfaces import Component
     from morse.core.values import Fields
@@ -153,12 +153,6 @@ class Rows(Generic[_M]):
         """Return the data of a row."""
         data: Fields = vars(member)["local_data"]
         return data
-
-
-def waiting(function: object) -> Sized | None:
-    """Return a collection that is empty while a function of a stream has nothing to do; None if it is not known."""
-    collection: Sized | None = getattr(getattr(function, "__self__", None), "waiting", None)
-    return collection
 
 
 def _nothing(_member: object, _error: BaseException) -> None:

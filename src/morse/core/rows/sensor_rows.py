@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from morse.core.guard import publish
-from morse.core.rows.rows import Rows, waiting
+from morse.core.rows.marks import waiting
+from morse.core.rows.rows import Rows
 from morse.core.sensor import Sensor
 
 if TYPE_CHECKING:

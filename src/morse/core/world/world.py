@@ -82,7 +82,9 @@ class World(WorldPoses, Protocol):
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""
 
     def step_freely(self, ticks: int) -> int:
-        """Run at most that many ticks in which robots only glide, with the commands for the next tick.
+        """Run at most that many ticks in which robots only glide, or only the engine moves bodies that nobody commands.
+
+        The commands are those for the next tick.
 
         Returns:
             The number of ticks, with the bits of as many calls of `step`; 0 if the next tick needs more than that.

@@ -133,6 +133,14 @@ class Drives:
         """Whether the part acts in the next ticks: gliding robots are looked at in all of them."""
         return True
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether no body has a command for the next tick or had one in the last tick."""
+        return (
+            not (self._commands or self._fleets or self._sliding or self._turn_after or self._drag.ends)
+            and not self._state.kinematic
+        )
+
     def is_commanded(self, index: int) -> bool:
         """Whether a slot has a command for the next tick."""
         return index in self._commands or any(index in fleet.rows for fleet in self._fleets)

@@ -41,29 +41,32 @@ class JointHandle:
 
     @property
     def _slots(self) -> dict[str, JointSlot]:
+        """The joints by name, looked up again after objects were added or removed."""
         state = self._state
-        return next(slots for node, slots in state.joints.items() if node.name == self._name)
+        if self._model is not state.model:
+            self._model, self._order = state.model, ()
+            self._joints = next(slots for node, slots in state.joints.items() if node.name == self._name)
+        return self._joints
 
     def _take(self, names: Sequence[str]) -> None:
-        """Look up the addresses of joints, again after objects were added or removed."""
-        state = self._state
-        if self._model is state.model and self._order == names:
+        """Look up the addresses of joints that are measured."""
+        slots, order = self._slots, tuple(names)
+        if self._order == order:
             return
-        self._model, self._order = state.model, tuple(names)
-        slots = [self._slots.get(name) for name in names]
-        self._present = [slot is not None for slot in slots]
-        present = [slot for slot in slots if slot is not None]
+        self._order = order
+        present = [slots[name] for name in names if name in slots]
+        self._present = [name in slots for name in names]
         self._all = all(self._present)
         self._qpos = np.array([slot.qpos for slot in present], dtype=np.intp)
         self._dofs = np.array([slot.dof for slot in present], dtype=np.intp)
-        self._motors = np.array([slot.actuator for slot in present], dtype=np.intp)
 
     def tell(self, names: Sequence[str], values: Sequence[float]) -> None:
         """Set the commands of motors: positions, velocities or efforts, see `morse.scene.Control`."""
-        self._take(names)
-        if not self._all:
-            values = [value for value, there in zip(values, self._present, strict=True) if there]
-        self._state.data.ctrl[self._motors] = values
+        slots, controls = self._slots, self._state.data.ctrl
+        for name, value in zip(names, values, strict=True):
+            slot = slots.get(name)
+            if slot is not None and slot.actuator >= 0:
+                controls[slot.actuator] = value
 
     def set_control(self, name: str, control: Control, command: float) -> None:
         """Change the control mode of a motor, and its command."""

@@ -2,18 +2,21 @@
 
 Within `Simulation.step`, nobody outside sees the ticks before the last one. If nothing has arrived, the actuators go on
 as in the tick before. What a sensor measures in a tick need not be measured if it measures again later. What remains is
-the physics. The data, the states and the hashes are those of single ticks.
+the physics. A camera whose images nobody reads has nothing to do. The data, the states and the hashes are those of
+single ticks.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from morse.core.actuator import Actuator
 from morse.core.guard import after_tick
 from morse.core.reports.faults import is_a
 from morse.core.rows.actuator_rows import ActuatorRows
 from morse.core.rows.sensor_rows import SensorRows
+from morse.core.sensor import Sensor
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,7 +26,23 @@ if TYPE_CHECKING:
     from morse.simulation.ticks.schedule import Schedule
 
 #: largest number of ticks of a leap, so that Ctrl+C ends a step soon
-_MOST = 64
+_MOST = 256
+
+
+class Leap(NamedTuple):
+    """Ticks that are run at once.
+
+    Attributes:
+        ticks: their number, 1 or more.
+        sensors: those that measure in the last one.
+        asking: their members with requests.
+        skips: rows with the number of their measurements that are left out.
+    """
+
+    ticks: int
+    sensors: Sequence[Any]
+    asking: Sequence[Any]
+    skips: Sequence[tuple[SensorRows, int]]
 
 
 class Leaping:
@@ -39,12 +58,18 @@ class Leaping:
         self._sensors = sensors
         self._drives: list[ActuatorRows] = []
         self._scans: list[SensorRows] = []
-        #: whether all components are rows, those that drive in each tick
+        #: actuators that act in each tick, and may have nothing to do
+        self._holding: list[Actuator] = []
+        #: whether the actuators may go on without a call, in each tick
         self.is_possible = True
         for entry in actuators:
-            drives = is_a(entry, ActuatorRows) and entry.frequency >= frequency
-            self.is_possible &= drives and not any(member.requests for member in entry.members)
-            self._drives.append(entry)
+            drives = is_a(entry, ActuatorRows)
+            self.is_possible &= (drives or is_a(entry, Actuator)) and entry.frequency >= frequency
+            self.is_possible &= not any(member.requests for member in getattr(entry, "members", (entry,)))
+            (self._drives if drives else self._holding).append(entry)
+        #: the other sensors, and whether none of them has anything to do before somebody outside of the ticks reads it
+        self._others: list[Any] = []
+        self._rests = True
         #: whether all sensors are rows that forget their previous measurements
         self._forgets = True
         for entry in sensors:
@@ -52,13 +77,14 @@ class Leaping:
                 self._scans.append(entry)
                 self._forgets &= not entry.remembers
             else:
+                self._others.append(entry)
                 self._forgets = False
-        self._known: dict[tuple[int, int, bool], tuple[int, list[tuple[SensorRows, int]]]] = {}
+        self._plans: dict[tuple[int, int, bool, bool], Leap] = {}
 
     @property
     def coasts(self) -> bool:
         """Whether the same holds for any number of ticks, after which all sensors measure."""
-        return self._forgets and len(self._drives) == 1 and self.look()
+        return self._forgets and len(self._drives) == 1 and not self._holding and self.look()
 
     def obey(self) -> bool:
         """Take the commands that have arrived for the next tick; return whether the robots go on at these speeds."""
@@ -77,48 +103,59 @@ class Leaping:
         for drive in self._drives:
             if not drive.lasts:
                 return False
-        return all(scan.may_skip() for scan in self._scans)
+        for scan in self._scans:
+            if not scan.may_skip():
+                return False
+        self._rests = self._all_rest(self._others)
+        return self._all_rest(self._holding)
 
-    def ticks(self, first: int, most: int, measured: bool) -> tuple[int, list[tuple[SensorRows, int]]]:
-        """Return the number of ticks up to the first one in which a sensor has to measure.
+    def _all_rest(self, components: Sequence[Any]) -> bool:
+        # who cannot tell does not rest
+        return not components or len(self._context.guard.those(components, _rests, _nothing)) == len(components)
+
+    def plan(self, first: int, most: int, measured: bool) -> Leap:
+        """Return the leap to the first tick in which a sensor has to measure.
 
         Args:
             first: number of the next tick.
             most: number of ticks that are wanted.
             measured: whether all sensors measure after the last one.
-
-        Returns:
-            The number, 1 or more; and the rows with the number of their measurements that are left out.
         """
         if most > _MOST:
             most, measured = _MOST, False
+        if self._holding and most > 1:
+            # they act in the last tick, because they keep the poses of that time
+            most, measured = most - 1, False
         place = self._sensors.place(first)
         if place is None:
-            return self._count(first, most, measured)
-        key = place, most, measured
-        if key not in self._known:
-            self._known[key] = self._count(first, most, measured)
-        return self._known[key]
+            return self._plan(first, most, measured)
+        key = place, most, measured, self._rests
+        if key not in self._plans:
+            self._plans[key] = self._plan(first, most, measured)
+        return self._plans[key]
 
-    def _count(self, first: int, most: int, measured: bool) -> tuple[int, list[tuple[SensorRows, int]]]:
+    def _plan(self, first: int, most: int, measured: bool) -> Leap:
         due = [self._sensors.due(first + number) for number in range(most)]
-        later: dict[int, int] = {id(scan): int(measured) for scan in self._scans}
-        for entry in due[-1]:
-            later[id(entry)] = 1
-        full = [False] * most
-        full[-1] = True
+        later: dict[int, int] = {id(entry): int(measured) for entry in self._sensors}
+        #: the sensors that have to measure in each tick
+        acting: list[list[Any]] = [[] for _ in due]
+        acting[-1] = due[-1]
+        later.update({id(entry): 1 for entry in due[-1]})
         # backwards: how often is each measured after this tick?
         for number in range(most - 2, -1, -1):
+            needed = [entry for entry in due[number] if later[id(entry)] < 1 + _remembers(entry)]
+            if not self._rests and not all(is_a(entry, SensorRows) for entry in due[number]):
+                needed = due[number]  # the others may read the data of any sensor
+            acting[number] = needed
             for entry in due[number]:
-                needed = not is_a(entry, SensorRows) or later[id(entry)] < 1 + entry.remembers
-                full[number] |= needed
-            for entry in due[number]:
-                later[id(entry)] = later.get(id(entry), 0) + 1
-        count = full.index(True) + 1
+                later[id(entry)] += 1
+        count = next(number for number, needed in enumerate(acting, 1) if needed or number == most)
+        measuring = acting[count - 1]
         # by identity: a component may refuse to be compared
-        measuring = Counter(id(entry) for entries in due[: count - 1] for entry in entries)
-        skips = [(scan, measuring[id(scan)]) for scan in self._scans]
-        return count, [(scan, number) for scan, number in skips if number]
+        skips = Counter(id(entry) for entries in due[:count] for entry in entries)
+        skips.subtract(map(id, measuring))
+        asking = [sensor for entry in measuring for sensor in getattr(entry, "members", (entry,)) if sensor.requests]
+        return Leap(count, measuring, asking, [(scan, skips[id(scan)]) for scan in self._scans if skips[id(scan)]])
 
     def run(self, ticks: int, observers: Sequence[Observer]) -> None:
         """Run the physics of ticks.
@@ -142,3 +179,15 @@ class Leaping:
             guard.tell(observers, after_tick)  # type: ignore[arg-type]
             for drive in drives:
                 drive.go_on()
+
+
+def _remembers(entry: object) -> bool:
+    return is_a(entry, SensorRows) and bool(entry.remembers)
+
+
+def _rests(component: object) -> bool:
+    return is_a(component, (Sensor, Actuator)) and component.rests()  # type: ignore[attr-defined]
+
+
+def _nothing(_component: object, _error: BaseException) -> None:
+    """What fails is shown by its action."""

@@ -12,7 +12,8 @@ from morse.core.guard import after_tick, before_tick
 from morse.core.realism import Realism, phase_of
 from morse.core.reports.faults import name_of
 from morse.core.requests import serve
-from morse.core.rows.rows import Rows, waiting
+from morse.core.rows.marks import waiting
+from morse.core.rows.rows import Rows
 from morse.core.sensor import Sensor
 from morse.simulation.ticks.arranging import arranged
 from morse.simulation.ticks.leaping import Leaping
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.observer import Observer
     from morse.core.robot import Robot
-    from morse.core.rows.sensor_rows import SensorRows
     from morse.simulation.loader import Loaded
     from morse.simulation.ticks.profile import Profile
     from morse.simulation.ticks.stepping import Stepping
@@ -132,23 +132,23 @@ class Ticker:
             self._take_input()
             self._serve()
             self._actuate()
-            count = 1
-            skips: list[tuple[SensorRows, int]] = []
+            leap = None
             if not (self._busy or self._alarmed()) and self._leaping.look():
-                if self._review_at > self._due:
-                    most, measured = min((most, measured), (self._review_at - self._due, False))
-                count, skips = self._leaping.ticks(self._due, most, measured)
-            if count == 1:
+                leap = self._leaping.plan(self._due, most, measured)
+            if leap is None or leap.ticks == 1:
                 self._move()
+                self._answer_sensors()
+                self._sense()
             else:
-                self._leaping.run(count, self.observers)
-                for rows, number in skips:
+                self._leaping.run(leap.ticks, self.observers)
+                for rows, number in leap.skips:
                     rows.skip(number)
-                self._due += count - 1
-            self._answer_sensors()
-            self._sense()
+                self._due += leap.ticks - 1
+                if leap.asking:
+                    serve(leap.asking, self._guard)
+                self._act(leap.sensors)
             self._show()
-        return count
+        return 1 if leap is None else leap.ticks
 
     @property
     def coasts(self) -> bool:
