@@ -268,7 +268,7 @@ def thermal(journey: Journey) -> None:
 def tour(journey: Journey) -> None:
     """What the live view shows: a film of a recorded run."""
     page_file = journey.person.folder / "run.html"
-    write_page(page_file)
+    write_page("tour", page_file)
     frames = []
     with Studio(880, 540) as studio:
         studio.watch(page_file.as_uri(), quality="low")  # smaller than a still

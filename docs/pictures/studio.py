@@ -58,7 +58,7 @@ class Studio:
     def watch(self, url: str, quality: str = "high") -> None:
         """Open the live view, and wait until the world is loaded."""
         self.page.goto(f"{url}?quality={quality}")
-        self._until("window.morse?.world.value && window.morse?.poses.value", "the world")
+        self.until("window.morse?.world.value && window.morse?.poses.value", "the world")
 
     def hide_tree(self) -> None:
         """Hide the tree of objects."""
@@ -71,7 +71,7 @@ class Studio:
     def still(self, simulation: pymorse.Morse) -> Image.Image:
         """A picture of the page while time is stopped; time remains stopped."""
         simulation.rpc("simulation", "pause")
-        self._until("!window.morse.poses.value.running", "the pause")
+        self.until("!window.morse.poses.value.running", "the pause")
         return self.shot()
 
     def shot(self) -> Image.Image:
@@ -89,7 +89,8 @@ class Studio:
         )
         return self.shot()
 
-    def _until(self, condition: str, what: str) -> None:
+    def until(self, condition: str, what: str) -> None:
+        """Wait until a condition is true on the page."""
         # the content security policy of the page forbids what Playwright's wait functions need
         end = time.monotonic() + _PATIENCE
         while not self.page.evaluate(f"Boolean({condition})"):

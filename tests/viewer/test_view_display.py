@@ -46,6 +46,25 @@ def test_a_page_tells_that_it_has_drawn_the_world(running, open_page) -> None:
     until(lambda: driver.server.drawn)
 
 
+TRAIL = (
+    "morse.panels.layers.list.find((one) => one.id === 'trails').trails.find((one) => one.node.name === 'robot1').count"
+)
+
+
+def test_trails_stay_when_the_world_is_described_again(running, open_page) -> None:
+    driver, url = running
+    scene, moving = playground()
+    scene.settings.view.display.overlays = ("trails",)
+    driver.server.set_scene(scene, moving)
+    page = open_page(url)
+    until(lambda: page.evaluate(TRAIL) > 5)
+    page.evaluate("window.former = morse.world.value")
+    before = page.evaluate(TRAIL)
+    driver.server.set_scene(scene, moving)
+    until(lambda: page.evaluate("morse.world.value !== former"))
+    assert page.evaluate(TRAIL) >= before
+
+
 IN_PICTURE = "morse.world.value.find('robot1').frame.position.clone().project(morse.stage.view.camera).toArray()"
 
 

@@ -35,6 +35,10 @@ if TYPE_CHECKING:
 PICTURES = DOCS / "pictures" / "library"
 SIZE = (640, 400)
 SECONDS = 6.0
+#: a component is looked at from nearby if its size is at most this share of that of the robot
+_SMALL = 0.4
+#: what is shown then: metres, and sizes of the component
+_NEAR, _AROUND = 0.35, 2.2
 _BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _ENVIRONMENT = "env = Environment('empty')"
 #: objects around the robot, for sensors
@@ -84,7 +88,7 @@ def _pictures(name: str, simulation: Simulation, clients: list[str], *, sensor: 
     simulation.step(round((SECONDS if sensor else 1.0) * 60))
     PICTURES.mkdir(parents=True, exist_ok=True)
     seen = PICTURES / f"{name}.webp"
-    Image.fromarray(simulation.picture(*SIZE, **_view(simulation))).save(seen, "WEBP", quality=80, method=6)
+    Image.fromarray(simulation.picture(*SIZE, **_view(simulation, component))).save(seen, "WEBP", quality=80, method=6)
     yield seen
     image = None if component is None else component.local_data.get("image")
     if image is not None and np.ndim(image) >= 2:
@@ -126,13 +130,18 @@ def _command(clients: list[str], simulation: Simulation) -> Callable[[], object]
     return publish
 
 
-def _view(simulation: Simulation) -> dict[str, Any]:
-    """A camera that shows the robot from its front left."""
+def _view(simulation: Simulation, component: Any) -> dict[str, Any]:
+    """A camera that shows the component, or the robot if it has no body, from the front left."""
     robot = next(iter(simulation.context.robots.values()))
     extent = extent_of(robot.bge_object.node) or [0.0, 0.0, 0.0]
     size = max(1.2, *extent)
     x, y, z = robot.bge_object.world_pose()[0]
     middle = np.array([x, y, z + 0.35 * extent[2]])
+    own = None if component is None else extent_of(component.bge_object.node)
+    if own is not None and 0.0 < max(own) < _SMALL * size:
+        # a part of the robot shows how large the component is
+        middle = np.array(component.bge_object.world_pose()[0])
+        size = max(_NEAR, _AROUND * max(own))
     away = np.array([0.75, 0.9, 0.55]) * size * 1.7
     eye = middle + away
     yaw = np.arctan2(away[0], -away[1])

@@ -1,25 +1,33 @@
 """Creates the pictures of the examples: ``python tools/gallery/examples.py [NAME...]``, in ``docs/pictures/examples``.
 
-The page ``docs/examples.md`` is generated from the examples as well. Each example runs in this process with its client,
-and is rendered by the camera renderer: no browser is needed.
+The page ``docs/examples.md`` is generated from the examples as well. Each example runs in this process with its client;
+the picture is that of its page in Chromium, with all that the scene shows.
 """
 
 from __future__ import annotations
 
-import os
-import runpy
 import sys
 import threading
+import time
 from pathlib import Path
-
-from PIL import Image
+from typing import TYPE_CHECKING, cast
 
 import morse
 from morse.cli.examples import Example, examples
 
-PICTURES = Path(__file__).parents[2] / "docs" / "pictures" / "examples"
+DOCS = Path(__file__).parents[2] / "docs"
+sys.path[:0] = [str(DOCS), str(DOCS / "pictures")]
+
+from studio import Studio  # noqa: E402
+from tour.playing import playing  # noqa: E402
+
+if TYPE_CHECKING:
+    from morse.viewer.live_view import View
+
+PICTURES = DOCS / "pictures" / "examples"
 PAGE = PICTURES.parents[1] / "examples.md"
-SIZE = (800, 500)
+#: pixels of the page, which is shown as wide as the text
+SIZE = (960, 600)
 _LINK = "../src/morse/data/examples"
 _HEAD = """# Examples
 
@@ -32,17 +40,20 @@ morse demo laser --copy .
 ```
 
 The first command lists them. The second command runs a scene in the live view; its client starts when the page shows
-the scene. The third command copies both files, as a basis for your own scene. With `--headless` there is no live view, and
-the simulation ends with the client.
+the scene. The third command copies both files, as a basis for your own scene. With `--headless` there is no live view,
+and the simulation ends with the client.
 
 [Programs that others wrote](../examples/README.md), such as KISS-ICP, OpenCV, a planner and MAVSDK, drive robots too.
 """
+#: a paused page draws all pixels, and shows a slider that belongs to no example, nor does the load of the machine
+WITHOUT_TIMELINE = "for (const one of document.querySelectorAll('.history, .log')) one.style.display = 'none'"
 #: simulated seconds after which the picture is taken, if not at the end of the client
 MOMENTS = {
     "waypoints": 8.0,
     "quadrotor": 4.0,
     "battery": 9.0,
     "lights": 1.1,
+    "semantic": 1.6,
     "laser": 6.0,
     "drive": 5.0,
     "rescue": 3.0,
@@ -51,29 +62,29 @@ MOMENTS = {
 }
 
 
-def take(example: Example) -> Path:
-    """Run an example and save its picture."""
-    os.environ["MORSE_SOCKET_PORT"] = "0"
-    moment = MOMENTS.get(example.name)
-    with morse.load(example.scene, sockets=True, speed=2.0) as simulation:
-        (manager,) = simulation.context.services.request_managers().values()
-        os.environ["MORSE_SOCKET_PORT"] = str(manager.port)
-        client = threading.Thread(target=_client, args=[example, simulation], daemon=True)
+def take(example: Example, studio: Studio) -> Path:
+    """Run an example, and save a picture of its page."""
+    with playing(example, morse.Simulation.pause, view="web", speed=1.0) as (simulation, client):
+        view = cast("View", simulation.view)
+        ticks = threading.Thread(target=simulation.run, args=[600.0], daemon=True)
+        ticks.start()
+        studio.watch(view.url, quality="auto")
+        studio.hide_tree()
+        begin = simulation.time()
         client.start()
-        simulation.run(moment)
-        picture = Image.fromarray(simulation.picture(*SIZE))
+        moment = MOMENTS.get(example.name)
+        while client.is_alive() and (moment is None or simulation.time() < begin + moment):
+            time.sleep(0.02)
+        simulation.pause()
+        studio.until("!morse.poses.value.running", "the pause")
+        studio.page.evaluate(WITHOUT_TIMELINE)
+        picture = studio.shot()
+        simulation.stop()
+        ticks.join()
     path = PICTURES / f"{example.name}.webp"
     path.parent.mkdir(exist_ok=True)
     picture.save(path, "WEBP", quality=82, method=6)
     return path
-
-
-def _client(example: Example, simulation: morse.Simulation) -> None:
-    try:
-        runpy.run_path(str(example.client))["main"]()
-    except Exception as error:  # the simulation ends while it drives
-        print(f"{example.name}: {type(error).__name__}")
-    simulation.stop()
 
 
 def page() -> str:
@@ -88,9 +99,10 @@ def page() -> str:
 
 def main(names: list[str]) -> None:
     """Create the pictures of these examples, or of all."""
-    for example in examples().values():
-        if not names or example.name in names:
-            print(take(example))
+    with Studio(*SIZE) as studio:
+        for example in examples().values():
+            if not names or example.name in names:
+                print(take(example, studio))
     PAGE.write_text(page(), encoding="utf-8")
 
 

@@ -17,6 +17,8 @@ export class Player {
   private direction = 1;
   private shown = -1;
   private last = 0;
+  /** whether the page is in sight: a frame below the end of a window plays to nobody */
+  private inSight = true;
   private readonly delivered = new Map<string, number>();
 
   constructor(private readonly run: Promise<Tape>) {}
@@ -36,9 +38,10 @@ export class Player {
     const frame = (time: number): void => {
       const seconds = Math.min((time - this.last) / 1000, 0.5);
       this.last = time;
-      this.go(tape, this.now + this.direction * this.speed * seconds);
+      if (this.inSight || this.shown < 0) this.go(tape, this.now + this.direction * this.speed * seconds);
       requestAnimationFrame(frame);
     };
+    new IntersectionObserver((seen) => (this.inSight = seen.at(-1)?.isIntersecting ?? true)).observe(document.documentElement);
     this.last = performance.now();
     this.go(tape, tape.begin);
     requestAnimationFrame(frame);

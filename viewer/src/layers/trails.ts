@@ -19,6 +19,9 @@ interface Trail {
 /** The past paths of robots. */
 export class Trails extends Layer {
   private trails: Trail[] = [];
+  /** paths of a description of the world that another one has replaced, e.g. because a robot has grasped something */
+  private before = new Map<string, Trail>();
+  private key = "";
   private readonly place = new Vector3();
   private readonly dot = new Vector3();
 
@@ -27,11 +30,15 @@ export class Trails extends Layer {
   }
 
   override build({ world }: Surroundings): void {
+    if (world.description.key !== this.key) this.before.clear();
+    this.key = world.description.key;
     const robots = world.nodes.filter((node) => node.description.kind.includes("robot")).slice(0, MOST);
     this.trails = robots.map((node, i) => {
       const geometry = new BufferGeometry();
-      geometry.setAttribute("position", new BufferAttribute(new Float32Array(LENGTH * 3), 3).setUsage(DynamicDrawUsage));
-      geometry.setDrawRange(0, 0);
+      const earlier = this.before.get(node.name);
+      const points = (earlier?.line.geometry.getAttribute("position").array as Float32Array | undefined) ?? new Float32Array(LENGTH * 3);
+      geometry.setAttribute("position", new BufferAttribute(points, 3).setUsage(DynamicDrawUsage));
+      geometry.setDrawRange(0, earlier?.count ?? 0);
       const line = new Line(geometry, new LineBasicMaterial({ color: COLORS[i % COLORS.length] as number, toneMapped: false }));
       line.frustumCulled = false;
       line.raycast = () => {};
@@ -40,11 +47,12 @@ export class Trails extends Layer {
       dots.frustumCulled = false;
       dots.raycast = () => {};
       this.root.add(line, dots);
-      return { node, line, count: 0, last: new Vector3(Infinity, 0, 0) };
+      return { node, line, count: earlier?.count ?? 0, last: earlier?.last ?? new Vector3(Infinity, 0, 0) };
     });
   }
 
   override clear(): void {
+    for (const trail of this.trails) this.before.set(trail.node.name, trail);
     super.clear();
     this.trails = [];
   }

@@ -15,7 +15,7 @@ const PRESETS = {
   corner: new Vector3(-0.8, -0.8, 0.65),
 };
 /** share of the picture, from its middle, in which a followed node may be */
-const WITHIN = 0.8;
+const WITHIN = 0.7;
 export type Preset = keyof typeof PRESETS;
 
 /** Lets the camera follow a node, or moves it to a viewpoint. */
@@ -60,7 +60,6 @@ export class Follow {
 
   /** Use the present viewpoint as home, which moves along with a node if there is one. */
   setHome(followed: WorldNode | null = null): void {
-    if (followed) this.bringIntoView(followed);
     this.home = this.stage.view.pose;
     this.followed = followed;
     this.homeOffset.copy(this.stage.view.position);
@@ -77,16 +76,6 @@ export class Follow {
       this.offset.copy(this.homeOffset);
     }
     this.stage.invalidate();
-  }
-
-  /** A followed node that stands outside of the picture would stay there: turn to it. */
-  private bringIntoView(node: WorldNode): void {
-    const { view, world } = this.stage;
-    if (!world) return;
-    const { center } = world.boundsOf(node);
-    view.update();
-    const { x, y, z } = center.clone().project(view.camera);
-    if (Math.abs(x) > WITHIN || Math.abs(y) > WITHIN || z > 1) view.lookAt(center);
   }
 
   /** Go near the next robot and look at it. */
@@ -154,7 +143,7 @@ export class Follow {
     this.node.frame.getWorldQuaternion(this.turn);
     this.node.frame.getWorldPosition(this.place);
     if (this.mode.value === "camera") this.through();
-    else if (this.mode.value === "along") this.stage.view.position.lerp(this.place.clone().add(this.offset), gain);
+    else if (this.mode.value === "along") this.accompany(bounds.center, gain);
     else if (this.mode.value === "first") this.ride(bounds.radius);
     else this.chase(bounds.center, Math.max(bounds.radius, 0.3), gain);
     this.stage.target.copy(bounds.center);
@@ -167,6 +156,15 @@ export class Follow {
     const { view, target } = this.stage;
     const reach = view.ahead.z < -0.05 && view.position.z > 0 ? Math.min(-view.position.z / view.ahead.z, 60) : 12;
     target.copy(view.position).addScaledVector(view.ahead, Math.max(reach, 1));
+  }
+
+  /** Keep the direction, unless the node is outside of the picture, where it would stay. */
+  private accompany(center: Vector3, gain: number): void {
+    const { view } = this.stage;
+    view.position.lerp(this.place.clone().add(this.offset), gain);
+    view.update();
+    const { x, y, z } = center.clone().project(view.camera);
+    if (Math.abs(x) > WITHIN || Math.abs(y) > WITHIN || z > 1) view.lookAt(center);
   }
 
   private through(): void {
