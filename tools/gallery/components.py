@@ -39,6 +39,8 @@ SECONDS = 6.0
 _SMALL = 0.4
 #: what is shown then: metres, and sizes of the component
 _NEAR, _AROUND = 0.35, 2.2
+#: m above the origin of the robot
+_LOWEST = 0.3
 _BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _ENVIRONMENT = "env = Environment('empty')"
 #: objects around the robot, for sensors
@@ -138,9 +140,11 @@ def _view(simulation: Simulation, component: Any) -> dict[str, Any]:
     x, y, z = robot.bge_object.world_pose()[0]
     middle = np.array([x, y, z + 0.35 * extent[2]])
     own = None if component is None else extent_of(component.bge_object.node)
-    if own is not None and 0.0 < max(own) < _SMALL * size:
+    place = (0.0, 0.0, 0.0) if own is None else component.bge_object.world_pose()[0]
+    # one that is lower is inside of the robot, or below it
+    if own is not None and 0.0 < max(own) < _SMALL * size and place[2] - z > _LOWEST:
         # a part of the robot shows how large the component is
-        middle = np.array(component.bge_object.world_pose()[0])
+        middle = np.array(place)
         size = max(_NEAR, _AROUND * max(own))
     away = np.array([0.75, 0.9, 0.55]) * size * 1.7
     eye = middle + away

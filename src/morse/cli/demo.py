@@ -132,15 +132,22 @@ class _Client:
         sources = str(Path(__file__).resolve().parents[2])
         environment["PYTHONPATH"] = os.pathsep.join(filter(None, [sources, os.environ.get("PYTHONPATH")]))
         self._process = subprocess.Popen(
-            [sys.executable, str(self._file)], env=environment, stdin=subprocess.DEVNULL, start_new_session=True
+            [sys.executable, str(self._file)],
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
         )
         threading.Thread(target=self._wait, args=[simulation], name="client", daemon=True).start()
 
     def _wait(self, simulation: Simulation) -> None:
         assert self._process is not None
-        status = self._process.wait()
-        if self._ended:
+        _, errors = self._process.communicate()
+        status = self._process.returncode
+        # the end of the simulation takes the connection away from the client: that is no failure of it
+        if self._ended or simulation.context.stopping():
             return
+        sys.stderr.write(errors.decode(errors="replace"))
         self.status = 1 if status else 0
         if self._ends:
             simulation.stop()

@@ -430,7 +430,7 @@ class SceneChanges(ServerMessage, frozen=True):
     """The changes of the scene since its script was run.
 
     Attributes:
-        count: their number.
+        count: their number; 0 if all of them were saved.
         last: what was changed last; empty if there is nothing to undo.
         waiting: sensors that will be there when the scene is saved and loaded again.
         file: name of the file in which the scene is saved; empty if it cannot be saved.

@@ -51,6 +51,7 @@ class Editor:
         options = simulation.options
         sources = [*options.source_paths, *(source_folders(Path(options.script).absolute()) if options.script else ())]
         self._catalog = Catalog(server, options.resource_paths, list(dict.fromkeys(sources)))
+        self._saved = self._state()
         self._is_restarting = False
         self._last_message: SceneChanges | None = None
 
@@ -222,7 +223,12 @@ class Editor:
         difference = self._file.difference(text)
         if write:
             self._file.save(text)
+            self._saved = self._state()
         return {"path": str(self._file.path), "difference": difference}
+
+    def _state(self) -> str:
+        """All changes, to compare them with those that were saved."""
+        return repr((self._additions, self._moves, self._deletions))
 
     # -- the view --------------------------------------------------------------------------
 
@@ -248,6 +254,8 @@ class Editor:
         self._catalog.update()
         waiting = [f"{one.robot}.{one.name}" for one in self._additions.values() if one.robot]
         count = len(self._additions) + len(self._moves) + len(self._deletions)
+        # without the changes that were saved, the file is to be written again
+        count = 0 if self._state() == self._saved else max(count, 1)
         last = self._undos[-1][0] if self._undos else ""
         message = SceneChanges(count, last, waiting, "" if self._file.path is None else self._file.path.name)
         if message != self._last_message:
