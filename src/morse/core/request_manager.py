@@ -92,7 +92,8 @@ class RequestManager(ABC):
 
     Attributes:
         classpath: the name under which summaries and clients know it.
-        waiting: a collection that is empty while `main` has nothing to do; by default it always may have.
+        waiting: a collection that is empty while `main` has nothing to do, the same from the start to the end; by
+            default it always may have.
     """
 
     classpath: str = ""
@@ -144,9 +145,8 @@ class RequestManager(ABC):
 
     def answer(self) -> None:
         """Send the outcomes of the calls that have ended."""
-        if not self._arrivals:
-            return
-        arrivals, self._arrivals = self._arrivals, []
+        arrivals = self._arrivals[:]
+        del self._arrivals[: len(arrivals)]  # other threads may append
         for request_id, outcome in arrivals:
             self.on_service_completion(request_id, outcome)
 
@@ -304,7 +304,13 @@ _answer, _update = methodcaller("answer"), methodcaller("update")
 
 
 class MorseServices:
-    """All request managers, and the mapping of components to managers."""
+    """All request managers, and the mapping of components to managers.
+
+    Attributes:
+        signs: collections that are empty while no manager has anything to do.
+    """
+
+    signs: list[Sized]
 
     def __init__(self, managers: Iterable[RequestManager] = ()) -> None:
         self._managers: dict[str, RequestManager] = {manager.classpath: manager for manager in managers}
@@ -312,10 +318,12 @@ class MorseServices:
         self._internal: list[RequestManager] = []
         #: of the simulation
         self.guard: Guard | None = None
+        self._look()
 
     def add_internal(self, manager: RequestManager) -> None:
         """Add a manager for service calls within the process; summaries do not list it."""
         self._internal.append(manager)
+        self._look()
 
     def add_request_manager(self, manager: RequestManager) -> None:
         """Add a manager and start it.
@@ -326,6 +334,7 @@ class MorseServices:
         if not manager.initialization():
             raise MorseServiceError(f"the request manager {manager.classpath} could not start")
         self._managers[manager.classpath] = manager
+        self._look()
 
     def request_managers(self) -> dict[str, RequestManager]:
         """The managers by class path."""
@@ -370,6 +379,9 @@ class MorseServices:
             manager.hand_over(before, after)
         self.register_object(name, after)
 
+    def _look(self) -> None:
+        self.signs = [sign for manager in self._everybody() for sign in (manager.waiting, manager._arrivals)]
+
     def process(self) -> None:
         """One tick of every manager; one that fails is stopped."""
         if self.guard is None:
@@ -388,6 +400,7 @@ class MorseServices:
         guard.failed(manager, who, "is stopped", error)
         self._managers = {name: one for name, one in self._managers.items() if one is not manager}
         self._internal = [one for one in self._internal if one is not manager]
+        self._look()
         self._mapping = {
             component: [name for name in names if name in self._managers] for component, names in self._mapping.items()
         }

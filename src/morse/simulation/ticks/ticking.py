@@ -47,7 +47,7 @@ class Ticker:
 
     def __init__(self, context: Context, stepping: Stepping) -> None:
         self._context, self._guard = context, context.guard
-        self._clock = context.clock
+        self._clock, self._services = context.clock, context.services
         self._stepping = stepping
         self.observers: list[Observer] = []
         self.profiles: list[Profile] = []
@@ -281,7 +281,8 @@ class Ticker:
             self._offered = len(objects)
             active = self._guard.those(objects, _is_busy, self._stop_serving)
             self._served = [(one, waiting(one.action)) for one in active]
-        self._context.services.process()
+        if any(self._services.signs):
+            self._services.process()
 
     def _stop_serving(self, part: AbstractObject, error: BaseException) -> None:
         who = f"{type(part).__name__} of the services of '{name_of(part)}'"
@@ -310,7 +311,8 @@ class Ticker:
         # before the sensors: who has slept until this time is awake when its messages arrive
         if alarmed := self._alarmed():
             self._guard.each(alarmed, _act, self._stop_serving)
-        self._context.services.answer()
+        if any(self._services.signs):
+            self._services.answer()
 
     def _remove_push(self, push: Callable[[], object], error: BaseException) -> None:
         self._guard.remove(self.before_physics, push, error)
