@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.core.overlay import MorseOverlay
     from morse.core.request_manager import MorseServices
-    from morse.core.rows.sensor_rows import SensorRows
     from morse.core.world import World
     from morse.scene import Scene
 
@@ -106,7 +105,7 @@ class Context:
     components: dict[str, Object] = field(default_factory=dict)
     stream_managers: dict[str, Middleware] = field(default_factory=dict)
     service_objects: list[AbstractObject] = field(default_factory=list)
-    row_taps: list[Callable[[SensorRows], object]] = field(default_factory=list)
+    row_taps: list[Callable[..., object]] = field(default_factory=list)
     overlays: dict[str, MorseOverlay] = field(default_factory=dict)
     failed: set[str] = field(default_factory=set)
     controls: Controls = _NOTHING_HELD

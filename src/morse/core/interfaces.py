@@ -6,7 +6,7 @@ modifiers and middlewares by these protocols.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Protocol, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, MutableSequence, Sequence
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from morse.core.clients.arrivals import Arrivals
     from morse.core.clients.complaints import Complaints
     from morse.core.clock import Clock
-    from morse.core.rows.sensor_rows import SensorRows
     from morse.core.services import ServiceDeclaration
+    from morse.core.serving import Request
     from morse.core.values import Fields
     from morse.core.world import Body, World
     from morse.helpers.transformation import Transformation3d
@@ -23,23 +23,7 @@ if TYPE_CHECKING:
 
 _P = TypeVar("_P")
 _R = TypeVar("_R")
-_Q = TypeVar("_Q", contravariant=True)
 _Call = TypeVar("_Call", bound="Callable[..., object]")
-
-
-class Server(Protocol[_Q]):
-    """Answers requests of one kind."""
-
-    def serve(self, requests: Sequence[_Q]) -> None:
-        """Answer requests, all of which belong to this server, for the present state of the world."""
-
-
-class Request(Protocol):
-    """A query that must be answered before each action of a component; the server writes the answer into it."""
-
-    @property
-    def server(self) -> Server[Self]:
-        """The server that answers the request."""
 
 
 class Entry(Protocol):
@@ -133,7 +117,7 @@ class Simulated(Protocol):
         """The share of the time for what clients send."""
 
     @property
-    def row_taps(self) -> list[Callable[[SensorRows], object]]:
+    def row_taps(self) -> list[Callable[..., object]]:
         """Callbacks, called after each action of sensors that measure when they are read."""
 
     @property

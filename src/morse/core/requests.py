@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from morse.core.guard import Guard
-    from morse.core.interfaces import Component, Request, Server, Simulated
+    from morse.core.interfaces import Component, Simulated
+    from morse.core.serving import Request, Server
     from morse.core.world import Body, RayBundle
 
 _R = TypeVar("_R", bound="Request")

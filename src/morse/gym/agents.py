@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 try:
     from pettingzoo import ParallelEnv
@@ -15,6 +15,7 @@ from morse.gym.checks import actions_of
 from morse.gym.env import check_render_mode
 from morse.gym.episodes import Episodes, row_of
 from morse.gym.team import Team
+from morse.gym.values import Observation
 from morse.gym.variety import scenes_of
 
 if TYPE_CHECKING:
@@ -22,10 +23,11 @@ if TYPE_CHECKING:
 
     from morse.core.values import Options
     from morse.gym.task import Task
+    from morse.gym.values import Infos
     from morse.viewer.notebook import Frame
 
 
-class TeamEnv(ParallelEnv[str, Any, Any]):
+class TeamEnv(ParallelEnv[str, Observation, np.ndarray]):
     """Robots of one world as agents; the rows of the task are the agents.
 
     An agent whose episode has ended gets the action nearest to 0, until all have ended.
@@ -51,7 +53,9 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         """Return the space of the actions of an agent."""
         return self.action_spaces[agent]
 
-    def reset(self, seed: int | None = None, options: Options | None = None) -> tuple[Any, Any]:
+    def reset(
+        self, seed: int | None = None, options: Options | None = None
+    ) -> tuple[dict[str, Observation], dict[str, Infos]]:
         """Begin an episode of all agents."""
         if seed is not None:
             self._seeds = np.random.default_rng(seed)
@@ -65,7 +69,9 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         observations = self._episodes.observations()
         return {agent: row_of(observations, self.possible_agents.index(agent)) for agent in self.agents}
 
-    def step(self, actions: Mapping[str, object]) -> tuple[Any, Any, Any, Any, Any]:
+    def step(
+        self, actions: Mapping[str, object]
+    ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Infos]]:
         """Do an action of each agent."""
         space = self._episodes.action_space
         given = np.array([np.clip(np.zeros(space.shape), space.low, space.high)] * len(self.possible_agents))
@@ -86,7 +92,7 @@ class TeamEnv(ParallelEnv[str, Any, Any]):
         self.agents = [agent for agent, row in rows.items() if not (ended[row] or late[row])]
         return result
 
-    def render(self) -> Any:
+    def render(self) -> np.ndarray | tuple[np.ndarray, ...] | None:
         """Return a picture (H, W, 3), if ``render_mode`` is ``rgb_array``."""
         return None if self.render_mode is None else self._episodes.picture()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -69,7 +69,7 @@ def actions_of(actions: object, shape: tuple[int, ...]) -> NDArray[np.float32]:
 
 def outcome(
     task: Task, values: object, rows: int
-) -> tuple[NDArray[np.float64], NDArray[np.bool_], Mapping[str, NDArray[Any]]]:
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], Mapping[str, np.ndarray]]:
     """Return what the method ``reward`` of a task has returned, as arrays (N,) and a dictionary.
 
     Raises:

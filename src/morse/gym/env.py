@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import gymnasium
+import numpy as np
 
 from morse.gym.checks import actions_of
 from morse.gym.episodes import Episodes, row_of
+from morse.gym.values import Observation
 from morse.gym.variety import scenes_of
 from morse.many.batch import batch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from morse.core.values import Options
     from morse.gym.task import Task
+    from morse.gym.values import Infos
     from morse.viewer.notebook import Frame
 
 #: rate of pictures for films, Hz
 _RATE = 10
 
 
-class TaskEnv(gymnasium.Env[Any, Any]):
+class TaskEnv(gymnasium.Env[Observation, np.ndarray]):
     """One simulation of a task; ``gymnasium.make`` creates it.
 
     Args:
@@ -46,7 +48,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         """The task."""
         return self._episodes.task
 
-    def reset(self, *, seed: int | None = None, options: Options | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: Options | None = None) -> tuple[Observation, Infos]:
         """Begin an episode."""
         super().reset(seed=seed)
         if seed is None:
@@ -55,7 +57,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         self._np_random = self._episodes.generators[0]
         return row_of(self._episodes.observations(), 0), dict(self._episodes.drawn[0])
 
-    def step(self, action: object) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action: object) -> tuple[Observation, float, bool, bool, Infos]:
         """Do an action."""
         rewards, ended, late, infos = self._episodes.step(actions_of(action, self.action_space.shape or ())[None])
         info = {name: values[0] for name, values in infos.items()}

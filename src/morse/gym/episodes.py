@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.gym.values import Arrays, Infos, Observation
+
 #: name of an observation that is no dictionary
 _NAME = "observation"
 
@@ -51,7 +53,7 @@ class Episodes:
             self._drives = [many.command(command.component, *command.ranges) for command in commands]
             self.action_space = action_space(commands)
             self._actions = np.zeros((self._rows, *self.action_space.shape), np.float32)
-            self._data: dict[str, NDArray[Any]] = {}
+            self._data: Arrays = {}
             task.values = Data()
             seen = task.observation
             several = isinstance(seen, Mapping)
@@ -63,11 +65,11 @@ class Episodes:
             many.close()
             raise
         self._age = np.zeros(self._rows, np.int64)
-        self.drawn: list[dict[str, Any]] = [{} for _ in range(self._rows)]
+        self.drawn: list[Infos] = [{} for _ in range(self._rows)]
         self._now = Data()
         self._is_closed = False
 
-    def _bind(self, name: str, part: Any) -> spaces.Space[Any]:
+    def _bind(self, name: str, part: Any) -> spaces.Space[Observation]:
         many = self.many
         if isinstance(part, Read):
             values = self._data[name] = many.read(part.component, *part.fields)
@@ -107,9 +109,7 @@ class Episodes:
         self._actions[list(rows)] = 0.0
         self._now = self._look()
 
-    def step(
-        self, actions: NDArray[Any]
-    ) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, NDArray[Any]]]:
+    def step(self, actions: np.ndarray) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], Arrays]:
         """Do an action in all rows.
 
         Returns:
@@ -144,7 +144,7 @@ class Episodes:
         data["action"] = self._actions
         return data
 
-    def observations(self) -> Any:
+    def observations(self) -> Observation:
         """Return the observations of all rows, in the types of the space; they are not changed later."""
         seen, space = self.task.observe(self._now), self.observation_space
         if isinstance(space, spaces.Dict):

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.gym.values import Arrays
+
 #: half of the side of the arena, m; number of boxes; half of the side of a box, m
 _HALF, _BOXES, _BOX = 5.0, 12, 0.3
 #: sectors of the scan, and the distance beyond which all is free, m
@@ -122,7 +124,7 @@ class Reach(Task):
             self.values["goal"][row] = goal
         self.many.place(rows, "robot", poses)
 
-    def observe(self, data: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
+    def observe(self, data: Arrays) -> NDArray[np.float32]:
         """See the class."""
         near, pose = self._near(data), data["pose"]
         ahead = data["goal"] - pose[:, :2]
@@ -132,15 +134,13 @@ class Reach(Task):
         parts = [far / 5.0, c * east + s * north, c * north - s * east, data["action"][:, 1]]
         return np.column_stack([np.minimum(near, _FAR) / (0.5 * _FAR) - 1.0, *parts]).astype(np.float32)
 
-    def _near(self, data: dict[str, NDArray[np.generic]]) -> NDArray[np.floating[Any]]:
+    def _near(self, data: Arrays) -> np.ndarray:
         """Return (N, 36) the nearest distance in each sector, m."""
         scan = data["scan"][:, 1:]
-        nearest: NDArray[np.floating[Any]] = scan.reshape(len(scan), _SECTORS, -1).min(axis=2)
+        nearest: np.ndarray = scan.reshape(len(scan), _SECTORS, -1).min(axis=2)
         return nearest
 
-    def reward(
-        self, before: dict[str, NDArray[Any]], now: dict[str, NDArray[Any]]
-    ) -> tuple[NDArray[Any], NDArray[Any], dict[str, NDArray[Any]]]:
+    def reward(self, before: Arrays, now: Arrays) -> tuple[np.ndarray, np.ndarray, Arrays]:
         """The way towards the goal, m; +5 at the goal, -5 for a collision."""
         was, far = (np.hypot(*(data["goal"] - data["pose"][:, :2]).T) for data in (before, now))
         reached = far < _REACHED
@@ -162,9 +162,9 @@ class ReachDepth(Reach):
         "hit": Touch("robot"),
     }
 
-    def _near(self, data: dict[str, NDArray[Any]]) -> NDArray[np.floating[Any]]:
+    def _near(self, data: Arrays) -> np.ndarray:
         # the first rows of the image are the lowest ones, which show the floor
-        nearest: NDArray[np.floating[Any]] = data["depth"][:, _HEIGHT // 2 :].min(axis=1)
+        nearest: np.ndarray = data["depth"][:, _HEIGHT // 2 :].min(axis=1)
         return nearest
 
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import DataField
     from morse.gym.task import Command, Read
+    from morse.gym.values import Observation
 
 
 def space_of(read: Read, declared: Mapping[str, DataField], values: NDArray[np.generic]) -> spaces.Box:
@@ -40,7 +41,7 @@ def space_of(read: Read, declared: Mapping[str, DataField], values: NDArray[np.g
     return spaces.Box(low, high, dtype=np.float32)
 
 
-def limits(field: Any, low: NDArray[Any], high: NDArray[Any], index: Any) -> None:
+def limits(field: Any, low: np.ndarray, high: np.ndarray, index: Any) -> None:
     """Set the range of a declared field."""
     if field is None:
         return
@@ -58,7 +59,7 @@ def action_space(commands: Sequence[Command]) -> spaces.Box:
     return spaces.Box(low, high, dtype=np.float32)
 
 
-def fitted(values: NDArray[np.generic], space: spaces.Space[object]) -> NDArray[Any]:
+def fitted(values: NDArray[np.generic], space: spaces.Space[Observation]) -> np.ndarray:
     """Return values of all rows in the type, the shape and the range of a space."""
     array = np.array(values, getattr(space, "dtype", None))
     shape = space.shape

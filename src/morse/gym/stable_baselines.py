@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.gym.task import Task
+    from morse.gym.values import Infos, Observation
     from morse.viewer.notebook import Frame
 
 #: infos of the vector that a learner gets as others
@@ -30,10 +31,10 @@ class BaselinesVecEnv(VecEnv):
         self, task: Task | Callable[[], Task], num_envs: int, workers: int = 0, render_mode: str | None = None
     ) -> None:
         self.envs = vector(task, num_envs, workers=workers, render_mode=render_mode)
-        self._actions: Any = None
+        self._actions = np.zeros(0)
         super().__init__(num_envs, self.envs.single_observation_space, self.envs.single_action_space)
 
-    def reset(self) -> Any:
+    def reset(self) -> Observation:
         """Begin an episode in each row, with the seeds of ``seed(s)`` if it was called; return the observations."""
         seeds = None if any(seed is None for seed in self._seeds) else [int(seed) for seed in self._seeds]
         observations, infos = self.envs.reset(seed=seeds)
@@ -42,11 +43,11 @@ class BaselinesVecEnv(VecEnv):
         self._reset_options()
         return observations
 
-    def step_async(self, actions: object) -> None:
+    def step_async(self, actions: np.ndarray) -> None:
         """Take the actions of the next step."""
         self._actions = actions
 
-    def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[Observation, np.ndarray, np.ndarray, list[Infos]]:
         """Do the actions: observations, rewards, whether episodes have ended, and an info for each row."""
         observations, rewards, ended, late, infos = self.envs.step(self._actions)
         done = ended | late
@@ -97,7 +98,7 @@ class BaselinesVecEnv(VecEnv):
         return [False for _ in self._get_indices(indices)]
 
 
-def _info(infos: dict[str, Any], row: int) -> dict[str, Any]:
+def _info(infos: Infos, row: int) -> Infos:
     """The infos of a row of the vector."""
     names = [name for name in infos if not name.startswith("_") and name not in _OWN]
     return {name: infos[name][row] for name in names if infos.get(f"_{name}", ())[row]}

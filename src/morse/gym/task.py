@@ -11,8 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from morse.gym.values import Arrays, Observation
     from morse.many.parameters import Distribution
 
 
@@ -86,7 +85,7 @@ class Task:
 
     first_row = 0
     many: Any
-    values: dict[str, NDArray[Any]]
+    values: Arrays
 
     def __init_subclass__(cls, **kwargs: object) -> None:
         """A function that builds a scene is no method, although it stands in a class."""
@@ -110,7 +109,7 @@ class Task:
         """What the actions command, as a list."""
         return [self.action] if isinstance(self.action, Command) else list(self.action)
 
-    def observe(self, data: dict[str, NDArray[Any]]) -> Any:
+    def observe(self, data: Arrays) -> Observation:
         """Return the observations of all rows; by default the data that ``observation`` names.
 
         Args:
@@ -120,9 +119,7 @@ class Task:
             return {name: data[name] for name in self.observation}
         return data["observation"]
 
-    def reward(
-        self, before: dict[str, NDArray[Any]], now: dict[str, NDArray[Any]]
-    ) -> tuple[NDArray[Any], NDArray[Any], dict[str, NDArray[Any]]]:
+    def reward(self, before: Arrays, now: Arrays) -> tuple[np.ndarray, np.ndarray, Arrays]:
         """Return (N,) rewards, (N,) whether the episodes are over, and (N,) arrays of infos by name.
 
         Args:

@@ -17,9 +17,11 @@ from morse.many.window import Window
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
+    import numpy as np
 
     from morse.core.declarations import DataField
+    from morse.simulation.handles.component_handles import ComponentHandle
+    from morse.simulation.simulation import Simulation
     from morse.viewer.notebook import Frame
 
 
@@ -55,7 +57,7 @@ class Team:
         """Return the declared data of the component of the first robot."""
         return fields_of_component(self._handles(name)[0].component)
 
-    def _handles(self, name: str, simulation: Any = None) -> list[Any]:
+    def _handles(self, name: str, simulation: Simulation | None = None) -> list[ComponentHandle]:
         handles = []
         for agent in self.agents:
             robot, *parts = name.replace(AGENT, agent).split(".")
@@ -67,14 +69,14 @@ class Team:
             handles.append(handle)
         return handles
 
-    def command(self, component: str, *fields: str) -> Any:
+    def command(self, component: str, *fields: str) -> np.ndarray:
         """See `morse.many.batch.Batch.command`."""
         handles = self._handles(component)
         column = CommandColumn(Layout(component, fields, handles[0].component.local_data), handles)
         self._commands.append(column)
         return column.array
 
-    def read(self, component: str, *fields: str) -> NDArray[Any]:
+    def read(self, component: str, *fields: str) -> np.ndarray:
         """See `morse.many.batch.Batch.read`."""
         with load(self._scene, seed=self._simulation.seed()) as probe:
             probe.step(1, measure=True)
@@ -82,7 +84,7 @@ class Team:
         self._readings.append(DataColumn(layout, self._handles(component)))
         return self._readings[-1].array
 
-    def contacts(self, robot: str) -> Any:
+    def contacts(self, robot: str) -> np.ndarray:
         """See `morse.many.batch.Batch.contacts`."""
         self._readings.append(ContactColumn([handle.contacts() for handle in self._handles(robot)]))
         return self._readings[-1].array
@@ -113,7 +115,7 @@ class Team:
         for reading in self._readings:
             reading.begin(range(len(self)))
 
-    def place(self, rows: Sequence[int], name: str, poses: Any) -> None:
+    def place(self, rows: Sequence[int], name: str, poses: Sequence[Sequence[float]]) -> None:
         """See `morse.many.batch.Batch.place`."""
         for row, pose in zip(rows, poses, strict=True):
             self._simulation.place(name.replace(AGENT, self.agents[row]), pose)

@@ -11,6 +11,7 @@ from morse.core.reports.hints import nearest
 
 if TYPE_CHECKING:
     from morse.gym.task import Task
+    from morse.gym.values import Infos
     from morse.many.parameters import Distribution
 
 AGENT = "{agent}"
@@ -18,7 +19,7 @@ AGENT = "{agent}"
 _VARIED, _POSE = ("mass", "friction", "light", "color", "texture"), ("x", "y", "z", "yaw")
 
 
-def arguments_of(task: Task, row: int) -> dict[str, Any]:
+def arguments_of(task: Task, row: int) -> Infos:
     """Return the arguments of the scene of a row, which depend on its number in the whole vector alone."""
     rng = np.random.default_rng([row, 1])
     return {name: distribution.draw(rng) for name, distribution in task.arguments.items()}
@@ -52,7 +53,7 @@ def draw(task: Task, row: int, rng: np.random.Generator) -> dict[str, object]:
             if what not in (*_VARIED, *_POSE):
                 known = ", ".join((*_VARIED, *_POSE))
                 raise KeyError(f"vary: '{name}' has '{what}'{nearest(what, [*_VARIED, *_POSE])}; expected {known}")
-        numbers: dict[str, Any] = {what: _drawn(what, one, rng) for what, one in parameters.items()}
+        numbers: Infos = {what: _drawn(what, one, rng) for what, one in parameters.items()}
         if varied := {what: number for what, number in numbers.items() if what in _VARIED}:
             task.many.vary(name, rows=[row], **varied)
         if pose := {what: number for what, number in numbers.items() if what in _POSE}:

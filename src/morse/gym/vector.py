@@ -11,6 +11,7 @@ from gymnasium.vector.utils import batch_space
 
 from morse.gym.env import check_render_mode
 from morse.gym.episodes import Episodes, row_of
+from morse.gym.values import Observation
 from morse.gym.variety import scenes_of
 from morse.many.batch import batch
 from morse.many.rows import seeds_of
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from morse.core.values import Options
     from morse.gym.task import Task
+    from morse.gym.values import Infos, Outcome
     from morse.viewer.notebook import Frame
 
 
@@ -54,21 +56,21 @@ class Rows:
         self.episodes.task.first_row = first
         self.count = count
 
-    def reset(self, seeds: Sequence[int] | None, mask: Any = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, seeds: Sequence[int] | None, mask: np.ndarray | None = None) -> tuple[Observation, Infos]:
         """Begin episodes in all rows, or in those of a mask."""
         rows = list(range(self.count)) if mask is None else np.flatnonzero(mask).tolist()
         self.episodes.begin(rows, None if seeds is None else [seeds[row] for row in rows])
         self._over[rows] = False
         return self.episodes.observations(), _drawn(self.episodes, rows, self.count)
 
-    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+    def step(self, actions: np.ndarray) -> Outcome:
         """Do an action in all rows; see `TaskVectorEnv.step`."""
         episodes, over = self.episodes, self._over.copy()
         if over.any() and self._mode is AutoresetMode.DISABLED:
             rows = (np.flatnonzero(over) + episodes.task.first_row).tolist()
             raise ResetNeeded(f'the episodes of the rows {rows} are over: call reset(options={{"reset_mask": …}})')
         rewards, ended, late, values = episodes.step(actions)
-        infos: dict[str, Any] = {}
+        infos: Infos = {}
         for name, value in values.items():
             infos[name] = np.broadcast_to(np.asarray(value), (self.count, *np.shape(value)[1:])).copy()
             infos[f"_{name}"] = np.ones(self.count, bool)
@@ -96,8 +98,8 @@ class Rows:
         return observations, rewards, ended, late, infos
 
 
-def _drawn(episodes: Episodes, rows: Sequence[int], count: int) -> dict[str, Any]:
-    infos: dict[str, Any] = {}
+def _drawn(episodes: Episodes, rows: Sequence[int], count: int) -> Infos:
+    infos: Infos = {}
     for name in episodes.drawn[rows[0]] if rows else ():
         one = np.asarray(episodes.drawn[rows[0]][name])
         kind = object if one.dtype.kind not in "biuf" else np.float64
@@ -108,7 +110,7 @@ def _drawn(episodes: Episodes, rows: Sequence[int], count: int) -> dict[str, Any
     return infos
 
 
-class TaskVectorEnv(VectorEnv[Any, Any, Any]):
+class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
     """N simulations of a task in this process; ``gymnasium.make_vec`` creates it.
 
     By default, an episode that ends begins anew in the same step (``AutoresetMode.SAME_STEP``): the observation is that
@@ -135,7 +137,7 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
 
     def reset(
         self, *, seed: int | Sequence[int] | None = None, options: Options | None = None
-    ) -> tuple[Any, dict[str, Any]]:
+    ) -> tuple[Observation, Infos]:
         """Begin an episode in each row; the seed of row ``k`` is ``seed + k``.
 
         Args:
@@ -144,11 +146,11 @@ class TaskVectorEnv(VectorEnv[Any, Any, Any]):
         seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
         return self._rows.reset(seeds, (options or {}).get("reset_mask"))
 
-    def step(self, actions: object) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+    def step(self, actions: np.ndarray) -> Outcome:
         """Do an action in each row: (N, ...) observations, (N,) rewards, terminated, truncated, and infos."""
         return self._rows.step(actions)
 
-    def render(self) -> Any:
+    def render(self) -> np.ndarray | tuple[np.ndarray, ...] | None:
         """Return a picture (H, W, 3) of each row, if ``render_mode`` is ``rgb_array``."""
         if self.render_mode is None:
             return None

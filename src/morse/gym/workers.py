@@ -22,6 +22,7 @@ from gymnasium.vector.utils import batch_space
 from morse.core.reports.faults import describe
 from morse.gym.checks import actions_of
 from morse.gym.env import check_render_mode
+from morse.gym.values import Observation
 from morse.gym.vector import METADATA, Rows, mode_of
 from morse.many.pool import ONE_THREAD, can_fork
 from morse.many.rows import only_row_of, seeds_of
@@ -29,9 +30,11 @@ from morse.many.rows import only_row_of, seeds_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
 
     from morse.core.values import Options
     from morse.gym.task import Task
+    from morse.gym.values import Infos, Outcome
     from morse.viewer.notebook import Frame
 
 
@@ -46,7 +49,13 @@ class _Shared:
         parts: observations by name; the name is empty if they are no dictionary.
     """
 
-    def __init__(self, observation: Any, action: Any, rows: int, name: str | None = None) -> None:
+    def __init__(
+        self,
+        observation: spaces.Space[Observation],
+        action: spaces.Space[Observation],
+        rows: int,
+        name: str | None = None,
+    ) -> None:
         named = observation.spaces if isinstance(observation, spaces.Dict) else {"": observation}
         fields = {f"observation {key}": (space.shape, space.dtype) for key, space in named.items()}
         fields |= {"action": (action.shape, action.dtype), "reward": ((), np.float64)}
@@ -68,12 +77,12 @@ class _Shared:
         self.action, self.reward = self._arrays["action"], self._arrays["reward"]
         self.ended, self.late = self._arrays["ended"], self._arrays["late"]
 
-    def put(self, rows: slice, observations: Any) -> None:
+    def put(self, rows: slice, observations: Observation) -> None:
         """Set observations of some rows."""
         for name, array in self.parts.items():
             array[rows] = observations[name] if name else observations
 
-    def observations(self) -> Any:
+    def observations(self) -> Observation:
         """Return a copy of the observations of all rows."""
         copies = {name: array.copy() for name, array in self.parts.items()}
         return copies.get("", copies)
@@ -94,7 +103,11 @@ def _kind_of_start() -> str:
 
 
 def _work(
-    connection: Connection, task: Any, place: slice, mode: AutoresetMode, inherited: Sequence[Connection]
+    connection: Connection,
+    task: Task | Callable[[], Task],
+    place: slice,
+    mode: AutoresetMode,
+    inherited: Sequence[Connection],
 ) -> None:
     """Serve one part of the rows until the connection is closed.
 
@@ -142,10 +155,10 @@ def _work(
         rows.episodes.close()
 
 
-class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
+class WorkersVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
     """N simulations of a task in several processes; see `morse.gym.vector`."""
 
-    metadata: ClassVar[dict[str, Any]] = METADATA
+    metadata: ClassVar[Infos] = METADATA
 
     def __init__(
         self,
@@ -163,7 +176,7 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         self._task = task
         self._memory: list[_Shared] = []
         self._connections: list[Connection] = []
-        self._processes: list[Any] = []
+        self._processes: list[BaseProcess] = []
         # also at the end of a program that does not close it
         self._end = weakref.finalize(self, _end, self._connections, self._processes, self._memory)
         edges = [num_envs * worker // workers for worker in range(workers + 1)]
@@ -259,7 +272,7 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
 
     def reset(
         self, *, seed: int | Sequence[int] | None = None, options: Options | None = None
-    ) -> tuple[Any, dict[str, Any]]:
+    ) -> tuple[Observation, Infos]:
         """Begin an episode in each row; see `morse.gym.TaskVectorEnv.reset`. Processes that have ended are replaced."""
         shared, others = self._shared, self._replace()
         seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
@@ -274,16 +287,16 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         infos = self._ask("reset", contents)
         return shared.observations(), self._together(infos)
 
-    def step(self, actions: object) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+    def step(self, actions: object) -> Outcome:
         """Do an action in each row; see `morse.gym.TaskVectorEnv.step`."""
         shared = self._shared
         shared.action[:] = actions_of(actions, shared.action.shape)
         infos = self._together(self._ask("step", [None] * len(self._places)))
         return shared.observations(), shared.reward.copy(), shared.ended.copy(), shared.late.copy(), infos
 
-    def _together(self, parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    def _together(self, parts: Sequence[Infos]) -> Infos:
         """The infos of all rows."""
-        infos: dict[str, Any] = {}
+        infos: Infos = {}
         for place, part in zip(self._places, parts, strict=True):
             for name, value in part.items():
                 if isinstance(value, dict):
@@ -296,7 +309,7 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
                 infos[name][place] = value
         return infos
 
-    def render(self) -> Any:
+    def render(self) -> np.ndarray | tuple[np.ndarray, ...] | None:
         """Return a picture (H, W, 3) of each row, if ``render_mode`` is ``rgb_array``."""
         if self.render_mode is None:
             return None
@@ -314,7 +327,7 @@ class WorkersVectorEnv(VectorEnv[Any, Any, Any]):
         self._end()
 
 
-def _end(connections: list[Connection], processes: list[Any], memory: list[_Shared]) -> None:
+def _end(connections: list[Connection], processes: list[BaseProcess], memory: list[_Shared]) -> None:
     """End the processes of a vector, and release the memory that they share."""
     for connection in connections:
         connection.close()
@@ -327,7 +340,7 @@ def _end(connections: list[Connection], processes: list[Any], memory: list[_Shar
         memory.pop().close(unlink=True)
 
 
-def _cause(process: Any) -> str:
+def _cause(process: BaseProcess) -> str:
     """What has ended a process, as the continuation of a sentence."""
     process.join(1.0)
     code = process.exitcode

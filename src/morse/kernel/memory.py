@@ -18,7 +18,7 @@ _ALIGNMENT = 64
 _first_byte: Callable[[Any], c_char] = c_char.from_buffer
 
 
-def aligned(count: int, dtype: DTypeLike) -> NDArray[Any]:
+def aligned(count: int, dtype: DTypeLike) -> np.ndarray:
     """A new array (count,) with the alignment of vectors."""
     size = count * np.dtype(dtype).itemsize
     whole = np.empty(size + _ALIGNMENT, dtype=np.uint8)

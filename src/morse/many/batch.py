@@ -26,12 +26,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from types import TracebackType
 
-    from numpy.typing import NDArray
-
     from morse.core.declarations import DataField
+    from morse.core.interfaces import Component
+    from morse.core.values import Fields
     from morse.many.commands import Command
     from morse.many.readings import Contacts
     from morse.scene import Scene
+    from morse.simulation.handles.component_handles import ComponentHandle
     from morse.simulation.simulation import Simulation
     from morse.viewer.notebook import Frame
 
@@ -87,7 +88,7 @@ class Batch:
         self._readings: list[DataColumn | ContactColumn] = []
         self._time = Ownership(_nothing)
         self._window: Window | None = None
-        self._samples: dict[str, Mapping[str, Any]] | None = None
+        self._samples: dict[str, Fields] | None = None
         try:
             for row, one in enumerate(self.seeds):
                 simulation = self._scenes.load(row, one)
@@ -151,7 +152,7 @@ class Batch:
         self._commands.append(column)
         return column.array
 
-    def read(self, component: str, *fields: str) -> NDArray[Any]:
+    def read(self, component: str, *fields: str) -> np.ndarray:
         """Return an array of data that is updated, in place, at the end of each `step`; copy it to keep it.
 
         Args:
@@ -200,7 +201,7 @@ class Batch:
         """
         return fields_of_component(self._handles(name)[0].component)
 
-    def _handles(self, name: str) -> list[Any]:
+    def _handles(self, name: str) -> list[ComponentHandle]:
         self._check_open()
         if not isinstance(name, str):
             raise TypeError(f"a component is given by its full name, such as 'robot.pose', not {name!r:.80}")
@@ -218,7 +219,7 @@ class Batch:
             with self._scenes.load(0, self.seeds[0]) as probe:
                 probe.step(1, measure=True)
                 context = probe.context
-                parts: dict[str, Any] = {**context.robots, **context.components}
+                parts: dict[str, Component] = {**context.robots, **context.components}
                 self._samples = {name: dict(present_data(part)) for name, part in parts.items()}
         # what was spawned is not there
         sample = self._samples.get(handle.fqn, data)
@@ -482,14 +483,14 @@ def _nothing() -> None:
     """A step of all rows is completed in any case."""
 
 
-def _handle(simulation: Simulation, name: str) -> Any:
+def _handle(simulation: Simulation, name: str) -> ComponentHandle:
     """Return the handle of a robot or a component, given its full name or attribute names joined by dots.
 
     Raises:
         KeyError: there is no such component.
     """
     robot, *parts = name.split(".")
-    handle = simulation[robot]
+    handle: ComponentHandle = simulation[robot]
     for part in parts:
         if part not in handle.parts:
             raise KeyError(f"{handle.fqn} has no '{part}'{nearest(part, list(handle.parts))}")

@@ -54,7 +54,7 @@ class CommandColumn:
         self._actuators: list[object] = [None] * rows
         self.array = layout.empty(rows).view(Command)
         self.array.written = np.zeros(rows, bool)
-        self._plain: NDArray[Any] = self.array.view(np.ndarray)
+        self._plain: np.ndarray = self.array.view(np.ndarray)
         self._initial = self._plain.copy()
         #: what was published last, and whether anything was
         self._last, self._has_last = self._plain.copy(), np.zeros(rows, bool)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, ProcessPoolExecutor, wait
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.reports.faults import summary
 from morse.many.pool import ONE_THREAD, Task
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from morse.many.run import Runs
+    from morse.many.values import Row
 
 #: wall-clock time of a pack of runs, s, and the most runs of one: each pack costs a message through the cluster
 _PACK, _MOST_OF_A_PACK = 20.0, 500
@@ -43,7 +44,7 @@ def pack_size(remaining: int, workers: int, time: float) -> int:
     return max(1, min(_MOST_OF_A_PACK, remaining // workers + 1, int(max(least, size))))
 
 
-def do_pack(study: Runs, tasks: Sequence[Task]) -> list[dict[str, Any]]:
+def do_pack(study: Runs, tasks: Sequence[Task]) -> list[Row]:
     """Do several runs; called in a process of the executor."""
     stock = Stock()
     return [run_once(study, task.run, task.record, stock) for task in tasks]
@@ -66,7 +67,7 @@ class ExecutorPool:
         self._remaining, self._restarts = remaining, restarts
         self._executor = start()
         self._pack: list[Task] = []
-        self._packs: dict[Future[list[dict[str, Any]]], list[Task]] = {}
+        self._packs: dict[Future[list[Row]], list[Task]] = {}
         self._alone: set[str] = set()
         self._times: deque[float] = deque(maxlen=50)
         #: why the last pack has failed
@@ -109,7 +110,7 @@ class ExecutorPool:
         self._executor.shutdown(wait=False, cancel_futures=True)
         self._executor = self._start()
 
-    def results(self, timeout: float) -> Iterator[tuple[Task, dict[str, Any] | None]]:
+    def results(self, timeout: float) -> Iterator[tuple[Task, Row | None]]:
         """Wait for results; yields each task with its row, or with None if its pack has failed."""
         if self._pack:
             self._send()
@@ -178,7 +179,7 @@ class InlinePool:
         """Take a run."""
         self._task = task
 
-    def results(self, timeout: float) -> Iterator[tuple[Task, dict[str, Any] | None]]:
+    def results(self, timeout: float) -> Iterator[tuple[Task, Row | None]]:
         """Do the run."""
         task, self._task = self._task, None
         if task is not None:

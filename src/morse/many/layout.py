@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -60,7 +60,7 @@ class Layout:
         self.shapes = [value.shape for value in values]
         self._are_scalars = all(shape == () for shape in self.shapes)
 
-    def empty(self, rows: int) -> NDArray[Any]:
+    def empty(self, rows: int) -> np.ndarray:
         """Return (rows, *shape) zeros."""
         return np.zeros((rows, *self.shape), self.dtype)
 
@@ -69,7 +69,7 @@ class Layout:
         first = sum(math.prod(shape) for shape in self.shapes[:field])
         return slice(first, first + math.prod(self.shapes[field]))
 
-    def fill(self, array: NDArray[Any], row: int, data: Mapping[str, object]) -> None:
+    def fill(self, array: np.ndarray, row: int, data: Mapping[str, object]) -> None:
         """Copy the fields of a component into a row.
 
         Raises:
@@ -101,7 +101,7 @@ class Layout:
         return self.dtype.kind == "f" and set(self.fields) <= set(fields)
 
     def fill_rows(
-        self, array: NDArray[Any], rows: NDArray[np.intp], data: Mapping[str, np.ndarray | Sequence[object]]
+        self, array: np.ndarray, rows: NDArray[np.intp], data: Mapping[str, np.ndarray | Sequence[object]]
     ) -> None:
         """Copy the fields of components into M rows.
 

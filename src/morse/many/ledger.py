@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from types import TracebackType
 
+    from morse.many.values import Row
+
 #: the rows; each is a line of JSON
 ROWS = "rows.jsonl"
 #: what the folder contains, and how many runs there will be
@@ -27,15 +29,15 @@ _FLUSH = 1.0
 _LONGEST = 64 << 20
 
 
-def read_rows(folder: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
+def read_rows(folder: str | os.PathLike[str]) -> dict[str, Row]:
     """Return the rows by name; of several rows of a run the last one, which has the recording."""
-    rows: dict[str, dict[str, Any]] = {}
+    rows: dict[str, Row] = {}
     for row in _lines(Path(folder) / ROWS):
         rows[row["run"]] = row
     return rows
 
 
-def read_facts(folder: str | os.PathLike[str]) -> dict[str, Any]:
+def read_facts(folder: str | os.PathLike[str]) -> Row:
     """Return what `Ledger.describe` has written; ``axes`` is a dictionary, ``runs`` a number.
 
     Raises:
@@ -64,7 +66,7 @@ def write_whole(path: Path, text: str) -> None:
     os.replace(new, path)
 
 
-def _lines(path: Path) -> Iterator[dict[str, Any]]:
+def _lines(path: Path) -> Iterator[Row]:
     with contextlib.suppress(FileNotFoundError), open_regular(path) as file:
         while line := file.readline(_LONGEST):
             if line.endswith(b"\n"):  # else the process died while it wrote
@@ -96,7 +98,7 @@ class Ledger:
         self._file = open(folder / ROWS, "ab")  # noqa: SIM115
         self._last_sync = time.monotonic()
 
-    def add(self, row: dict[str, Any]) -> None:
+    def add(self, row: Row) -> None:
         """Append a row."""
         self.rows[row["run"]] = row
         self._file.write(json.dumps(row).encode() + b"\n")
@@ -108,7 +110,7 @@ class Ledger:
         os.fsync(self._file.fileno())
         self._last_sync = time.monotonic()
 
-    def describe(self, facts: dict[str, Any]) -> None:
+    def describe(self, facts: Row) -> None:
         """Write the facts about the study; the file appears whole or not at all."""
         write_whole(self.folder / STUDY, json.dumps(facts, indent=1))
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from morse.many.run import Run, Runs
+    from morse.many.values import Row
 
 
 class Task(NamedTuple):
@@ -58,7 +59,7 @@ class Pool:
         if description is not None:
             self._start_server(description)
 
-    def _start_server(self, description: dict[str, object]) -> None:
+    def _start_server(self, description: Row) -> None:
         self._control, theirs = socket.socketpair()
         with theirs:
             self._server = subprocess.Popen(
@@ -103,7 +104,7 @@ class Pool:
                 self._children[ours] = fork_worker(self._study, theirs, self._reading, others)
         return ours
 
-    def results(self, timeout: float) -> Iterator[tuple[Task, dict[str, Any] | None]]:
+    def results(self, timeout: float) -> Iterator[tuple[Task, Row | None]]:
         """Wait for results; yields each task with its row, or with None if its worker has died."""
         for key, _ in self._selector.select(timeout):
             worker: Any = key.fileobj

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.many.values import Row
 
 
 class Progress:
@@ -18,7 +22,7 @@ class Progress:
         self.total, self.done, self.failed = total, done, failed
         self._before, self._begin = done, time.monotonic()
 
-    def add(self, row: dict[str, object]) -> None:
+    def add(self, row: Row) -> None:
         """Count a run."""
         self.done += 1
         self.failed += bool(row["error"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from morse.core.values import Fields
     from morse.many.layout import Layout
     from morse.simulation.handles.component_handles import ComponentHandle
     from morse.simulation.handles.contacts import Contacts as Watch
@@ -52,7 +53,7 @@ class DataColumn:
         """Take data of some rows, by field; see `Layout.fill_rows`."""
         self.layout.fill_rows(self._values, rows, data)
 
-    def _data_of(self, row: int) -> Mapping[str, Any]:
+    def _data_of(self, row: int) -> Fields:
         component = self.handles[row].component
         # columns of objects keep what they refer to
         return component.local_data if self._values.dtype == object else present_data(component)

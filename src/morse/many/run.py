@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from morse.core.values import Options
     from morse.many.stock import Stock
+    from morse.many.values import Row
     from morse.simulation.simulation import Simulation
 
 #: columns of each row, besides the parameters and results
@@ -42,7 +43,7 @@ class Run(NamedTuple):
     """
 
     name: str
-    parameters: dict[str, Any]
+    parameters: Row
     seed: int
 
 
@@ -75,13 +76,11 @@ class Runs(Protocol):
     def call(self, simulation: object, run: Run) -> Any:
         """Call the function of the study."""
 
-    def description(self) -> dict[str, Any] | None:
+    def description(self) -> Row | None:
         """Return the study as plain data, for another process; None if only this process has its functions."""
 
 
-def run_once(
-    study: Runs, run: Run, record: str | os.PathLike[str] | None = None, stock: Stock | None = None
-) -> dict[str, object]:
+def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None, stock: Stock | None = None) -> Row:
     """Do one run in this process.
 
     Args:
@@ -91,7 +90,7 @@ def run_once(
     Returns:
         Its row. ``error`` is empty if the run has not failed, ``where`` is the line of the user's code that raised it.
     """
-    row: dict[str, Any] = {
+    row: Row = {
         "run": run.name, **run.parameters, "seed": run.seed, "hash": "", "ticks": 0, "error": "", "where": "",
         "recording": "", "same": None, **machine_facts(),
     }  # fmt: skip
@@ -133,7 +132,7 @@ def _failure(error: BaseException) -> dict[str, str]:
     return {"error": summary(error), "where": place(error).strip()}
 
 
-def _results(returned: object, row: dict[str, object]) -> dict[str, object]:
+def _results(returned: object, row: Row) -> Row:
     """The results of a run.
 
     Raises:
@@ -173,7 +172,7 @@ def is_row(row: object) -> bool:
     return bool(is_named)
 
 
-def signature(row: dict[str, object]) -> str:
+def signature(row: Row) -> str:
     """Return the kind of the failure of a row: its error without numbers, and its place."""
     error, where = str(row["error"]), str(row.get("where", ""))
     return re.sub(r"[-+]?\d[\d.e+-]*", "#", error) + "\n" + where

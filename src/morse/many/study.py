@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from morse.core.values import Options
     from morse.many.table import Table
+    from morse.many.values import Row
 
 #: arguments of `Study` that cannot be parameters
 _OWN = ("seeds", "arguments", "options")
@@ -95,7 +96,7 @@ class Study:
         for parameters, seed in combinations(self.axes, self.seeds):
             yield self.one(parameters, seed)
 
-    def one(self, parameters: dict[str, Any], seed: int) -> Run:
+    def one(self, parameters: Row, seed: int) -> Run:
         """The run with these parameters."""
         inputs = json.dumps([self.code, parameters, seed, self.arguments], sort_keys=True)
         return Run(hashlib.sha256(inputs.encode()).hexdigest()[:12], parameters, seed)
@@ -145,9 +146,7 @@ class Study:
 
         return sweep(self, folder, workers=workers, executor=executor, progress=progress, attempts=attempts)
 
-    def once(
-        self, seed: int = 0, *, record: str | os.PathLike[str] | None = None, **parameters: object
-    ) -> dict[str, object]:
+    def once(self, seed: int = 0, *, record: str | os.PathLike[str] | None = None, **parameters: object) -> Row:
         """Do one run in this process, with any values, and return its row.
 
         Args:
@@ -165,7 +164,7 @@ class Study:
             )
         return run_once(self, self.one(parameters, seed), record)
 
-    def rerun(self, folder: str | os.PathLike[str], name: str) -> dict[str, Any]:
+    def rerun(self, folder: str | os.PathLike[str], name: str) -> Row:
         """Run a run of a folder again, with a recording beside its results; the row has ``same``: is the hash equal?
 
         Args:
@@ -204,7 +203,7 @@ class Study:
         """Call the function of the study."""
         return self.run_function(simulation, **self._chosen(self.run_function, run))
 
-    def _chosen(self, function: Any, run: Run) -> dict[str, Any]:
+    def _chosen(self, function: Any, run: Run) -> Row:
         parameter_names = self._parameters_of[function]
         return {
             name: value for name, value in run.parameters.items() if parameter_names is None or name in parameter_names
@@ -212,9 +211,9 @@ class Study:
 
     # -- for other processes ---------------------------------------------------------------
 
-    def description(self) -> dict[str, Any] | None:
+    def description(self) -> Row | None:
         """Return the study as plain data, for another process; None if only this process has its functions."""
-        parts: dict[str, object] = {}
+        parts: Row = {}
         for key, part in (("run", self.run_function), ("scene", self.scene)):
             if isinstance(part, str):
                 parts[key] = part
@@ -233,7 +232,7 @@ class Study:
         }
 
     @classmethod
-    def of(cls, description: dict[str, Any]) -> Study:
+    def of(cls, description: Row) -> Study:
         """Return the study of a description."""
         scene: Any = description["scene"]
         scene = scene if isinstance(scene, str) else sources.Reference(*scene).load()

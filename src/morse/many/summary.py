@@ -16,7 +16,10 @@ from morse.many.run import RESERVED, signature
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from morse.many.table import Table
+    from morse.many.values import Row
 
 SUMMARY = "summary.html"
 _STYLE = """
@@ -66,7 +69,7 @@ def _page(table: Table, total: int) -> list[str]:
     return lines
 
 
-def _by_parameter(table: Table, numbers: dict[str, Any]) -> list[str]:
+def _by_parameter(table: Table, numbers: Row) -> list[str]:
     lines = ["<h2>Results by parameter</h2>"] if table.axes and numbers else []
     for parameter in table.axes if numbers else ():
         x = _numbers(table[parameter])
@@ -82,7 +85,7 @@ def _by_parameter(table: Table, numbers: dict[str, Any]) -> list[str]:
 def _failures(table: Table) -> list[str]:
     if not table.failures:
         return []
-    kinds: defaultdict[str, list[dict[str, Any]]] = defaultdict(list)
+    kinds: defaultdict[str, list[Row]] = defaultdict(list)
     for row in table.failures:
         kinds[signature(row)].append(row)
     lines = ["<h2>Failures</h2><table><tr><th>runs<th>error<th>such as</tr>"]
@@ -99,7 +102,7 @@ def _failures(table: Table) -> list[str]:
     return lines
 
 
-def _numbers(values: list[Any]) -> np.ndarray[Any, np.dtype[np.float64]] | None:
+def _numbers(values: list[Any]) -> NDArray[np.float64] | None:
     """A column as numbers, NaN where a run has none; None if it contains something else, or nothing."""
     if any(value is not None and not isinstance(value, (int, float)) for value in values):
         return None

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from morse.many.run import Run, Runs
+    from morse.many.values import Row
 
 #: number of failures of each kind that are recorded
 RECORDED = 20
@@ -116,7 +117,7 @@ class Driver:
     def _left(self) -> int:
         return len(self._waiting)
 
-    def _take(self, task: Task, row: dict[str, object] | None, problem: str) -> None:
+    def _take(self, task: Task, row: Row | None, problem: str) -> None:
         name = task.run.name
         if row is None:
             row = self._died(task, problem)
@@ -131,7 +132,7 @@ class Driver:
         same = row["hash"] == first["hash"] and row["error"] == first["error"]
         self._ledger.add(first | {"recording": row["recording"], "same": same})
 
-    def _died(self, task: Task, problem: str) -> dict[str, object] | None:
+    def _died(self, task: Task, problem: str) -> Row | None:
         """A run whose process has died waits again, or has failed."""
         name = task.run.name
         self._trials[name] += 1
@@ -145,7 +146,7 @@ class Driver:
             "same": False, **machine_facts(),
         }  # fmt: skip
 
-    def _record_failure(self, run: Run, row: dict[str, object]) -> None:
+    def _record_failure(self, run: Run, row: Row) -> None:
         """Let a failed run be done again with a recording, unless there are enough of its kind."""
         if row["error"] and row.get("same") is None:
             kind = signature(row)

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Iterator
 
+    from morse.many.values import Row
+
 
 class Table:
     """Rows of runs: dictionaries with the parameters, the results, and the facts about each run.
@@ -22,9 +24,7 @@ class Table:
         folder: where they are stored.
     """
 
-    def __init__(
-        self, rows: Iterable[dict[str, Any]], folder: str | os.PathLike[str], axes: Iterable[str] = ()
-    ) -> None:
+    def __init__(self, rows: Iterable[Row], folder: str | os.PathLike[str], axes: Iterable[str] = ()) -> None:
         self.rows, self.folder, self.axes = list(rows), Path(folder), list(axes)
 
     @classmethod
@@ -38,7 +38,7 @@ class Table:
         return cls(read_rows(folder).values(), folder, read_facts(folder)["axes"])
 
     @property
-    def failures(self) -> list[dict[str, Any]]:
+    def failures(self) -> list[Row]:
         """The rows of runs that have failed."""
         return [row for row in self.rows if row["error"]]
 
@@ -49,7 +49,7 @@ class Table:
         results = [name for name in names if name not in RESERVED and name not in self.axes]
         return [*self.axes, "seed", *results, *(name for name in RESERVED if name != "seed")]
 
-    def find(self, name: str) -> dict[str, Any]:
+    def find(self, name: str) -> Row:
         """Return the row of a run, given the first letters of its name.
 
         Raises:
@@ -64,7 +64,7 @@ class Table:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def __iter__(self) -> Iterator[dict[str, Any]]:
+    def __iter__(self) -> Iterator[Row]:
         return iter(self.rows)
 
     def __getitem__(self, key: int | str) -> Any:

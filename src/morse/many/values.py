@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+
+#: a row of results, or the facts of a study: numbers, texts and others by name, as functions of users return them
+Row: TypeAlias = dict[str, Any]
 
 
 def plain(value: object, what: str) -> Any:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.mathutils.matrix import Matrix
 
 Rotation9: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 Quaternion4: TypeAlias = tuple[float, float, float, float]
@@ -60,7 +59,7 @@ def cross(a: Sequence[float], b: Sequence[float]) -> Triple:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def nine(rows: Sequence[Sequence[float]] | Matrix) -> Rotation9:
+def nine(rows: Sequence[Sequence[float]]) -> Rotation9:
     """Return the upper left 3x3 of a matrix."""
     (a, b, c), (d, e, f), (g, h, i) = rows[0][:3], rows[1][:3], rows[2][:3]
     return a, b, c, d, e, f, g, h, i

@@ -110,7 +110,7 @@ def pixels_of(order: Order) -> int:
     return sum(view.lens.width * view.lens.height for view in views_of(order))
 
 
-def cameras_of(orders: Sequence[Order], time: float) -> NDArray[Any]:
+def cameras_of(orders: Sequence[Order], time: float) -> np.ndarray:
     """Return the undistorted images of orders, (K,) `CAMERA`, at a time relative to the tick."""
     views = [(order, view) for order in orders for view in views_of(order)]
     cameras = np.zeros(len(views), CAMERA)

@@ -19,8 +19,6 @@ from morse.sensors.delayed_pictures import DelayedPictures, Exposure
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
     from morse.core.realism import Realism
     from morse.core.robot import Robot
     from morse.core.sensor import Pose
@@ -387,11 +385,11 @@ class Camera(Sensor):
             if self._left >= 0:
                 self._left += count
 
-    def ordered(self, rows: NDArray[Any]) -> NDArray[Any]:
+    def ordered(self, rows: np.ndarray) -> np.ndarray:
         """Return the rows of an image, whose top row is first, in the order given by ``Vertical_Flip``."""
         return rows if self.vertical_flip else np.ascontiguousarray(rows[::-1])
 
-    def top_first(self, rows: Any) -> NDArray[Any]:
+    def top_first(self, rows: Any) -> np.ndarray:
         """Convert rows in the order of ``Vertical_Flip`` to rows with the top row first."""
         return np.asarray(rows) if self.vertical_flip else np.ascontiguousarray(np.asarray(rows)[::-1])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -126,7 +126,7 @@ def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
     return measured(points, faces)
 
 
-def without_equal_triangles(faces: NDArray[np.generic]) -> NDArray[Any]:
+def without_equal_triangles(faces: NDArray[np.generic]) -> np.ndarray:
     """Triangles (T, 3), without those with the corners and the orientation of an earlier one."""
     first = faces.argmin(axis=1)[:, None]
     rows = np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)

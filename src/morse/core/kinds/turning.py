@@ -103,7 +103,7 @@ def _pose(frame: str, component: Object) -> tuple[tuple[float, ...], Rotation9]:
         return LocalPlane.of(component.context.scene.properties).pose_of_earth()
     holder = component.robot_parent if frame == "robot" and component.robot_parent is not None else component
     pose = holder.position_3d
-    rotation = nine(pose.rotation_matrix)
+    rotation = nine(pose.rotation_matrix)  # type: ignore[arg-type] # a matrix is indexed likewise
     if frame == "frd":
         a, b, c, d, e, f, g, h, i = rotation
         rotation = (a, -b, -c, d, -e, -f, g, -h, -i)

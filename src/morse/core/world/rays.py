@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from morse.core.interfaces import Server
+    from morse.core.serving import Server
     from morse.core.world.body import Body
 
 

@@ -11,12 +11,10 @@ from morse.kernel.drawing.arrays import HEMISPHERE, SPOT, SUN
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from morse.kernel.drawing.arrays import Light
 
     #: of float32
-    Floats = NDArray[Any]
+    Floats = np.ndarray
     #: three arrays (N,), or three numbers
     Vectors = Sequence[Any]
 

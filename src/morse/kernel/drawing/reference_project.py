@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -45,7 +45,7 @@ class Projected:
     def __len__(self) -> int:
         return len(self.w)
 
-    def vertices(self, drawing: Drawing, numbers: NDArray[np.integer]) -> NDArray[Any]:
+    def vertices(self, drawing: Drawing, numbers: NDArray[np.integer]) -> np.ndarray:
         """(N, 3) `VERTEX`, the corners of some triangles."""
         first = drawing.clusters[drawing.parts[self.part[numbers], 0], 0]
         vertices: NDArray[np.void] = drawing.vertices[drawing.triangles[self.triangle[numbers], :3] + first[:, None]]

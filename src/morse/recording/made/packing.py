@@ -19,8 +19,6 @@ from morse.scene.settings import Settings
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
     from morse.core.object import Object
     from morse.core.values import RosMessage
     from morse.scene import CollisionShape, ComponentDeclaration, Image, Material, Mesh, Node, Scene
@@ -91,7 +89,7 @@ class Packing:
     def _arrays(self, source: object, kinds: dict[str, str]) -> str:
         arrays: RosMessage = {}
         for name, kind in kinds.items():
-            values: NDArray[Any] | None = getattr(source, name)
+            values: np.ndarray | None = getattr(source, name)
             if values is not None:
                 arrays[name] = [list(values.shape), np.ascontiguousarray(values, dtype=kind).tobytes()]
         return self._block(_encoder.encode(arrays)) if arrays else ""

@@ -35,7 +35,6 @@ from morse.system.packed_keys import check_keys
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
 
 _MOST_PARTS, _MOST_SLOTS = 20_000, 4096
 _LONGEST_NAME = 1000
@@ -103,7 +102,7 @@ class Unpacking:
         _check(len(places) <= _MOST_SLOTS, f"{len(places)} materials")
         return [None if place < 0 else self._materials[place] for place in places]
 
-    def _arrays(self, digest: str, kinds: dict[str, str]) -> dict[str, NDArray[Any]]:
+    def _arrays(self, digest: str, kinds: dict[str, str]) -> dict[str, np.ndarray]:
         arrays = {}
         for name, (shape, data) in _arrays.decode(self._block(digest)).items() if digest else ():
             _check(all(number >= 0 for number in shape) and len(shape) <= 3, f"an array of the shape {shape}")

@@ -37,7 +37,7 @@ class Shot(NamedTuple):
         objects: the objects that the camera has detected.
     """
 
-    image: NDArray[Any]
+    image: np.ndarray
     source: object
     time: float
     objects: Any = ()
