@@ -77,6 +77,11 @@ class Sensor(Object):
 
         For a sensor that measures when its data are read, it is called in each tick in which the sensor is due.
         """
+        return type(self).observe_all((self,))
+
+    @classmethod
+    def observe_all(cls, sensors: Sequence[Value]) -> Value:
+        """Return what is the same for some sensors of the class, in place of `observe`: one call for all of them."""
 
     def observation(self) -> Value:
         """Return the result of `observe` at the time of the measurement."""

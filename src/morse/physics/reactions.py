@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import mujoco
 import numpy as np
@@ -12,17 +12,19 @@ from morse.physics.contact_points import ContactPoints
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Iterable, Sequence
 
     from numpy.typing import NDArray
 
     from morse.physics.gliding.gliding import Gliding
+    from morse.physics.model.slot import Slot
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.objects.posed import Posed
     from morse.scene import Node
 
 _Vector = tuple[float, float, float]
+_Loads: TypeAlias = "tuple[NDArray[np.float64], NDArray[np.float64]]"
 
 
 _PYRAMID = int(mujoco.mjtCone.mjCONE_PYRAMIDAL)
@@ -69,49 +71,66 @@ class _Solved:
 
 
 class ContactMoment(NamedTuple):
-    """The contacts of an object at one moment.
+    """The contacts of objects at one moment.
 
     Attributes:
-        solved: all contacts.
-        own: (G,) shapes of the object.
+        solved, resting: all contacts; and those of sleeping objects, None if none of them slept.
+        asleep: slots of the objects that slept.
+        shapes: (G,) masks of the shapes of objects by name, which are filled on demand.
         nodes: [G] nodes of the shapes.
         world: finds the objects of nodes.
     """
 
     solved: _Solved
-    own: NDArray[np.bool_]
+    resting: _Solved | None
+    asleep: Collection[int]
+    shapes: dict[str, NDArray[np.bool_]]
     nodes: Sequence[Node]
     world: ObjectWorld
 
-    def forces(self) -> list[tuple[GameObject, _Vector]]:
+    def forces(self, obj: Posed) -> list[tuple[GameObject, _Vector]]:
         """See `morse.core.world.Body.contact_forces`."""
-        pairs = [(self.world.find_object(node), force) for node, force in self.solved.on(self.own, self.nodes)]
-        return [(obj, force) for obj, force in pairs if obj is not None]
+        solved = self.resting if self.resting is not None and obj.slot in self.asleep else self.solved
+        pairs = [(self.world.find_object(node), force) for node, force in solved.on(self._own(obj), self.nodes)]
+        return [(other, force) for other, force in pairs if other is not None]
+
+    def _own(self, obj: Posed) -> NDArray[np.bool_]:
+        """Which shapes belong to an object and the objects below it."""
+        own = self.shapes.get(obj.node.name)
+        if own is None:
+            nodes = {id(node) for node in obj.node.walk()}
+            own = self.shapes[obj.node.name] = np.array([id(node) in nodes for node in self.nodes], dtype=bool)
+        return own
 
 
 class JointMoment(NamedTuple):
-    """What loads the joint that carries an object, at one moment.
+    """What loads the joints that carry objects, at one moment.
 
     Attributes:
-        wrench: (6,) torque and force of the object on what carries it, about ``centre``; None without a joint.
-        centre: (3,) m.
+        loads, resting: (B, 6) torque and force of each body on what carries it, about the centre of its tree, and
+            these centres (B, 3), m; and those of sleeping objects, None if none of them slept.
+        asleep: slots of the objects that slept.
+        slots: the slots of the world.
+        roots: (B,) the body at the top of the tree of each body.
     """
 
-    wrench: NDArray[np.float64] | None
-    centre: NDArray[np.float64]
+    loads: _Loads
+    resting: _Loads | None
+    asleep: Collection[int]
+    slots: Sequence[Slot]
+    roots: NDArray[np.int32]
 
-    def load(self, origin: Sequence[float]) -> tuple[_Vector, _Vector]:
+    def load(self, obj: Posed, origin: Sequence[float]) -> tuple[_Vector, _Vector]:
         """See `morse.core.world.body.JointMoment.load`: of a load that hangs, the force points down."""
-        if self.wrench is None:
+        slot = self.slots[obj.slot]
+        if slot.frame.motion is not Motion.JOINT:
             return _NONE, _NONE
-        tx, ty, tz, fx, fy, fz = (-self.wrench).tolist()
-        cx, cy, cz = self.centre.tolist()
+        wrenches, centres = self.resting if self.resting is not None and obj.slot in self.asleep else self.loads
+        tx, ty, tz, fx, fy, fz = (-wrenches[slot.body]).tolist()
+        cx, cy, cz = centres[self.roots[slot.body]].tolist()
         x, y, z = origin
         x, y, z = cx - x, cy - y, cz - z
         return (fx, fy, fz), (tx + y * fz - z * fy, ty + z * fx - x * fz, tz + x * fy - y * fx)
-
-
-_UNLOADED = JointMoment(None, np.zeros(3))
 
 
 class Reactions:
@@ -133,60 +152,46 @@ class Reactions:
         if self._model is not world.model:
             self._model = world.model
             self._points = ContactPoints(world, gliding)
-            self._geoms: dict[str, NDArray[np.bool_]] = {}
+            #: masks of the shapes of objects, by name
+            self._shapes: dict[str, NDArray[np.bool_]] = {}
             self._stamp = -1
         if self._stamp != world.stamp:
             self._stamp = world.stamp
             self._some_sleep = bool((world.data.tree_asleep >= 0).any())
             #: of the awake bodies, once somebody asks
             self._solved: _Solved | None = None
-            self._wrenches: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+            self._wrenches: _Loads | None = None
         return self
 
-    def _own(self, obj: Posed) -> NDArray[np.bool_]:
-        """Which shapes belong to an object and the objects below it."""
-        own = self._geoms.get(obj.node.name)
-        if own is None:
-            nodes = {id(node) for node in obj.node.walk()}
-            own = np.array([id(node) in nodes for node in self._world.geom_node], dtype=bool)
-            self._geoms[obj.node.name] = own
-        return own
-
-    def _sleeps(self, body: int) -> bool:
+    def _sleeping(self, objects: Iterable[Posed]) -> Collection[int]:
+        """The slots of those that sleep."""
         if not self._some_sleep:
-            return False
-        tree = int(self._world.model.body_treeid[body])
-        return tree >= 0 and self._world.data.tree_asleep[tree] >= 0
-
-    def contact_moment(self, obj: Posed) -> ContactMoment:
-        """Return the present contacts of an object; those between its parts are left out."""
+            return ()
         world = self._world
-        if self._sleeps(world.slots[obj.slot].body):
-            with self._points.everything() as copy:
-                solved = _Solved(world.model, copy)
-        else:
-            if self._solved is None:
-                self._solved = _Solved(world.model, world.data)
-            solved = self._solved
-        return ContactMoment(solved, self._own(obj), world.geom_node, world)
+        slots = {obj.slot: int(world.model.body_treeid[world.slots[obj.slot].body]) for obj in objects}
+        return {slot for slot, tree in slots.items() if tree >= 0 and world.data.tree_asleep[tree] >= 0}
 
-    def joint_moment(self, obj: Posed) -> JointMoment:
-        """Return what loads the joint that carries an object."""
-        world = self._world
-        slot = world.slots[obj.slot]
-        if slot.frame.motion is not Motion.JOINT:
-            return _UNLOADED
-        if self._sleeps(slot.body):
+    def contact_moment(self, objects: Iterable[Posed]) -> ContactMoment:
+        """Return the present contacts of objects; those between the parts of an object are left out."""
+        world, asleep, resting = self._world, self._sleeping(objects), None
+        if asleep:
             with self._points.everything() as copy:
-                if copy is None:
-                    return _UNLOADED
-                wrenches, centres = self._loads(copy)
-        else:
-            if self._wrenches is None:
-                self._wrenches = self._loads(world.data)
-            wrenches, centres = self._wrenches
-        return JointMoment(wrenches[slot.body], centres[world.model.body_rootid[slot.body]])
+                resting = _Solved(world.model, copy)
+        if self._solved is None:
+            self._solved = _Solved(world.model, world.data)
+        return ContactMoment(self._solved, resting, asleep, self._shapes, world.geom_node, world)
 
-    def _loads(self, data: mujoco.MjData) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def joint_moment(self, objects: Iterable[Posed]) -> JointMoment:
+        """Return what loads the joints that carry objects."""
+        world, asleep, resting = self._world, self._sleeping(objects), None
+        if asleep:
+            with self._points.everything() as copy:
+                zeros = np.zeros((world.model.nbody, 6))
+                resting = (zeros, zeros[:, :3]) if copy is None else self._loads(copy)
+        if self._wrenches is None:
+            self._wrenches = self._loads(world.data)
+        return JointMoment(self._wrenches, resting, asleep, world.slots, world.model.body_rootid)
+
+    def _loads(self, data: mujoco.MjData) -> _Loads:
         mujoco.mj_rnePostConstraint(self._world.model, data)
         return data.cfrc_int.copy(), data.subtree_com.copy()

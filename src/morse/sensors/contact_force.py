@@ -11,6 +11,8 @@ from morse.helpers.components import add_data, add_kind
 from morse.sensors.collision import touched_names
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.robot import Robot
     from morse.core.world import Body
     from morse.core.world.body import ContactMoment
@@ -44,14 +46,15 @@ class ContactForce(Sensor):
         super().__init__(obj, parent)
         self._part = obj.parent or obj
 
-    def observe(self) -> ContactMoment:
+    @classmethod
+    def observe_all(cls, sensors: Sequence[ContactForce]) -> ContactMoment:
         """Return the present contacts."""
-        return self._part.contact_moment()
+        return sensors[0].context.world.contact_moment([sensor._part for sensor in sensors])
 
     @on_read
     def measure(self) -> None:
         """Measure the contacts."""
-        pairs = self.observation().forces()
+        pairs = self.observation().forces(self._part)
         data = self.local_data
         data["touching"] = bool(pairs)
         data["force"] = [sum((force[axis] for _, force in pairs), 0.0) for axis in range(3)]

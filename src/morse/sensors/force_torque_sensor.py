@@ -11,6 +11,8 @@ from morse.helpers.components import add_data, add_kind
 from morse.mathutils.rotations import turn_back
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.robot import Robot
     from morse.core.world import Body
     from morse.core.world.body import JointMoment
@@ -40,14 +42,15 @@ class ForceTorqueSensor(Sensor):
             text = f"{self.name()}: no dynamic joint carries it, and it measures 0: append it to a link that moves"
             self.context.complaints.warn(text, text)
 
-    def observe(self) -> JointMoment:
-        """Return the present load of the joint."""
-        return self.bge_object.joint_moment()
+    @classmethod
+    def observe_all(cls, sensors: Sequence[ForceTorqueSensor]) -> JointMoment:
+        """Return the present loads of the joints."""
+        return sensors[0].context.world.joint_moment([sensor.bge_object for sensor in sensors])
 
     @on_read
     def measure(self) -> None:
         """Measure force and torque."""
         position, rotation = self.position_3d.get_pose()
-        force, torque = self.observation().load(position)
+        force, torque = self.observation().load(self.bge_object, position)
         self.local_data["force"] = list(turn_back(rotation, force))
         self.local_data["torque"] = list(turn_back(rotation, torque))

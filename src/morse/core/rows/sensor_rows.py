@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.interfaces import Component
-    from morse.core.values import Fields
+    from morse.core.values import Fields, Value
     from morse.core.world import Snapshot
 
 
@@ -75,7 +75,15 @@ class SensorRows(Rows[Sensor]):
         self._time = self._time_before = self._context.clock.time
         self._taps = self._context.row_taps
         self._remembers = self.remembers
-        self._observes = type(self.members[0]).observe is not Sensor.observe
+        cls = type(self.members[0])
+        #: whether there is one observation for all rows; and that one, and the one before
+        self._together = cls.observe is Sensor.observe and _is_shared(cls)
+        self._seen: Value = None
+        self._seen_before: Value = None
+        self._observes = self._together or cls.observe is not Sensor.observe
+        if self._observes:
+            for member in self._rows:
+                member.observed = member.observed_before = None
 
     def _release(self, member: Sensor) -> None:
         own = vars(member)
@@ -95,14 +103,23 @@ class SensorRows(Rows[Sensor]):
         self.stamp += 1
         self._before, self._time_before = self._poses, self._time
         self._poses, self._time = self._snapshots.now(), self._context.clock.time
-        if self._observes:
-            self._guard.each(self._rows, _observe, self._guard.deactivate)
+        if self._together and self._rows:
+            self._guard.run(self._observe_all, self._observe_each)
+        elif self._observes:
+            self._observe_each()
         if any(self._signs):
             self._publish()
         if self._taps:
             self._guard.call(self._taps, self)
         if self._each:
             self._act(self._each)
+
+    def _observe_all(self) -> None:
+        self._seen_before, self._seen = self._seen, type(self._rows[0]).observe_all(self._rows)
+
+    def _observe_each(self, _error: object = None) -> None:
+        self._seen_before = self._seen = None
+        self._guard.each(self._rows, _observe, self._guard.deactivate)
 
     def _publish(self) -> None:
         for member in {id(member): member for member, sign in self._waiting if sign}.values():
@@ -132,6 +149,8 @@ class SensorRows(Rows[Sensor]):
         return data
 
     def _measure(self, row: int, member: Sensor, data: Fields, last: int) -> None:
+        if self._seen is not None:
+            member.observed_before, member.observed = self._seen_before, self._seen
         if self._remembers and last < self.stamp - 1:
             data["timestamp"] = self._time_before
             member.position_3d.set_pose(*self._before.pose(row))
@@ -143,6 +162,11 @@ class SensorRows(Rows[Sensor]):
         member.default_action()
         if member._reports:
             member.report()
+
+
+def _is_shared(cls: type[Sensor]) -> bool:
+    """Whether a class has one observation for all of its sensors."""
+    return next(base for base in cls.__mro__ if "observe_all" in vars(base)) is not Sensor
 
 
 def _observe(member: Sensor) -> None:

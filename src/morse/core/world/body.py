@@ -56,16 +56,16 @@ class Bodies(Protocol):
 
 
 class ContactMoment(Protocol):
-    """The contacts of an object at one moment."""
+    """The contacts of bodies at one moment."""
 
-    def forces(self) -> Sequence[tuple[Body, Sequence[float]]]:
+    def forces(self, obj: Body) -> Sequence[tuple[Body, Sequence[float]]]:
         """See `Body.contact_forces`."""
 
 
 class JointMoment(Protocol):
-    """What loads the joint that carries an object, at one moment."""
+    """What loads the joints that carry bodies, at one moment."""
 
-    def load(self, origin: Sequence[float]) -> tuple[Sequence[float], Sequence[float]]:
+    def load(self, obj: Body, origin: Sequence[float]) -> tuple[Sequence[float], Sequence[float]]:
         """Return force (N) and torque (N m) as `Body.joint_load` does, about a point of the world, m."""
 
 
@@ -210,14 +210,8 @@ class Body(BodyNames, Protocol):
             strongest: largest acceleration, m/s^2.
         """
 
-    def contact_moment(self) -> ContactMoment:
-        """Return the present contacts, whose forces may be computed later."""
-
     def contact_forces(self) -> Sequence[tuple[Body, Sequence[float]]]:
         """Return what presses on this object and the objects below it: other objects, and forces (N, world axes)."""
-
-    def joint_moment(self) -> JointMoment:
-        """Return the present load of the joint that carries the object, which may be computed later."""
 
     def joint_load(self) -> tuple[Sequence[float], Sequence[float]]:
         """Return force (N) and torque (N m, about the origin of the object) in the joint that carries the object.

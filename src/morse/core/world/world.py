@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from morse.core.values import StateData
-    from morse.core.world.body import Bodies, Body
+    from morse.core.world.body import Bodies, Body, ContactMoment, JointMoment
     from morse.core.world.linkage import Hanging, Linkage
     from morse.core.world.rays import Rays
     from morse.core.world.snapshots import Fleet
@@ -108,6 +108,12 @@ class World(WorldPoses, Protocol):
 
     def contacts(self) -> Sequence[tuple[Body, Body]]:
         """Return the pairs of objects that are in contact."""
+
+    def contact_moment(self, objects: Sequence[Body]) -> ContactMoment:
+        """Return the present contacts of some bodies, whose forces may be computed later."""
+
+    def joint_moment(self, objects: Sequence[Body]) -> JointMoment:
+        """Return the present loads of the joints that carry some bodies, which may be computed later."""
 
     def touched_by(self, obj: Body, margin: float = 0.0) -> Sequence[Body]:
         """Return the objects whose shapes are closer than ``margin`` (m) to the shapes of an object, see `Touching`."""

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from morse.core.values import Properties, StateData, Value
     from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.objects.posed import Posed
-    from morse.physics.reactions import ContactMoment, JointMoment
     from morse.physics.state.saved import SavedObject
     from morse.scene import Node
     from morse.scene.frames import RigidFrame
@@ -390,21 +389,13 @@ class GameObject(LegacyNames):
         point, _ = rigid.compose(*self.world_pose(), floats3(anchor, POSITION), rigid.IDENTITY)
         self._world.bodies.pull(self.slot, point, floats3(target, POSITION), stiffness, damping, strongest)
 
-    def contact_moment(self) -> ContactMoment:
-        """See `morse.core.world.Body.contact_moment`."""
-        return self._world.reactions.contact_moment(self)
-
     def contact_forces(self) -> list[tuple[GameObject, tuple[float, float, float]]]:
         """See `morse.core.world.Body.contact_forces`."""
-        return self.contact_moment().forces()
-
-    def joint_moment(self) -> JointMoment:
-        """See `morse.core.world.Body.joint_moment`."""
-        return self._world.reactions.joint_moment(self)
+        return self._world.contact_moment([self]).forces(self)
 
     def joint_load(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """See `morse.core.world.Body.joint_load`."""
-        return self.joint_moment().load(self.world_pose()[0])
+        return self._world.joint_moment([self]).load(self, self.world_pose()[0])
 
     def suspendDynamics(self, ghost: bool = False) -> None:  # noqa: N802
         """Keep the object at its pose, independent of the forces on it."""

@@ -10,6 +10,8 @@ from morse.physics.reactions import Reactions
 from morse.physics.state.engine_state import EngineState
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.posed import Posed
     from morse.physics.rays import Rays
+    from morse.physics.reactions import ContactMoment, JointMoment
     from morse.scene import Node
 
 
@@ -47,10 +50,13 @@ class ObjectWorld(EngineState):
     def _reactions(self) -> Reactions:
         return Reactions(self)
 
-    @property
-    def reactions(self) -> Reactions:
-        """Computes forces of contacts and in joints."""
-        return self._reactions.take(self.gliding)
+    def contact_moment(self, objects: Sequence[Posed]) -> ContactMoment:
+        """See `morse.core.world.World.contact_moment`."""
+        return self._reactions.take(self.gliding).contact_moment(objects)
+
+    def joint_moment(self, objects: Sequence[Posed]) -> JointMoment:
+        """See `morse.core.world.World.joint_moment`."""
+        return self._reactions.take(self.gliding).joint_moment(objects)
 
     @abstractmethod
     def object_of(self, node: Node) -> GameObject:
