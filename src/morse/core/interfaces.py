@@ -81,13 +81,11 @@ class Offering(Protocol):
 
 
 class Modifier(Protocol):
-    """Changes the data of a component, see `morse.core.modifier.AbstractModifier`.
+    """Changes the data of a component, see `morse.core.modifier.AbstractModifier`."""
 
-    Attributes:
-        component_instance: the component.
-    """
-
-    component_instance: Component
+    @property
+    def component_instance(self) -> Component:
+        """The component."""
 
     def modify(self) -> None:
         """Change the data."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from morse.builder.script import ScriptError, load_scene
 from morse.core.classes.project_imports import ProjectImports
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
     from morse.simulation.simulation import Simulation
+    from morse.viewer.live_view import View
 
 logger = logging.getLogger("morse.main")
 
@@ -90,7 +91,7 @@ class Rereading:
         options = self._options
         if simulation.view is not None and options.view == "web":
             # open pages reconnect to the same address
-            port, token = simulation.view.address
+            port, token = cast("View", simulation.view).address
             options = replace(options, view_port=port, view_token=token, open_browser=False)
         self.successor = scene, options, stamps | source_stamps(scene)
         simulation.stop()

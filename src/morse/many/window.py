@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from morse.core.reports.faults import describe
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from morse.many.scenes import Scenes
     from morse.simulation.simulation import Simulation
     from morse.viewer.notebook import Frame
+    from morse.viewer.row_view import RowView
 
 logger = logging.getLogger(__name__)
 
@@ -38,11 +39,13 @@ class Window:
 
             self.close()
             self._simulation = simulation = self._scenes.load_view(row, RowView, self._port)
-            self._port = simulation.view.address[0]
-            simulation.view.announce()
+            view = _view(simulation)
+            self._port = view.address[0]
+            view.announce()
         self.row = row
-        frame: Frame = self._simulation.view.show(height)
-        logger.info("row %d is shown at %s", row, self._simulation.view.url)
+        view = _view(self._simulation)
+        frame = view.show(height)
+        logger.info("row %d is shown at %s", row, view.url)
         return frame
 
     def turn(self, row_of: Callable[[int], Simulation]) -> None:
@@ -50,7 +53,7 @@ class Window:
         if self._simulation is None:
             return
         try:
-            self._simulation.view.turn(lambda: row_of(self.row))
+            _view(self._simulation).turn(lambda: row_of(self.row))
         except Exception as error:
             logger.error("the page of row %d is closed: %s", self.row, describe(error))
             self.close()
@@ -60,3 +63,8 @@ class Window:
         simulation, self._simulation = self._simulation, None
         if simulation is not None:
             simulation.close()
+
+
+def _view(simulation: Simulation) -> RowView:
+    """Return the view that `Scenes.load_view` has opened."""
+    return cast("RowView", simulation.view)

@@ -25,9 +25,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.context import Context
+    from morse.core.interfaces import Middleware
+    from morse.core.modifier import AbstractModifier
     from morse.core.object import Object
     from morse.core.world import Body
-    from morse.scene import ComponentDeclaration
+    from morse.scene import ComponentDeclaration, ModifierDeclaration
 
 logger = logging.getLogger(__name__)
 
@@ -246,14 +248,16 @@ def check_kinds(present: list[tuple[ComponentDeclaration, Object]]) -> None:
         raise LoadError("\n".join(f"{_where(declarations[one])}: {finding}" for one, finding in findings))
 
 
-def make_modifier(component: Object, declaration: ComponentDeclaration, modifier: Any) -> Any:
+def make_modifier(
+    component: Object, declaration: ComponentDeclaration, modifier: ModifierDeclaration
+) -> AbstractModifier:
     """Instantiate one modifier of a component.
 
     Raises:
         LoadError: the message contains the component and the line of the script that created it.
     """
     try:
-        instance = load_class(modifier.classpath)(component, dict(modifier.options))
+        instance: AbstractModifier = load_class(modifier.classpath)(component, dict(modifier.options))
         instance.initialize()
         return instance
     except MorseError as error:
@@ -264,7 +268,9 @@ def make_modifier(component: Object, declaration: ComponentDeclaration, modifier
         raise LoadError(f"modifier {modifier.classpath} of {_where(declaration)}: {describe(error)}") from error
 
 
-def _add_modifier(component: Object, declaration: ComponentDeclaration, modifier: Any, parts: Loaded) -> None:
+def _add_modifier(
+    component: Object, declaration: ComponentDeclaration, modifier: ModifierDeclaration, parts: Loaded
+) -> None:
     instance = make_modifier(component, declaration, modifier)
     direction = "OUT" if declaration.kind == "sensor" else "IN"
     if isinstance(component, ExternalObject) and modifier.direction is not None:
@@ -276,10 +282,11 @@ def _add_modifier(component: Object, declaration: ComponentDeclaration, modifier
         parts.modifiers.append(modifier.classpath)
 
 
-def make_stream_manager(context: Context, classpath: str) -> Any:
+def make_stream_manager(context: Context, classpath: str) -> Middleware:
     """Start the stream manager of a class path."""
     options = dict(context.scene.manager_options.get(classpath, {}))
-    return load_class(classpath)(options, context)
+    manager: Middleware = load_class(classpath)(options, context)
+    return manager
 
 
 def add_request_manager(context: Context, classpath: str) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from operator import methodcaller
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from morse.assets.collision import resolve_shapes
 from morse.builder.assembly.spawning import Newcomer, describe_newcomer, maker_of
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from morse.scene import ComponentDeclaration, Node, Zone
     from morse.simulation.running import Running
 
-_NO_MAKERS: Mapping[str, Any] = MappingProxyType({})
+_T = TypeVar("_T")
+_NO_MAKERS: Mapping[str, Callable[[], object]] = MappingProxyType({})
 _LONGEST_NAME = 100
 #: maximum number of objects in a scene, so that clients cannot exhaust the memory
 _MOST_ROOTS = 20_000
@@ -38,7 +39,7 @@ _MOST_ROOTS = 20_000
 class Recipe(NamedTuple):
     """How a spawned object was created: kind, position, rotation, and its root objects."""
 
-    kind: str | Callable[[], Any]
+    kind: str | Callable[[], object]
     position: list[float]
     rotation: list[float]
     roots: tuple[str, ...] = ()
@@ -307,7 +308,7 @@ class Population:
             "gone": [root.name for root in self._launch[0] if root.name not in present],
         }
 
-    def set_state(self, state: StateData, makers: Mapping[str, Callable[[], Any]] = _NO_MAKERS) -> None:
+    def set_state(self, state: StateData, makers: Mapping[str, Callable[[], object]] = _NO_MAKERS) -> None:
         """Spawn and delete robots and objects until they match the state.
 
         Args:
@@ -362,11 +363,8 @@ class Population:
         by_declaration = {one.name: number for number, one in enumerate(declarations)}
         for members in (simulation.loaded.robots, simulation.loaded.actuators, simulation.loaded.sensors):
             members.sort(key=lambda component: by_declaration[component.name()])
-        tables: list[dict[str, Any]] = [simulation.context.robots, simulation.context.components]
-        for table in tables:
-            items = sorted(table.items(), key=lambda item: by_declaration[item[0]])
-            table.clear()
-            table.update(items)
+        _sort(simulation.context.robots, by_declaration)
+        _sort(simulation.context.components, by_declaration)
 
     def _bring_back(self, roots: list[Node]) -> None:
         """Restore deleted robots and objects of the launch."""
@@ -389,11 +387,17 @@ class Population:
         self._changed()
 
 
+def _sort(table: dict[str, _T], order: Mapping[str, int]) -> None:
+    ordered = sorted(table.items(), key=lambda item: order[item[0]])
+    table.clear()
+    table.update(ordered)
+
+
 def _accept(kind: str) -> None:
     """Refuse no kind."""
 
 
-def check_newcomer(name: Any, kind: Any, position: Any, rotation: Any) -> None:
+def check_newcomer(name: object, kind: object, position: Sequence[float], rotation: Sequence[float]) -> None:
     """Raise an error for an invalid name, kind or pose of a spawned object.
 
     Raises:

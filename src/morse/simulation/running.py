@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.journal import Journal
     from morse.core.observer import Observer
+    from morse.core.services import Outcome
     from morse.physics import World
     from morse.recording.made.made import Made
     from morse.recording.recorder import Recorder
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 class Holder(Protocol):
     """An object with a state."""
 
-    def get_state(self) -> Any:
+    def get_state(self) -> object:
         """Return the state as plain data."""
 
     def set_state(self, state: Any) -> None:
@@ -42,7 +43,7 @@ class Populated(Holder, Protocol):
     def restart(self, name: str, seed: int | None) -> None:
         """Restart one robot."""
 
-    def set_state(self, state: Any, makers: Mapping[str, Callable[[], Any]] = ...) -> None:
+    def set_state(self, state: Any, makers: Mapping[str, Callable[[], object]] = ...) -> None:
         """Spawn and delete robots and objects until they match the state."""
 
     def makers(self) -> Mapping[str, Callable[[], object]]:
@@ -134,7 +135,7 @@ class Running(Protocol):
     def cancel_steps(self) -> None:
         """Cancel the requested ticks."""
 
-    def request_steps(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = ...) -> Callable[[], None]:
+    def request_steps(self, ticks: int = 1, ended: Callable[[Outcome], object] = ...) -> Callable[[], None]:
         """Let `run` execute a number of ticks and then pause."""
 
     def call(self, component: str, service: str, *arguments: object) -> LocalFuture:

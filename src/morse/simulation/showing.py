@@ -2,25 +2,42 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy as np
+    from numpy.typing import NDArray
+
     from morse.physics import World
     from morse.rendering import Renderer
+    from morse.viewer.notebook import Frame
+
+
+class LiveView(Protocol):
+    """What shows a simulation while it runs: the pages in browsers, or the viewer of MuJoCo."""
+
+    @property
+    def url(self) -> str:
+        """The address for a browser."""
+
+    def announce(self) -> None:
+        """Log the address."""
 
 
 class Showing:
     """The part of `morse.simulation.simulation.Simulation` that shows the world."""
 
     world: World
-    view: Any
+    view: LiveView | None
     #: what `picture` has read of the world
     _renderer: Renderer | None = None
 
     def _check_open(self) -> None:
         raise NotImplementedError
 
-    def show(self, height: int = 480) -> Any:
+    def show(self, height: int = 480) -> Frame:
         """Return the live view as an HTML frame, which a notebook displays if it is the value of a cell.
 
         Args:
@@ -30,14 +47,14 @@ class Showing:
             RuntimeError: the simulation was not loaded with ``view="web"``, or is closed.
         """
         self._check_open()
-        show = getattr(self.view, "show", None)
+        show: Callable[[int], Frame] | None = getattr(self.view, "show", None)
         if show is None:
             raise RuntimeError(
                 "there is no live view: load the scene with morse.load(SCENE, view='web'), or draw it by sim.picture()"
             )
         return show(height)
 
-    def picture(self, width: int = 960, height: int = 600, **view: Any) -> Any:
+    def picture(self, width: int = 960, height: int = 600, **view: Any) -> NDArray[np.uint8]:
         """Render an image of the present world, from the initial viewpoint of the live view.
 
         Args:

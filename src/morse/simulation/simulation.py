@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from morse.physics.model.compile import Compiled
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
+    from morse.simulation.showing import LiveView
 
 
 logger = logging.getLogger(__name__)
@@ -94,7 +95,7 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
         self.context.stopping = lambda: self._loop.stopping
         self.context.paused = lambda: self._stepping.paused
         self.context.guard.remarks = uncover
-        self.view: Any = None
+        self.view: LiveView | None = None
         #: callback that loads the edited scene instead of this one; it returns False if nothing has changed
         self.reread: Callable[[], bool] | None = None
         self.edits = Edits()
@@ -148,7 +149,7 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
         node = Node(self.context, self.scene.multinode, self.options.node_name or node_name(), self._move_robot)
         self.observers.insert(0, node)
 
-    def _move_robot(self, name: str, pose: Any) -> None:
+    def _move_robot(self, name: str, pose: Sequence[Sequence[float]]) -> None:
         # as a service, because services are inputs that recordings contain
         self.rpc("simulation", "set_object_position", name, *map(list, pose))
 

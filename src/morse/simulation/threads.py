@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import traceback
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.reports.faults import attribute, is_a, name_of, trace_of
@@ -26,7 +26,7 @@ class _Hook:
         before: the hook for threads that do not belong to a component.
     """
 
-    def __init__(self, before: Callable[[Any], object]) -> None:
+    def __init__(self, before: Callable[[threading.ExceptHookArgs], object]) -> None:
         self._before = before
 
     def __call__(self, failure: threading.ExceptHookArgs) -> object:

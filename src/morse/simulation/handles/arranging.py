@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.exceptions import MorseRPCInvokationError
@@ -15,9 +15,10 @@ from morse.services import looks
 from morse.simulation.handles.contacts import Contacts
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from morse.core.context import Context
+    from morse.core.values import Value
     from morse.core.world import Body
     from morse.simulation.handles.textures import NamedPictures
     from morse.simulation.ticks.ticking import Ticker
@@ -36,7 +37,7 @@ class Arranging:
     context: Context
     rpc: Callable[..., object]
     _check_open: Callable[[], None]
-    _all_handles: Callable[[], dict[str, Any]]
+    _all_handles: Callable[[], Mapping[str, Value]]
     _ticker: Ticker
     pictures: NamedPictures
 
@@ -170,7 +171,7 @@ class Arranging:
             raise KeyError(f"there is no robot '{name}'{nearest(name, list(self.context.robots))}")
         self.rpc("simulation", "restart_robot", handle.fqn, seed)
 
-    def check_variation(self, name: str, what: str, value: Any) -> None:
+    def check_variation(self, name: str, what: str, value: Value) -> None:
         """Raise the error that `set_mass` would raise, or another method: ``what`` is the part after ``set_``."""
         obj = self._object(name)
         if what == "texture":
@@ -183,7 +184,7 @@ class Arranging:
         else:
             self.context.world.check_variation(obj, what, value)
 
-    def _vary(self, service: str, name: str, value: Any) -> None:
+    def _vary(self, service: str, name: str, value: Value) -> None:
         from pymorse.errors import MorseServiceFailed
 
         try:

@@ -14,7 +14,7 @@ from morse.core.streams.pending_commands import PendingCommands
 from morse.core.validation.errors import CommandError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from morse.core.context import Context
     from morse.core.object import Object
@@ -30,7 +30,7 @@ _KEPT = 100
 _PLAIN = frozenset((float, int, bool, str, type(None)))
 
 
-def component_handles(simulation: Handles, kept: dict[str, ComponentHandle]) -> Fields:
+def component_handles(simulation: Handles, kept: dict[str, ComponentHandle]) -> dict[str, object]:
     """Return the handles of all robots by name, and the lists of robots that were created in loops.
 
     Args:
@@ -39,7 +39,7 @@ def component_handles(simulation: Handles, kept: dict[str, ComponentHandle]) -> 
     from pymorse.names import normalize_name, series
 
     context = simulation.context
-    handles: Fields = {}
+    handles: dict[str, object] = {}
     for name in [name for name in kept if context.component(name) is None]:
         del kept[name]
     for name, robot in context.robots.items():
@@ -173,7 +173,7 @@ class ComponentHandle:
             self._simulation.step()
         return _copy(self._messages[-1])
 
-    def last(self, n: int = 1) -> Any:
+    def last(self, n: int = 1) -> Fields | list[Fields] | None:
         """Return the latest data since the first use of this handle, or None; for ``n`` > 1 a list, latest first."""
         self._listen("last")
         if n == 1:
@@ -207,7 +207,7 @@ class ComponentHandle:
         self._wired = component
         return component
 
-    def _measured(self, sensor: Any) -> None:
+    def _measured(self, sensor: Object) -> None:
         message = _copy(present_data(sensor))
         self._messages.append(message)
         self._count += 1
@@ -333,7 +333,7 @@ class RobotHandle(ComponentHandle):
         """The names of the components."""
         return list(self.parts)
 
-    def __iter__(self) -> Any:
+    def __iter__(self) -> Iterator[str]:
         return iter(self.parts)
 
     def __len__(self) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core import status
 
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from morse.core.clock import Clock
     from morse.core.guard import Guard
     from morse.core.request_manager import Outcome
+    from morse.core.values import Value
 
 
 def _nothing() -> None:
@@ -62,7 +63,7 @@ class LocalFuture:
         """Whether the service was cancelled or interrupted."""
         return self._outcome is not None and self._outcome[0] == status.PREEMPTED
 
-    def result(self, timeout: float | None = None) -> Any:
+    def result(self, timeout: float | None = None) -> Value:
         """Run the simulation until the service has ended, and return the result.
 
         Args:
@@ -129,5 +130,5 @@ class LocalFuture:
         return repr(self.result()) if self.done() else "<a service that is running>"
 
 
-def _value(other: object) -> Any:
+def _value(other: object) -> Value:
     return other.result() if isinstance(other, LocalFuture) else other

@@ -44,7 +44,7 @@ class Handles(Arranging):
         super().__init__()
         self._requests = LocalRequests(self.context, self.step)
         self.context.services.add_internal(self._requests)
-        self._handles: dict[str, Any] | None = None
+        self._handles: dict[str, object] | None = None
         self._names: set[str] = set()
         self._by_full_name: dict[str, ComponentHandle] = {}
         self._failure: tuple[BaseException, str] | None = None

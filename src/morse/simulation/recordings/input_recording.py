@@ -19,6 +19,7 @@ from morse.system.regular_files import read_regular
 if TYPE_CHECKING:
     from types import TracebackType
 
+    from morse.core.values import Fields, Value
     from morse.simulation.running import Running
 
 _HEAD = b"MORSE inputs 1\n"
@@ -43,7 +44,7 @@ class InputRecording:
     start: State | None = None
     last: int = 0
     entries: list[Entry] = field(default_factory=list)
-    waiting: dict[str, dict[str, Any]] = field(default_factory=dict)
+    waiting: dict[str, Fields] = field(default_factory=dict)
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a file.
@@ -143,12 +144,12 @@ def entry_from_bytes(data: bytes) -> Entry:
         raise StateError(f"an input is damaged: {error}") from None
 
 
-def waiting_to_bytes(waiting: dict[str, dict[str, object]]) -> bytes:
+def waiting_to_bytes(waiting: dict[str, Fields]) -> bytes:
     """Convert the commands that have not been applied yet, for a file."""
     return _encoder.encode(Writer(NoReferences()).value(waiting))
 
 
-def waiting_from_bytes(data: bytes) -> dict[str, dict[str, Any]]:
+def waiting_from_bytes(data: bytes) -> dict[str, Fields]:
     """The commands in the bytes that `waiting_to_bytes` returned.
 
     Raises:
@@ -161,8 +162,8 @@ def waiting_from_bytes(data: bytes) -> dict[str, dict[str, Any]]:
         raise StateError(f"the commands at the end are damaged: {error}") from None
 
 
-def _packed(entry: Entry) -> list[Any]:
-    content: Any = entry.content
+def _packed(entry: Entry) -> list[object]:
+    content: Value = entry.content
     if entry.kind == RESTORE:
         content = content.to_bytes()
     elif entry.kind == SPAWN and not isinstance(content[0], str):

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.object import Object
+    from morse.core.values import Value
     from morse.simulation.handles.futures import LocalFuture
     from morse.simulation.recordings.input_recording import InputRecording
     from morse.simulation.running import Running
@@ -155,5 +156,5 @@ class Replay:
                 return
 
 
-def _rest(content: Any) -> tuple[tuple[float, ...], str | None]:
+def _rest(content: Value) -> tuple[tuple[float, ...], str | None]:
     return tuple(content[1]), content[2]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from morse.core.values import StateData
     from morse.core.world import World
-    from morse.simulation.running import Running
+    from morse.simulation.running import Holder, Running
 
 logger = logging.getLogger(__name__)
 
@@ -41,7 +41,7 @@ class Saving:
         #: states of this simulation that need no check, while the world has the arrangement of that number
         self._valid: WeakKeyDictionary[State, int] = WeakKeyDictionary()
         #: their physics, as the world has validated it
-        self._physics: WeakKeyDictionary[State, Any] = WeakKeyDictionary()
+        self._physics: WeakKeyDictionary[State, object] = WeakKeyDictionary()
 
     def save(self, *, tell: bool = True) -> State:
         """Return the present state.
@@ -220,7 +220,7 @@ class Saving:
         yield "inputs", InputsState(simulation)
 
 
-def _state_of(name: str, holder: Any) -> object:
+def _state_of(name: str, holder: Holder) -> object:
     try:
         return holder.get_state()
     except ENDINGS:
@@ -234,7 +234,7 @@ def _with_attributes(holder: object) -> object:
     return holder if isinstance(holder, (Object, AbstractModifier, MorseOverlay)) else None
 
 
-def _check_physics(world: World, state: Any) -> None:
+def _check_physics(world: World, state: object) -> None:
     try:
         world.check_state(state)
     except ValueError as error:

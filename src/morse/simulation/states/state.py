@@ -44,7 +44,7 @@ class State:
         self,
         parts: StateData,
         unsaved: tuple[str, ...] = (),
-        makers: Mapping[str, Callable[[], Any]] = MappingProxyType({}),
+        makers: Mapping[str, Callable[[], object]] = MappingProxyType({}),
         middlewares: Mapping[str, object] = MappingProxyType({}),
     ) -> None:
         self.parts = parts

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core import status
 
@@ -10,11 +10,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.context import Context
+    from morse.core.services import Outcome
     from morse.simulation.ticks.pacing import Pacer
     from morse.simulation.ticks.stepping import Stepping
 
 
-def _nobody(_outcome: tuple[str, Any]) -> None:
+def _nobody(_outcome: Outcome) -> None:
     """Default callback for the end of requested ticks."""
 
 
@@ -40,7 +41,7 @@ class Paused:
         self._stepping.paused = False
         self.pacer.restart()
 
-    def request_steps(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = _nobody) -> Callable[[], None]:
+    def request_steps(self, ticks: int = 1, ended: Callable[[Outcome], object] = _nobody) -> Callable[[], None]:
         """Let `run` execute ``ticks`` ticks and then pause; earlier requests are executed first.
 
         Args:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core import status
 
@@ -11,9 +11,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.guard import Guard
+    from morse.core.services import Outcome
 
 #: callback for the end of a request, with status and result
-Ended = "Callable[[tuple[str, Any]], object]"
+Ended = "Callable[[Outcome], object]"
 
 
 class Stepping:
@@ -27,7 +28,7 @@ class Stepping:
     def __init__(self, guard: Guard) -> None:
         self._guard = guard
         self.paused = self.forced = False
-        self._series: OrderedDict[object, tuple[int, Callable[[tuple[str, Any]], object]]] = OrderedDict()
+        self._series: OrderedDict[object, tuple[int, Callable[[Outcome], object]]] = OrderedDict()
         self._left = 0
 
     @property
@@ -40,7 +41,7 @@ class Stepping:
         """Whether no ticks are requested."""
         return not self._left
 
-    def add(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
+    def add(self, ticks: int, ended: Callable[[Outcome], object]) -> Callable[[], None]:
         """Request ``ticks`` ticks, after earlier requests; ``ended((status, None))`` is called after the last tick.
 
         Returns:

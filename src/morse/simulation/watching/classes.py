@@ -17,6 +17,7 @@ from morse.simulation.watching.inheritance import Inheritance
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from morse.core.modifier import AbstractModifier
     from morse.core.object import Object
     from morse.core.robot import Robot
     from morse.scene import ComponentDeclaration
@@ -138,7 +139,7 @@ class _Exchange:
                 part.robot_parent = cast("Robot", new)
         new.input_modifiers, new.output_modifiers = old.input_modifiers, old.output_modifiers
         for modifier in [*new.input_modifiers, *new.output_modifiers]:
-            modifier.component_instance = new
+            cast("AbstractModifier", modifier).component_instance = new
         self._connect(declaration, old, new)
         context.failed.discard(name)
         self._simulation.finalize_one(old)
