@@ -12,10 +12,11 @@ import functools
 import inspect
 import operator
 import typing
+from collections import ChainMap
 from types import SimpleNamespace, UnionType
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias, TypeVar, overload
 
-from morse.core import status
+from morse.core import status, values
 from morse.core.exceptions import MorseServiceAlreadyRunningError
 from morse.core.values import Value
 
@@ -177,12 +178,14 @@ def hints_of(method: Callable[..., object]) -> dict[str, object]:
     """Return the annotations of a service that can be evaluated, including the metadata of `typing.Annotated`."""
     function = getattr(method, "_morse_callable", None) or getattr(method, "__func__", method)
     names = getattr(function, "__globals__", {})
+    # names of types that are usually imported only for type checkers
+    known = ChainMap(names, vars(values))
     hints = {}
     for name, annotation in getattr(function, "__annotations__", {}).items():
         alone = SimpleNamespace(__annotations__={name: annotation})
         # evaluated one by one, because an annotation may use names that are imported only for type checkers
         with contextlib.suppress(Exception):
-            hints.update(typing.get_type_hints(alone, names, include_extras=True))
+            hints.update(typing.get_type_hints(alone, names, known, include_extras=True))
     return hints
 
 
