@@ -1,4 +1,4 @@
-"""Compiles messages and actions of a ROS 2 package of which there is no wheel, for the Python that runs this file.
+"""Compiles the interfaces of a ROS 2 package of which there is no wheel, for the Python that runs this file.
 
     .venv-ros/bin/python .ci/ros2_messages.py tests/middleware/ros2/control_msgs
 
@@ -8,15 +8,18 @@ The steps are those of rosidl_default_generators, without CMake: interfaces beco
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import sysconfig
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 from rosidl_adapter.action import convert_action_to_idl
 from rosidl_adapter.msg import convert_msg_to_idl
+from rosidl_adapter.srv import convert_srv_to_idl
 from rosidl_generator_c import generate_c
 from rosidl_generator_py import generate_py
 from rosidl_generator_type_description import generate_type_hash
@@ -30,7 +33,7 @@ NEEDED = (
     "unique_identifier_msgs",
 )  # fmt: skip
 SUPPORTS = ("rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspection_c")
-CONVERSIONS = {"msg": convert_msg_to_idl, "action": convert_action_to_idl}
+CONVERSIONS = {"msg": convert_msg_to_idl, "srv": convert_srv_to_idl, "action": convert_action_to_idl}
 
 
 def generate(source: Path, out: Path) -> list[Path]:
@@ -82,9 +85,13 @@ def compile_all(sources: list[Path], out: Path, library: Path) -> None:
     headers += [PREFIX / "include", *sorted((PREFIX / "include").iterdir())]
     flags = [*(f"-I{folder}" for folder in headers), "-O0", "-fPIC", "-w", "-c"]
     objects = [str(out / f"{number}.o") for number in range(len(sources))]
-    for source, target in zip(sources, objects, strict=True):
+
+    def compile_one(source: Path, target: str) -> None:
         compiler = ["g++", "-std=c++17"] if source.suffix == ".cpp" else ["gcc"]
         subprocess.run([*compiler, *flags, str(source), "-o", target], check=True)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(compile_one, sources, objects))
     libraries = [
         f"-l{package}__{end}"
         for package in NEEDED

@@ -18,11 +18,14 @@ if TYPE_CHECKING:
 _LONGEST_NAME = 100
 
 
-class Restarting(Protocol):
-    """What restarts robots."""
+class Population(Protocol):
+    """The robots and objects of a simulation."""
 
     def restart(self, name: str, seed: int | None) -> None:
         """Restart one robot."""
+
+    def kinds(self) -> dict[str, str]:
+        """Robots and models by name, each with a sentence."""
 
 
 class Populated(Protocol):
@@ -35,7 +38,7 @@ class Populated(Protocol):
         """Delete a robot or an object."""
 
     @property
-    def population(self) -> Restarting:
+    def population(self) -> Population:
         """The present robots and objects."""
 
 
@@ -84,6 +87,14 @@ class PopulationServices(AbstractObject):
     def delete(self, name: str) -> None:
         """Delete a robot or an object with all its parts."""
         self._attempt(lambda: self._simulation.delete(name))
+
+    @service(changes=False)
+    def list_spawnables(self) -> dict[str, str]:
+        """The robots and models that can be spawned by name, with a sentence about each.
+
+        Models are those in the folders of the project, of ``MORSE_RESOURCE_PATH`` and of MORSE.
+        """
+        return self._simulation.population.kinds()
 
     @service
     def restart_robot(self, name: str, seed: int | None = None) -> None:

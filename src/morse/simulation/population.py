@@ -6,11 +6,15 @@ import math
 from dataclasses import replace
 from functools import partial
 from operator import methodcaller
+from pathlib import PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from morse.assets.collision import resolve_shapes
+from morse.assets.formats import suffixes
+from morse.assets.search import available, project_dirs
 from morse.builder.assembly.spawning import Newcomer, describe_newcomer, maker_of
+from morse.builder.names import catalog
 from morse.builder.script import describing
 from morse.core.context import acting
 from morse.core.exceptions import MorseBuilderError
@@ -70,6 +74,7 @@ class Population:
         )
         self._recipes: dict[str, Recipe] = {}
         self.check_kind: Callable[[str], object] = _accept
+        self._kinds: dict[str, str] = {}
 
     # -- spawning --------------------------------------------------------------------------
 
@@ -127,6 +132,17 @@ class Population:
                 return describe_newcomer(name, make, position, rotation, scene.nodes(), interfaces)
             except (OSError, SyntaxError) as error:
                 raise MorseBuilderError(f"'{short(name)}' cannot come: {error}") from error
+
+    def kinds(self) -> dict[str, str]:
+        """The robots and models that can be spawned by name, with a sentence about each; read once."""
+        if not self._kinds:
+            robots = {name: entry.doc for name, entry in catalog.components("morse.robots").items()}
+            with project_dirs(self._simulation.scene.resource_paths):
+                names = available("props")
+            # those of a project are paths with a suffix
+            models = [name if PurePath(name).suffix.lower() in suffixes() else f"props/{name}" for name in names]
+            self._kinds = {**robots, **dict.fromkeys(models, "model")}
+        return self._kinds
 
     def restart(self, name: str, seed: int | None) -> None:
         """Restart one robot: pose, parts and components as after the launch; the others go on.

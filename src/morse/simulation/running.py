@@ -40,6 +40,9 @@ class Populated(Holder, Protocol):
 
     check_kind: Callable[[str], object]
 
+    def kinds(self) -> dict[str, str]:
+        """See `morse.simulation.population.Population.kinds`."""
+
     def restart(self, name: str, seed: int | None) -> None:
         """Restart one robot."""
 

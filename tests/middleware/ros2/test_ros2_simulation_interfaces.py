@@ -88,8 +88,8 @@ ALL = {"filter": "", "categories": [], "tags": {"tags": []}, "bounds": {"type": 
 def test_types_and_what_is_advertised(call: Caller) -> None:
     assert call.servers["/morse/spawn_entity"][0] == "simulation_interfaces/srv/SpawnEntity"
     features = call("get_simulator_features")["features"]["features"]
-    # spawning, deleting, state of entities, reset, state of the simulation, steps (SimulatorFeatures.msg)
-    assert {0, 1, 8, 9, 10, 11, 12, 20, 24, 25, 26, 31, 32} == set(features)
+    # spawning, deleting, state of entities, spawnables, reset, state of the simulation, steps (SimulatorFeatures.msg)
+    assert {0, 1, 8, 9, 10, 11, 12, 14, 20, 24, 25, 26, 31, 32} == set(features)
     assert {2, 3, 4, 5, 40, 41} & set(features) == set(), "neither named poses, bounds, tags nor worlds"
 
 
@@ -126,6 +126,24 @@ def test_entities_come_move_and_go(call: Caller) -> None:
     assert len(states["states"]) == len(states["entities"]) == 2
     assert call("delete_entity", entity="box")["result"]["result"] == OK
     assert call("get_entity_state", entity="box")["result"]["result"] == NOT_FOUND
+
+
+def test_what_can_be_spawned_is_listed(call: Caller) -> None:
+    uris = {one["uri"] for one in call("get_spawnables", sources=[])["spawnables"]}
+    assert {"ATRV", "Quadrotor", "props/crates"} <= uris
+    for number, uri in enumerate(("Pioneer3DX", "props/crates")):
+        assert uri in uris
+        answer = call("spawn_entity", **spawn(f"one_{number}", uri, pose(4.0 + 3 * number, 3.0, 0.3)))
+        assert answer["result"]["result"] == OK
+    assert call("get_spawnables", sources=["file:///etc"])["result"]["result"] != OK
+
+
+def test_the_resource_of_version_2(call: Caller) -> None:
+    """SpawnEntity of simulation_interfaces 2 has uri and resource_string in a message of their own."""
+    request = spawn("second", "ATRV", pose(3.0, 0.0, 0.2))
+    resource = {"uri": request.pop("uri"), "resource_string": request.pop("resource_string")}
+    answer = call("spawn_entity", **request, entity_resource=resource)
+    assert (answer["result"]["result"], answer["entity_name"]) == (OK, "second")
 
 
 def test_a_robot_that_comes_has_its_topics(call: Caller) -> None:

@@ -5,7 +5,7 @@ Source: design.ros2.org/articles/actions.html. Messages are those of the declare
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.clients.budget import ENTRY, Budget
 from morse.core.status import PREEMPTED, SUCCESS
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
-    from morse.middleware.ros2.feedback import Feedback
     from morse.rosmsgs.objects import RosClass, RosObject
     from morse.rosmsgs.topics.backend import Backend
 
@@ -27,6 +26,16 @@ _NONE, _REJECTED, _UNKNOWN_GOAL = 0, 1, 2
 _KEPT = 64
 _EACH_TICK = 16
 _SECOND = 10**9
+
+
+class Progress(Protocol):
+    """Makes the feedback of running goals."""
+
+    def is_due(self, stamp: int) -> bool:
+        """Whether goals should be told at a simulated time, ns; True once in each period."""
+
+    def message(self, begun: int, stamp: int) -> RosObject | None:
+        """The feedback of a goal that was accepted at a simulated time, ns; None if there is nothing to tell."""
 
 
 class _Goal:
@@ -57,7 +66,7 @@ class ActionServer:
         kind: RosClass,
         begin: Callable[..., Any],
         abort: Callable[[Any], object],
-        feedback: Feedback,
+        feedback: Progress,
     ) -> None:
         from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
         from action_msgs.srv import CancelGoal

@@ -9,6 +9,7 @@ from morse.core.calls.answered_requests import AnsweredRequests
 from morse.core.clients.time_share import TimeShare
 from morse.core.exceptions import MorseError
 from morse.core.status import FAILED, SUCCESS
+from morse.middleware.ros2 import simulation_steps
 from morse.middleware.ros2.actions import ActionServer
 from morse.middleware.ros2.calls import Call
 from morse.middleware.ros2.domain import join, options_of
@@ -125,6 +126,11 @@ class Ros2RequestManager(AnsweredRequests):
             self._offers[component, name] = _Offer(server, call)
         if component == "simulation" and name == "pause" and len(self._servers) == 1:
             self._servers.append(SimulationInterfaces(self._context, self._backend, self.call))
+            steps = simulation_steps.action_type()
+            if steps is not None:
+                self._actions[component, simulation_steps.NAME] = simulation_steps.StepsServer(
+                    self._context, self._backend, steps, self.call, self.abort_request
+                )
 
     def _offer_trajectories(self, component: str, callback: Callable[..., object], backend: Backend) -> None:
         """Offer the action of an armature that follows trajectories."""

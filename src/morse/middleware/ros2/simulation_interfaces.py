@@ -15,6 +15,7 @@ from morse.helpers.descriptions import is_description
 from morse.mathutils import Quaternion
 from morse.middleware.ros2.mapping import NODE
 from morse.middleware.ros2.served import Served
+from morse.middleware.ros2.simulation_steps import action_type
 from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, quaternion, xyz
 from morse.rosmsgs.poses import pose_of, quaternion_of
 
@@ -39,9 +40,11 @@ _ALREADY, _NOT_UNIQUE, _NAME_INVALID, _NO_FORMAT, _NO_RESOURCE, _NO_NAMESPACE, _
     109,
 )
 _STOPPED, _PLAYING, _PAUSED, _QUITTING = 0, 1, 2, 3
-#: spawning, deleting, categories, resource strings, state of entities (get, set), their info, reset, state of the
-#: simulation (get, set, pause), steps
-FEATURES = (0, 1, 8, 9, 10, 11, 12, 20, 24, 25, 26, 31, 32)
+#: spawning, deleting, categories, resource strings, state of entities (get, set), their info, spawnables, reset, state
+#: of the simulation (get, set, pause), steps
+FEATURES = (0, 1, 8, 9, 10, 11, 12, 14, 20, 24, 25, 26, 31, 32)
+#: steps as an action
+_STEPS_ACTION = 33
 #: of resource strings
 _FORMATS = ("urdf", "sdf", "mjcf")
 #: the name of a robot in a resource string
@@ -79,6 +82,7 @@ class SimulationInterfaces(Served):
             "get_entity_state": ("GetEntityState", self._entity_state),
             "set_entity_state": ("SetEntityState", self._set_entity_state),
             "get_entity_info": ("GetEntityInfo", self._entity_info),
+            "get_spawnables": ("GetSpawnables", self._spawnables),
             "spawn_entity": ("SpawnEntity", self._spawn),
             "delete_entity": ("DeleteEntity", self._delete),
         }
@@ -89,7 +93,8 @@ class SimulationInterfaces(Served):
 
     def _features(self, request: RosMessage, reply: Reply) -> None:
         info = "MORSE: entities are robots (ATRV) and models (props/crates) by name, or described by a text"
-        reply({"features": {"features": list(FEATURES), "spawn_formats": list(_FORMATS), "custom_info": info}})
+        features = [*FEATURES, *([_STEPS_ACTION] if action_type() is not None else [])]
+        reply({"features": {"features": features, "spawn_formats": list(_FORMATS), "custom_info": info}})
 
     def _state(self, request: RosMessage, reply: Reply) -> None:
         reply({"state": {"state": _PAUSED if self._context.paused() else _PLAYING}, "result": _result()})
@@ -209,7 +214,23 @@ class SimulationInterfaces(Served):
 
     # -- spawning and deleting ---------------------------------------------------------------
 
+    def _spawnables(self, request: RosMessage, reply: Reply) -> None:
+        def ended(outcome: Outcome) -> None:
+            state, kinds = outcome
+            if state != status.SUCCESS:
+                reply({"result": _result(_FAILED, str(kinds or state))})
+                return
+            spawnables = [{"uri": uri, "description": text} for uri, text in kinds.items()]
+            reply({"result": _result(), "spawnables": spawnables})
+
+        if len(request["sources"]):
+            reply({"result": _result(_FAILED, "spawnables come from MORSE and from the project: sources are empty")})
+            return
+        self._call("simulation", "list_spawnables", [], ended)
+
     def _spawn(self, request: RosMessage, reply: Reply) -> None:
+        # version 2 of the package has both in a message of their own
+        request = {**request, **request.get("entity_resource", {})}
         name, wrong = self._name_of(request)
         pose = request["initial_pose"]
         kind = request["resource_string"] or request["uri"]
@@ -263,7 +284,7 @@ def _then(reply: Reply, more: RosMessage | None = None) -> Callable[[Outcome], o
     def ended(outcome: Outcome) -> None:
         state, text = outcome
         good = state == status.SUCCESS
-        reply({"result": _result() if good else _result(_FAILED, str(text or state)), **(more or {})})
+        reply({"result": _result(), **(more or {})} if good else {"result": _result(_FAILED, str(text or state))})
 
     return ended
 
