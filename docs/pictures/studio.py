@@ -24,6 +24,7 @@ ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftsh
 LIMIT = 250_000
 _PATIENCE = 90.0
 
+WITHOUT_TIMELINE = "document.querySelector('.history').style.display = 'none'"
 _LOOK = """([position, target]) => {
     const { stage } = window.morse;
     stage.view.position.set(...position);
@@ -69,9 +70,10 @@ class Studio:
         self.page.evaluate(_LOOK, [list(position), list(target)])
 
     def still(self, simulation: pymorse.Morse) -> Image.Image:
-        """A picture of the page while time is stopped; time remains stopped."""
+        """A picture of the page while time is stopped, without the slider over the scene; time remains stopped."""
         simulation.rpc("simulation", "pause")
         self.until("!window.morse.poses.value.running", "the pause")
+        self.page.evaluate(WITHOUT_TIMELINE)
         return self.shot()
 
     def shot(self) -> Image.Image:
