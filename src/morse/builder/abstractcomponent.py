@@ -220,7 +220,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
 
     # --- properties -------------------------------------------------------------------------
 
-    def properties(self, **kwargs: Any) -> None:
+    def properties(self, **kwargs: Value) -> None:
         """Set properties: parameters of the component, or tags that other components use.
 
         A property that the component does not declare is kept, with a warning.

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.object import Object
-    from morse.core.values import Fields, Options
+    from morse.core.values import Fields, Options, Value
 
 
 _SECOND = 10**9
@@ -72,7 +72,7 @@ class AbstractDatastream(ABC):
         """Called once after the last tick, and when the component is recreated or deleted."""
 
     @abstractmethod
-    def default(self, ci: Object | None = None) -> Any:
+    def default(self, ci: Object | None = None) -> object:
         """Publish the data (``OUT``); or read and return True if data arrived (``IN``)."""
 
 
@@ -172,7 +172,7 @@ class DatastreamManager(Observer):
         functions = component.input_functions if declaration.direction == "IN" else component.output_functions
         functions.append(self._called(stream, declaration))
 
-    def _called(self, stream: AbstractDatastream, declaration: StreamDeclaration) -> Callable[..., Any]:
+    def _called(self, stream: AbstractDatastream, declaration: StreamDeclaration) -> Callable[..., object]:
         """The function of a stream that its component calls."""
         from morse.core.actuator import Actuator
         from morse.core.streams.command_timeout import CommandTimeout
@@ -253,7 +253,7 @@ class DatastreamManager(Observer):
 
     # -- kinds -------------------------------------------------------------------------------
 
-    def mapping(self, kind: str, direction: str = "OUT") -> Callable[..., Any] | None:
+    def mapping(self, kind: str, direction: str = "OUT") -> Callable[..., Value] | None:
         """Return the method that carries a kind, else the method for ``general``; None if there is neither."""
         name = self._mapped.get((kind, direction)) or self._mapped.get((GENERAL, direction))
         return None if name is None else getattr(self, name)
@@ -335,7 +335,7 @@ class Paced(AbstractDatastream):
         self.stream, self._period = stream, round(period * _SECOND)
         self._last: int | None = None
 
-    def default(self, ci: Object | None = None) -> Any:
+    def default(self, ci: Object | None = None) -> object:
         """See `AbstractDatastream.default`."""
         number = self.component_instance.clock.stamp() // self._period
         if number == self._last:

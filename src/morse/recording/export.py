@@ -6,7 +6,7 @@ import csv
 import json
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from morse.core.reports.hints import nearest
 from morse.recording.errors import RecordingError
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Collection
 
+    from morse.core.values import Value
     from morse.recording.mcap.reader import Channel, McapFile
+    from morse.recording.mcap.records import Message
 
 INSTALL = "pip install 'morse-simulator[parquet]'"
 #: maximum number of rows in memory
@@ -47,7 +49,7 @@ class Written(NamedTuple):
 
 
 class _Sink(Protocol):
-    def write(self, rows: list[list[Any]]) -> None: ...
+    def write(self, rows: list[list[Value]]) -> None: ...
     def close(self) -> None: ...
 
 
@@ -59,7 +61,7 @@ class _Csv:
         self._writer = csv.writer(self._file)
         self._writer.writerow([name for name, _ in table.columns])
 
-    def write(self, rows: list[list[Any]]) -> None:
+    def write(self, rows: list[list[Value]]) -> None:
         self._writer.writerows([[_cell(value) for value in row] for row in rows])
 
     def close(self) -> None:
@@ -72,7 +74,7 @@ def _cell(value: object) -> object:
     return value
 
 
-def _plain(value: object) -> Any:
+def _plain(value: object) -> Value:
     if isinstance(value, dict):
         return {key: _plain(inner) for key, inner in value.items()}
     if isinstance(value, list):
@@ -102,10 +104,10 @@ class _Parquet:
         types = {"json": "string", "float32": "float32", "float64": "float64"}
         return getattr(self._arrow, {"bool": "bool_"}.get(kind, types.get(kind, kind)))()
 
-    def write(self, rows: list[list[Any]]) -> None:
+    def write(self, rows: list[list[Value]]) -> None:
         columns = []
         for (_, kind), values in zip(self._columns, zip(*rows, strict=True), strict=True):
-            column: list[Any] = list(values)
+            column: list[Value] = list(values)
             if kind == "uint8[]":
                 column = [bytes(value) for value in values]
             elif kind == "json":
@@ -136,7 +138,7 @@ class _Writing:
         self._rows: list[list[object]] = []
         self._bytes = 0
 
-    def add(self, message: Any) -> None:
+    def add(self, message: Message) -> None:
         self._rows += self.table.rows(message)
         self._bytes += len(message.data)
         if len(self._rows) >= _ROWS or self._bytes > _BYTES // _FILES:

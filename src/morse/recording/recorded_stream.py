@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind
     from morse.core.object import Object
-    from morse.core.values import Fields
+    from morse.core.values import Fields, Value
     from morse.recording.fields.columns import Rows
     from morse.recording.fields.values import Keeper
     from morse.recording.streams import RecordedStreams
@@ -235,7 +235,7 @@ def _tuple_getter(names: tuple[str, ...]) -> Callable[[Any], tuple[object, ...]]
     return get if len(names) > 1 else lambda component: (get(component),)
 
 
-def _own(value: object) -> Any:
+def _own(value: object) -> Value:
     """Arrays that nobody else changes."""
     return value.copy() if isinstance(value, np.ndarray) else value
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseError
 from morse.recording.errors import RecordingError
@@ -12,7 +12,7 @@ from morse.rosmsgs.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from morse.core.values import RosMessage
+    from morse.core.values import RosMessage, Value
     from morse.recording.mcap.records import Message
     from morse.rosmsgs.definitions import MessageField
 
@@ -57,12 +57,12 @@ class Table:
         self._add(fields, (), lambda message: message)
 
     def _add(
-        self, fields: tuple[MessageField, ...], above: tuple[str, ...], owner: Callable[[RosMessage], Any]
+        self, fields: tuple[MessageField, ...], above: tuple[str, ...], owner: Callable[[RosMessage], Value]
     ) -> None:
         for field in fields:
             path = (*above, field.name)
 
-            def get(message: RosMessage, name: str = field.name) -> Any:
+            def get(message: RosMessage, name: str = field.name) -> Value:
                 return owner(message)[name]
 
             if "/" in field.type and field.size == SINGLE:
@@ -70,7 +70,7 @@ class Table:
             else:
                 self._column(".".join(path), field, get)
 
-    def _column(self, name: str, field: MessageField, get: Callable[[RosMessage], Any]) -> None:
+    def _column(self, name: str, field: MessageField, get: Callable[[RosMessage], Value]) -> None:
         if self._without_data and field.type == "uint8" and field.size == SEQUENCE:
             self.left_out.append(name)
         elif field.size == SINGLE:
@@ -85,7 +85,7 @@ class Table:
             self.columns.append((name, f"{field.type}[]" if is_plain else "json"))
             self._getters.append(lambda message: get(message))
 
-    def rows(self, one: Message) -> Iterator[list[Any]]:
+    def rows(self, one: Message) -> Iterator[list[Value]]:
         """The rows of a message.
 
         Raises:
@@ -100,5 +100,5 @@ class Table:
             yield first + [get(row) for get in self._getters]
 
 
-def _plain(value: object) -> Any:
+def _plain(value: object) -> Value:
     return value.item() if hasattr(value, "item") else value

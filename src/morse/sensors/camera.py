@@ -13,6 +13,7 @@ from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, service
 from morse.core.status import SUCCESS
 from morse.core.validation.arguments import Range
+from morse.core.values import Value
 from morse.helpers.components import add_property, add_state
 from morse.sensors.delayed_pictures import DelayedPictures, Exposure
 
@@ -213,7 +214,7 @@ class Camera(Sensor):
         return lens_of(*self._lens_properties())
 
     @service
-    def set_property(self, name: str, value: Any) -> None:
+    def set_property(self, name: str, value: Value) -> None:
         """Change a property while the simulation runs."""
         before = dict(self.__dict__)
         super().set_property(name, value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseRPCTypeError
@@ -10,6 +10,7 @@ from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 from morse.core.sensor import Sensor
 from morse.core.services import service
+from morse.core.values import Value
 from morse.helpers.components import add_property
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class CompoundSensor(Sensor):
         }
 
     @service
-    def set_property(self, name: str, value: Any) -> None:
+    def set_property(self, name: str, value: Value) -> None:
         """Change a property while the simulation runs."""
         before = self._sensors
         super().set_property(name, value)

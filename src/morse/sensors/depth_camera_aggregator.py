@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from morse.core.exceptions import MorseRPCTypeError
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 from morse.core.services import service
+from morse.core.values import Value
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.mathutils.portable import matmul
 from morse.sensors.camera_unit import CameraUnit
@@ -74,7 +75,7 @@ class DepthCameraAggregator(CameraUnit):
         return self.master() if self.clouds() else None
 
     @service
-    def set_property(self, name: str, value: Any) -> None:
+    def set_property(self, name: str, value: Value) -> None:
         """Change a property while the simulation runs."""
         before = self.master_camera
         super().set_property(name, value)

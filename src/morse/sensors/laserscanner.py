@@ -14,6 +14,7 @@ from morse.core.rows.columns import Columns, arrays_of, in_columns
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.core.streams.local_data import Later, LocalData
+from morse.core.values import Value
 from morse.helpers.components import add_data, add_kind, add_level, add_property, computed, on_read, prop
 from morse.helpers.fans import MOST_LAYERS, fan
 from morse.mathutils.portable import matmul
@@ -261,7 +262,7 @@ class LaserScanner(Sensor):
         return fan(*shape)
 
     @service
-    def set_property(self, name: str, value: Any) -> None:
+    def set_property(self, name: str, value: Value) -> None:
         """Change a property while the simulation runs; to at most 50,000 rays, or as many as it has already."""
         before = dict(self.__dict__)
         super().set_property(name, value)
@@ -275,7 +276,7 @@ class LaserScanner(Sensor):
             self.__dict__.update(before)
             raise MorseRPCTypeError(f"{self.name()}: {error}") from None
 
-    def observe(self) -> Any:
+    def observe(self) -> Value:
         """Return the present hits of the rays; the rays are created again if properties were changed."""
         if self._arc != self._arc_properties():
             self.create_laser_arc()

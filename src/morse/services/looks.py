@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.core.context import Context
+    from morse.core.values import Value
     from morse.core.world import Body
     from morse.scene import Image
 
@@ -57,7 +58,7 @@ def set_light(context: Context, obj: Body, energy: float) -> None:
         context.world.appearance_changed(part)
 
 
-def check(obj: Body, what: str, value: Any) -> None:
+def check(obj: Body, what: str, value: Value) -> None:
     """Raise the ValueError of `set_color` or `set_light`; ``what`` is ``color``, ``texture`` or ``light``."""
     if what == "color":
         if len(value) not in (3, 4) or not all(0.0 <= number <= 1.0 for number in value):

@@ -14,7 +14,7 @@ from morse.builder.legacy.notices import notice
 from morse.scene import Bounds, PhysicsType
 
 if TYPE_CHECKING:
-    from morse.core.values import Properties
+    from morse.core.values import Properties, Value
     from morse.scene import Node
 
 _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
@@ -94,7 +94,7 @@ class GameProperty:
         self.name = name
 
     @property
-    def value(self) -> Any:
+    def value(self) -> Value:
         """The value; its Python type is the type of the property."""
         return self._properties[self.name]
 

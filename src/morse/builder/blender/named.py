@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, SupportsIndex, TypeVar, overload
+from typing import TYPE_CHECKING, Protocol, SupportsIndex, TypeVar, overload
 
 from morse.builder.errors import checks
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from morse.core.values import Value
 
 
 class Named(Protocol):
@@ -48,7 +50,7 @@ class NamedList(list[_T]):
     def __contains__(self, item: object) -> bool:
         return self.get(item) is not None if isinstance(item, str) else super().__contains__(item)
 
-    def get(self, name: str, default: object = None) -> Any:
+    def get(self, name: str, default: object = None) -> Value:
         """Return the item of that name, or ``default``."""
         return next((item for item in self if item.name == name), default)
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from morse.builder.blender.datablocks import CameraData, LampData
+    from morse.core.values import Value
     from morse.mathutils import Matrix, Vector
     from morse.scene import Node
 
@@ -216,7 +217,7 @@ class SceneObject:
         if checks.boolean(value, "select") != (self.node in selection):
             (selection.append if value else selection.remove)(self.node)
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> Value:
         return self.node.properties[name]
 
     def __setitem__(self, name: str, value: object) -> None:
@@ -225,7 +226,7 @@ class SceneObject:
     def __contains__(self, name: str) -> bool:
         return name in self.node.properties
 
-    def get(self, name: str, default: object = None) -> Any:
+    def get(self, name: str, default: object = None) -> Value:
         """The value of a property, or ``default``."""
         return self.node.properties.get(name, default)
 

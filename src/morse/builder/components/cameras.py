@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.builder import workspace
 from morse.builder.assembly import shapes
@@ -11,6 +11,10 @@ from morse.builder.creator import ComponentCreator, SensorCreator
 from morse.builder.errors import checks
 from morse.mathutils import Euler, Matrix, Vector
 from morse.scene import Material, Node, NodeKind
+
+if TYPE_CHECKING:
+    from morse.core.values import Value
+
 
 #: orientation of a camera that looks along the X axis of the robot: its X is to the right, its Y down, its Z forward
 MOUNTED = (math.pi / 2, math.pi, math.pi / 2)
@@ -137,7 +141,7 @@ class Kinect(SensorCreator):
         self.append(camera)
         return camera
 
-    def add_stream(self, *args: Any, **kwargs: Any) -> None:
+    def add_stream(self, *args: Value, **kwargs: Value) -> None:
         """Add a stream to both cameras; see `morse.builder.components.interfaces.Interfaces`."""
         self.video_camera.add_stream(*args, **kwargs)
         self.depth_camera.add_stream(*args, **kwargs)

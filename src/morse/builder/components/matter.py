@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.errors import checks
@@ -12,6 +12,7 @@ from morse.scene import PhysicsType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from morse.core.values import Value
     from morse.scene import Node
 
 _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
@@ -31,7 +32,7 @@ _METHODS = {
 class Matter(AbstractComponent):
     """An object with physics."""
 
-    def properties(self, **kwargs: Any) -> None:
+    def properties(self, **kwargs: Value) -> None:
         """Set properties: parameters of the component, or tags that other components use.
 
         A property that the component does not declare is kept, with a warning.

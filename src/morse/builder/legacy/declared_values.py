@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.builder.legacy import values
 from morse.core.validation.fields import spec_of_option, spec_of_property
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import Option, Property
     from morse.core.validation.spec import Spec
-    from morse.core.values import Properties
+    from morse.core.values import Options, Properties, Value
 
 
 def properties(owner: str, declarations: Mapping[str, Property], parameters: Mapping[str, object]) -> Properties:
@@ -25,7 +25,7 @@ def properties(owner: str, declarations: Mapping[str, Property], parameters: Map
     }
 
 
-def options(owner: str, declarations: Mapping[str, Option], parameters: Mapping[str, object]) -> dict[str, Any]:
+def options(owner: str, declarations: Mapping[str, Option], parameters: Mapping[str, object]) -> Options:
     """Return the options of a modifier, with numbers and truth values instead of the texts for them."""
     return {
         name: _option(declarations[name], value, f"the option '{name}' of {owner}") if name in declarations else value
@@ -48,7 +48,7 @@ def _number(value: object, what: str) -> object:
     return values.number(value, what) if isinstance(value, str) else value
 
 
-def _value(spec: Spec, value: object, what: str) -> Any:
+def _value(spec: Spec, value: object, what: str) -> Value:
     if not isinstance(value, str):
         return value
     if spec.kind in ("number", "integer"):

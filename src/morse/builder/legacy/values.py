@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 from morse.builder.legacy.notices import notice
 
+if TYPE_CHECKING:
+    from morse.core.values import Value
 
-def scalar(value: Any) -> object:
+
+def scalar(value: Value) -> object:
     """The Python scalar of a scalar of numpy, or of an array of one element; anything else unchanged."""
     if getattr(value, "size", None) == 1 and callable(getattr(value, "item", None)):
         return value.item()
@@ -20,7 +23,7 @@ def quoted(text: str, new: str) -> tuple[str, str]:
     return (f"'{text}'|\"{text}\"", new)
 
 
-def number(value: object, what: str) -> Any:
+def number(value: object, what: str) -> Value:
     """The number that a text contains; anything else unchanged."""
     value = scalar(value)
     if not isinstance(value, str):
@@ -46,7 +49,7 @@ def boolean(value: object, what: str) -> object:
     return bool(value)
 
 
-def names(value: object, what: str) -> Any:
+def names(value: object, what: str) -> Value:
     """A list of the one name that a text is; anything else unchanged."""
     if not isinstance(value, str):
         return value

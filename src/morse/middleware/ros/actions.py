@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from morse.core.clock import Clock
     from morse.core.request_manager import Outcome
+    from morse.core.values import Value
     from morse.middleware.ros2.feedback import Feedback
     from morse.rosmsgs.objects import RosClass, RosObject
 
@@ -89,7 +90,7 @@ class ActionServer:
         """Whether a goal may begin."""
         return True
 
-    def arguments(self, goal: Any) -> list[Any]:
+    def arguments(self, goal: Any) -> list[Value]:
         """The arguments of the service for a goal."""
         return [goal]
 

@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from morse.core.values import RosMessage
+    from morse.core.values import RosMessage, Value
 
 
 #: fields that were renamed in ROS 2, by package and message
@@ -44,7 +44,7 @@ def message(type_name: str, fields: RosMessage) -> Any:
     return instance
 
 
-def _value(kind: str, value: Any) -> Any:
+def _value(kind: str, value: Value) -> Value:
     base, bracket, _ = kind.partition("[")
     if base in _TIMES:
         import genpy

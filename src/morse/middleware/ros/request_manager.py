@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
+    from morse.core.values import Value
     from morse.rosmsgs.objects import RosClass, RosObject
 
 #: maximum number of calls that are begun in one tick
@@ -165,7 +166,7 @@ class RosRequestManager(AnsweredRequests):
             action.act(self._context.clock)
 
     def _begin(self, component: str, service: str) -> Callable[..., uuid.UUID | None]:
-        def begin(arguments: list[Any], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
+        def begin(arguments: list[Value], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
             return self.call(component, service, arguments, on_end)
 
         return begin

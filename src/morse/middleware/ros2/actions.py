@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
+    from morse.core.values import Value
     from morse.rosmsgs.objects import RosClass, RosObject
     from morse.rosmsgs.topics.backend import Backend
 
@@ -88,7 +89,7 @@ class ActionServer:
         """Whether a goal may begin."""
         return True
 
-    def arguments(self, goal: RosObject) -> list[Any]:
+    def arguments(self, goal: RosObject) -> list[Value]:
         """The arguments of the service for a goal."""
         return [goal]
 

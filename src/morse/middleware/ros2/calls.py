@@ -7,7 +7,7 @@ named and typed arguments, for which ROS has only one type: ``rcl_interfaces/Set
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core import status
 from morse.core.exceptions import MorseRPCInvokationError
@@ -19,7 +19,7 @@ from morse.rosmsgs.json_text import as_json, from_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from morse.core.values import RosMessage
+    from morse.core.values import RosMessage, Value
 
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 SET_PARAMETERS = "rcl_interfaces/srv/SetParametersAtomically"
@@ -56,7 +56,7 @@ class Call:
         else:
             self.type = SET_PARAMETERS
 
-    def arguments(self, request: RosMessage) -> list[Any]:
+    def arguments(self, request: RosMessage) -> list[Value]:
         """The arguments in the order of the service.
 
         Raises:
@@ -89,7 +89,7 @@ class Call:
                 values.append(parameter.default)
         return values
 
-    def _value(self, name: str, value: RosMessage) -> Any:
+    def _value(self, name: str, value: RosMessage) -> Value:
         field = VALUES.get(value["type"])
         if field is None:
             return None

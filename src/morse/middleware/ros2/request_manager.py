@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
-    from morse.core.values import RosMessage
+    from morse.core.values import RosMessage, Value
     from morse.middleware.ros2.served import Served
     from morse.rosmsgs.topics.backend import Backend, ServiceServer
 
@@ -141,7 +141,7 @@ class Ros2RequestManager(AnsweredRequests):
             self._complaints.log(logging.INFO, NAME, text)
             return
 
-        def begin(arguments: list[Any], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
+        def begin(arguments: list[Value], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
             return self.call(component, SERVICE, arguments, on_end)
 
         server = TrajectoryActionServer(
@@ -159,7 +159,7 @@ class Ros2RequestManager(AnsweredRequests):
             return False
         self._withdraw(key)
 
-        def begin(arguments: list[Any], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
+        def begin(arguments: list[Value], on_end: Callable[[Outcome], object]) -> uuid.UUID | None:
             return self.call(component, name, arguments, on_end)
 
         if action is not None:

@@ -6,11 +6,15 @@ line. Arguments are a JSON list. A value that is false in Python is omitted from
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core import status
 from morse.core.reports.quoting import short
 from morse.wire.encoding import from_json, to_json
+
+if TYPE_CHECKING:
+    from morse.core.values import Value
+
 
 _LONGEST_ID = 256
 _FALSE = frozenset((b"null", b"false", b"0", b"0.0", b"-0.0", b"[]", b"{}", b'""'))
@@ -34,7 +38,7 @@ class Request(NamedTuple):
     id: str
     component: str
     service: str | None
-    arguments: list[Any]
+    arguments: list[Value]
 
 
 def parse_request(line: bytes) -> Request | None:

@@ -19,7 +19,7 @@ from morse.wire.encoding import plain
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from morse.core.values import Fields
+    from morse.core.values import Fields, Value
 
 INT32, INT64, FLOAT64, STRING, BLOB, VOCAB, LIST, DICT = 1, 17, 10, 4, 12, 9, 256, 512
 _INT8, _INT16, _FLOAT32 = 32, 64, 128
@@ -71,7 +71,7 @@ def _list(values: Any, depth: int) -> tuple[int, bytes]:
     return LIST, count + b"".join(_SIZE.pack(tag) + data for tag, data in items)
 
 
-def _item(value: Any, depth: int) -> tuple[int, bytes]:
+def _item(value: Value, depth: int) -> tuple[int, bytes]:
     kind = type(value)
     if kind is float:
         return FLOAT64, _NUMBERS[FLOAT64].pack(value)
@@ -147,7 +147,7 @@ class _Reader:
             return numbers
         return [self._value(common or self.number(INT32), depth + 1) for _ in range(count)]
 
-    def _value(self, tag: int, depth: int) -> Any:
+    def _value(self, tag: int, depth: int) -> Value:
         if tag in _NUMBERS:
             return self.number(tag)
         if tag == STRING:

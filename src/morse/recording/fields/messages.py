@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.kinds import BoundKind, Message
+    from morse.core.values import Value
     from morse.recording.fields.columns import Rows
     from morse.rosmsgs.outlets import Outlet
 
@@ -106,7 +107,7 @@ def _alike(line: Line, rows: Rows) -> list[NDArray[np.intp]]:
     return [np.array(group) for group in groups.values()]
 
 
-def _form(value: Any) -> object:
+def _form(value: Value) -> object:
     """What messages of one size have in common."""
     kind = type(value)
     if issubclass(kind, float):
@@ -136,7 +137,7 @@ def _together(line: Line, rows: Rows, stamps: NDArray[np.int64], part: NDArray[n
 class _Chosen(Fields):
     """Columns of some rows, which are stacked when they are read."""
 
-    def __init__(self, columns: Mapping[str, Any], part: NDArray[np.intp]) -> None:
+    def __init__(self, columns: Mapping[str, Value], part: NDArray[np.intp]) -> None:
         super().__init__()
         self._columns, self._part = columns, part
 
@@ -152,7 +153,7 @@ class _Chosen(Fields):
         return self[name]
 
 
-def _stacked(values: Sequence[Any]) -> Any:
+def _stacked(values: Sequence[Value]) -> Value:
     """Numbers and arrays with a first axis of rows; words are the same in all rows.
 
     Raises:
@@ -185,7 +186,7 @@ def _attributes(line: Line, rows: Rows, row: int) -> SimpleNamespace:
     return SimpleNamespace(**dict(zip(line.properties, rows.live[0][row], strict=True)) if line.properties else {})
 
 
-def _at(column: Any, row: int) -> object:
+def _at(column: Value, row: int) -> object:
     value = column[row]
     if isinstance(column, np.ndarray):
         return value.item() if column.ndim == 1 else value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from morse.core.streams.local_data import Later
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.core.values import Value
+
 #: the format of numbers for `struct`, by their type
 NUMBERS = {float: "d", int: "q", bool: "?"}
 _CONSTANT = frozenset((float, int, bool, str, type(None)))
@@ -20,9 +22,9 @@ _CONSTANT = frozenset((float, int, bool, str, type(None)))
 class Written(NamedTuple):
     """A value of any other kind, as plain data; see `morse.core.state.Writer`."""
 
-    data: Any
+    data: Value
 
-    def value(self) -> Any:
+    def value(self) -> Value:
         """The value."""
         return Reader(NoReferences()).value(self.data)
 
@@ -32,19 +34,19 @@ class Keeper:
 
     def __init__(self) -> None:
         self._writer = Writer(NoReferences())
-        self._ways: dict[type, Callable[[Any], object]] = {
+        self._ways: dict[type, Callable[[Value], object]] = {
             **dict.fromkeys((float, int, bool, str, np.float64), _itself),
             np.ndarray: self._array,
             list: self._list,
             Later: self._made,
         }
 
-    def kept(self, value: object) -> Any:
+    def kept(self, value: object) -> Value:
         """Return a copy: of numbers, words, arrays and flat lists of these as they are, of others as `Written`."""
         way = self._ways.get(type(value))
         return self.written(value) if way is None else way(value)
 
-    def way_of(self, kind: type) -> Callable[[Any], object] | None:
+    def way_of(self, kind: type) -> Callable[[Value], object] | None:
         """The function that keeps values of a type; None if they are constant."""
         way = self._ways.get(kind, self.written)
         return None if way is _itself else way
@@ -56,7 +58,7 @@ class Keeper:
         self._writer.unsaved.clear()
         return Written(data)
 
-    def _array(self, value: Any) -> Any:
+    def _array(self, value: Value) -> Value:
         if value.dtype.kind not in "biuf":
             return self.written(value)
         copy = value.copy()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.rows.unread import present_data
 from morse.viewer.view_messages import Values
@@ -11,7 +11,7 @@ from morse.viewer.view_messages import Values
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
-    from morse.core.values import JsonObject
+    from morse.core.values import JsonObject, Value
     from morse.viewer.server import ViewServer
 
 #: maximum number of displayed values of an array: a scan, but not an image
@@ -43,7 +43,7 @@ def _not_shown(_error: BaseException) -> None:
     """A component that fails is named when it acts."""
 
 
-def shown(value: Any) -> Any:
+def shown(value: Value) -> Value:
     """Return the value, or a short description if the value is too large to be shown."""
     size = getattr(value, "size", None)
     if isinstance(size, int) and size > _MOST:
