@@ -124,6 +124,26 @@ def test_functions_within_a_function_are_forked(tmp_path):
     assert table["result"] == [1, 2, 3]
 
 
+@pytest.mark.parametrize("workers", [0, 1])
+def test_a_function_that_ends_the_program_is_a_failed_run(tmp_path, workers):
+    text = (
+        SCENE
+        + """
+def run(sim, number):
+    if number == 1:
+        raise SystemExit("enough")
+    return {"value": number}
+
+study = Study(scene, run, number=range(3))
+"""
+    )
+    told = []
+    table = study_of(tmp_path, text).run(tmp_path / "r", workers=workers, progress=told.append)
+    assert table["value"] == [0, None, 2]
+    assert table[1]["error"] == "SystemExit: enough"
+    assert len(told) == len(set(told)), "the same line twice"
+
+
 def test_a_killed_worker_loses_nothing(tmp_path, pids):
     text = (
         SCENE

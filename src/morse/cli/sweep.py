@@ -15,6 +15,9 @@ from morse.cli.messages import CommandError, complain, say
 if TYPE_CHECKING:
     from morse.many import Study, Table
 
+#: largest number of characters of an error in the list of failures
+_ERROR = 200
+
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
 
@@ -57,6 +60,7 @@ def command(
         raise CommandError(f"One file with a study, not {' '.join(words)}.", 2)
     study = _study_of(words[0], name)
     from morse.core.reports import log
+    from morse.core.reports.quoting import short
 
     log.setup(level="WARNING")
     before = time.monotonic()
@@ -64,7 +68,7 @@ def command(
     say(f"{len(table):,} runs in {output}, {len(table.failures):,} failed, {time.monotonic() - before:.1f} s.")
     for row in table.failures[:5]:
         again = f"; morse sweep rerun {output} {row['run']} {words[0]}" if row["recording"] else ""
-        say(f"  {row['run']}: {row['error']}{again}")
+        say(f"  {row['run']}: {short(row['error'], _ERROR)}{again}")
     say(f"Summary: {output / 'summary.html'}")
     return 0
 

@@ -109,10 +109,10 @@ def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None
             except RunTimeout as error:
                 # it has ended anywhere in a tick: its state says nothing
                 return row | _failure(error) | {"ticks": simulation.ticks} | _spent(begin, cpu)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 row |= _failure(error)
             row |= {"hash": simulation.state_hash(), "ticks": simulation.ticks}
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         row |= _failure(error)
     return row | _spent(begin, cpu)
 
