@@ -46,7 +46,7 @@ def yarp(served: list[Any]) -> Any:
 
     manager = YarpRequestManager(context())
     for number in range(50):
-        manager._arrived.append(("simulation", [str(number), "simulation", "spawn", "[]"]), 40)
+        manager._inbox.append(("simulation", [str(number), "simulation", "spawn", "[]"]), 40)
     return manager
 
 

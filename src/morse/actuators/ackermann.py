@@ -80,10 +80,10 @@ class MotionVWAckermann(SpeedCommand):
     def _measure(self, body: Body, wheels: Sequence[str], steering: Sequence[str]) -> None:
         """Measure on the model what the script does not set."""
         joints = {wheel.joint: wheel for wheel in joint_wheels(body)}
-        driven, turned = [joints[name] for name in wheels], [joints[name] for name in steering]
-        self._radius = self._radius or fmean(wheel.radius for wheel in driven)
-        self._base = self._base or abs(fmean(one.x for one in turned) - fmean(one.x for one in driven))
-        self._separation = self._separation or abs(turned[0].y - turned[1].y)
+        angles, steering_angles = [joints[name] for name in wheels], [joints[name] for name in steering]
+        self._radius = self._radius or fmean(wheel.radius for wheel in angles)
+        self._base = self._base or abs(fmean(one.x for one in steering_angles) - fmean(one.x for one in angles))
+        self._separation = self._separation or abs(steering_angles[0].y - steering_angles[1].y)
         if not (self._radius and self._base and self._separation):
             raise ValueError(
                 f"{self.name()}: the wheels {', '.join(wheels)} have no shapes to be measured: "

@@ -187,12 +187,12 @@ class Armature(JointReach):
             hint = nearest(name, self._targets) or ": create them in the scene script with create_ik_targets(['bone'])"
             raise MorseRPCInvokationError(f"{self.name()}: there is no target {shown(name)}{hint}")
         position, rotation = target.world_pose()
-        turned = None if euler is None else nine(list(Euler(euler).to_matrix()))
+        turn = None if euler is None else nine(list(Euler(euler).to_matrix()))
         x, y, z = (float(value) for value in translation)
         if not relative:
-            return (x, y, z), tuple(rotation) if turned is None else turned
+            return (x, y, z), tuple(rotation) if turn is None else turn
         place = (position[0] + x, position[1] + y, position[2] + z)
-        return place, tuple(rotation) if turned is None else product(turned, tuple(rotation))
+        return place, tuple(rotation) if turn is None else product(turn, tuple(rotation))
 
     def _move_target(
         self, name: str, position: tuple[float, ...], rotation: tuple[float, ...], linear: float, radial: float

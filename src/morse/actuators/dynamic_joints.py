@@ -237,10 +237,10 @@ class DynamicJoints(JointServices):
             super()._move_to(values)
         elif list(values) != self._values:
             # wheels that another actuator turns keep their commands
-            changed = [i for i, (new, old) in enumerate(zip(values, self._values, strict=True)) if new != old]
+            numbers = [i for i, (new, old) in enumerate(zip(values, self._values, strict=True)) if new != old]
             self._values = list(values)
             names = self.joints
-            self._motors.tell([names[i] for i in changed], [self._values[i] for i in changed])
+            self._motors.tell([names[i] for i in numbers], [self._values[i] for i in numbers])
 
     def _wanted(self) -> list[float]:
         if not self._controls:
@@ -268,14 +268,14 @@ class DynamicJoints(JointServices):
         # velocities and efforts are applied immediately
         return [math.inf if name in self._controls else step for name, step in zip(self.joints, steps, strict=True)]
 
-    def _end_if_there(self, awaited: list[str], targets: list[float]) -> None:
+    def _end_if_there(self, names: list[str], targets: list[float]) -> None:
         if self._motors is None:
-            super()._end_if_there(awaited, targets)
+            super()._end_if_there(names, targets)
             return
         # a service ends when the joints, and not only their setpoints, have arrived
-        commanded, self._values = self._values, list(self.joint_values)
-        super()._end_if_there(awaited, targets)
-        self._values = commanded
+        commands, self._values = self._values, list(self.joint_values)
+        super()._end_if_there(names, targets)
+        self._values = commands
 
     def _checked(self, values: dict[str, float], kind: JointKind) -> dict[str, float]:
         for name in values:

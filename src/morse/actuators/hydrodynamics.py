@@ -150,7 +150,7 @@ class Hydrodynamics(Actuator):
         body, hull, surface = robot.bge_object, self.hull(), self.surface()
         g = self.context.scene.settings.gravity
         mass = body.mass
-        carried = self._density * self._volume if self._volume else mass
+        water_mass = self._density * self._volume if self._volume else mass
         (_, _, height), turn = body.world_pose()
         linear, angular = body.velocity()
         # all vectors are in the frame of the body
@@ -158,12 +158,12 @@ class Hydrodynamics(Actuator):
         values = self._values
         values.depth, values.half = surface - height, hull.size[2] / 2.0
         # drag reduces the speed by at most half in a tick
-        values.lift, values.most = carried * g / 8.0, 0.5 * mass * self.frequency
+        values.lift, values.most = water_mass * g / 8.0, 0.5 * mass * self.frequency
         (vx, vy, vz), (cx, cy, cz) = linear, self.local_data["current"]
         values.up[:] = up
         values.linear[:] = turn_back(turn, (vx - cx, vy - cy, vz - cz))
         values.angular[:] = turn_back(turn, angular)
-        self._move_water(carried, mass)
+        self._move_water(water_mass, mass)
         if self._sea is not None:
             self._swell(self._sea)
         self._push()
@@ -183,18 +183,18 @@ class Hydrodynamics(Actuator):
             east, north, _ = turned(turn, (a, b, (c + d) / 2.0))
             values.swell[column], values.rise[column] = sea.at(x + east, y + north, time)
 
-    def _move_water(self, carried: float, mass: float) -> None:
+    def _move_water(self, water_mass: float, mass: float) -> None:
         """Set the added mass, and the damping of a cell at the surface.
 
         Args:
-            carried: mass of the water that the submerged box displaces, kg.
+            water_mass: mass of the water that the submerged box displaces, kg.
         """
         values, hull = self._values, self.hull()
         up, (cx, cy, cz), height = values.up, hull.centre, hull.size[2]
         # of the box, from the depth of its centre
         depth = values.depth - up[0] * cx - up[1] * cy - up[2] * cz
         share = min(max(depth / height + 0.5, 0.0), 1.0)
-        x, y, z = (self._added * carried * part for part in hull.added)
+        x, y, z = (self._added * water_mass * part for part in hull.added)
         x, y, z = x * share, y * share, z * (0.5 if 0.0 < share < 1.0 else share)
         a, b, c = (part / 4.0 for part in hull.size)
         self.robot_parent.bge_object.set_added_mass(

@@ -94,12 +94,12 @@ def seen_from(chain: Chain, targets: Iterable[Any], lever: float) -> list[Target
     return poses
 
 
-def nearer(here: _Pose, goal: _Pose, way: float, turned: float) -> tuple[_Pose, bool]:
+def nearer(here: _Pose, goal: _Pose, way: float, step_angle: float) -> tuple[_Pose, bool]:
     """Return the next pose on the way to a goal, and whether it is the goal.
 
     Args:
         way: largest distance to move, m.
-        turned: largest angle to rotate, rad.
+        step_angle: largest angle to rotate, rad.
     """
     offset = [b - a for a, b in zip(here[0], goal[0], strict=True)]
     distance = math.hypot(*offset)
@@ -108,11 +108,11 @@ def nearer(here: _Pose, goal: _Pose, way: float, turned: float) -> tuple[_Pose, 
     w, x, y, z = quaternion_from_rotation(turn_left)
     sine = math.sqrt(x * x + y * y + z * z)
     angle = 2.0 * math.atan2(sine, w)
-    there, aligned = distance <= way, angle <= turned
+    there, is_aligned = distance <= way, angle <= step_angle
     position = tuple(goal[0]) if there else tuple(p + way / distance * m for p, m in zip(here[0], offset, strict=True))
     rotation = tuple(goal[1])
-    if not aligned:
-        half, unit = 0.5 * turned, math.sin(0.5 * turned) / sine
+    if not is_aligned:
+        half, unit = 0.5 * step_angle, math.sin(0.5 * step_angle) / sine
         step = rotation_from_quaternion(math.cos(half), unit * x, unit * y, unit * z)
         rotation = product(tuple(here[1]), step)  # type: ignore[arg-type]
-    return (position, rotation), there and aligned
+    return (position, rotation), there and is_aligned

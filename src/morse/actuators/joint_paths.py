@@ -142,9 +142,9 @@ class JointPaths(JointGains):
         return True
 
     def _beyond(self, trajectory: Trajectory, bounds: dict[str, Bound]) -> tuple[str, str, float, float] | None:
-        desired, actual, speeds, present = self._followed(trajectory)
+        setpoints, actual, speeds, present = self._followed(trajectory)
         names = trajectory.joints
-        errors = {name: a - b for name, a, b in zip(names, desired, actual, strict=True)}
+        errors = {name: a - b for name, a, b in zip(names, setpoints, actual, strict=True)}
         if present is None:
             return beyond(bounds, errors, None)
         return beyond(bounds, errors, {name: a - b for name, a, b in zip(names, speeds, present, strict=True)})
@@ -171,11 +171,11 @@ class JointPaths(JointGains):
         trajectory = self._trajectory
         if trajectory is None:
             return super().progress()
-        desired, actual, speeds, present = self._followed(trajectory)
+        setpoints, actual, speeds, present = self._followed(trajectory)
         sides: dict[str, Fields] = {
-            "desired": {"positions": list(desired), "velocities": list(speeds)},
+            "desired": {"positions": list(setpoints), "velocities": list(speeds)},
             "actual": {"positions": actual},
-            "error": {"positions": [a - b for a, b in zip(desired, actual, strict=True)]},
+            "error": {"positions": [a - b for a, b in zip(setpoints, actual, strict=True)]},
         }
         if present is not None:
             sides["actual"]["velocities"] = present
@@ -187,5 +187,5 @@ class JointPaths(JointGains):
         if self._trajectory is None or self.clock.time < self._trajectory.start:
             return steps
         # the path itself limits the speed
-        followed = set(self._trajectory.joints)
-        return [float("inf") if name in followed else step for name, step in zip(self.joints, steps, strict=True)]
+        names = set(self._trajectory.joints)
+        return [float("inf") if name in names else step for name, step in zip(self.joints, steps, strict=True)]

@@ -140,10 +140,10 @@ class JointReach(JointPaths):
         values = [self.chain.clamped(number, value) for number, value in enumerate(self.joint_values)]
         nearby = reach(self.chain, target, values)
         if not nearby.is_there:
-            turned = f" and turned by {nearby.angle:.3g} rad" if nearby.angle else ""
+            rotation_text = f" and turned by {nearby.angle:.3g} rad" if nearby.angle else ""
             raise MorseRPCInvokationError(
                 f"{self.name()}: '{link}' cannot reach that pose: the nearest one is {nearby.distance:.3g} m away"
-                f"{turned}"
+                f"{rotation_text}"
             )
         return nearby.values
 
@@ -158,20 +158,20 @@ class JointReach(JointPaths):
         if self._target is None:
             super()._arrive(trajectory, is_late=is_late)
             return
-        measured = self.joint_values
-        distance, angle = off(self.chain, self._target, measured)
+        values = self.joint_values
+        distance, angle = off(self.chain, self._target, values)
         is_there = distance <= _NEAR and angle <= _ALIGNED
-        for name, wanted in zip(trajectory.joints, trajectory.points[-1].positions, strict=True):
-            here = measured[self.joints.index(name)]
-            correction = self._corrections[name] + _SHARE * (wanted - here)
+        for name, goal in zip(trajectory.joints, trajectory.points[-1].positions, strict=True):
+            here = values[self.joints.index(name)]
+            correction = self._corrections[name] + _SHARE * (goal - here)
             self._corrections[name] = min(max(correction, -_MOST), _MOST)
-            self.local_data[name] = wanted + self._corrections[name]
+            self.local_data[name] = goal + self._corrections[name]
         if not is_there and not is_late:
             return
         self._trajectory = self._target = None
         if is_there:
             self._end(status.SUCCESS)
         else:
-            turned = f" and turned by {angle:.3g} rad" if angle else ""
-            text = f"{GOAL_VIOLATED}: the link is {distance:.3g} m away{turned}: something holds it back"
+            rotation_text = f" and turned by {angle:.3g} rad" if angle else ""
+            text = f"{GOAL_VIOLATED}: the link is {distance:.3g} m away{rotation_text}: something holds it back"
             self._end(status.FAILED, text)

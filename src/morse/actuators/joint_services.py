@@ -98,11 +98,11 @@ class JointServices(JointMotion):
             self._usual = given, steps
         return self._usual[1]
 
-    def _end_if_there(self, awaited: list[str], targets: list[float]) -> None:
+    def _end_if_there(self, names: list[str], targets: list[float]) -> None:
         for number, value in enumerate(targets):
             joint = self.chain.joint(number)
             near = self._angle_tolerance if joint.kind is _REVOLUTE else self._distance_tolerance
-            if joint.name in awaited and abs(value - self._values[number]) > near:
+            if joint.name in names and abs(value - self._values[number]) > near:
                 return
         self._awaited, self._speeds = None, {}
         if self.on_completion is not None:

@@ -97,7 +97,7 @@ class LiftDrag(Actuator):
         force = (lift * c_lift - along * c_drag) * pressure
         link.wrench(tuple(force), tuple(arm.cross(force) + span * (c_moment * pressure)), False)
 
-    def _coefficient(self, angle: float, cosine: float, slope: float, stalled: float) -> float:
+    def _coefficient(self, angle: float, cosine: float, slope: float, stall_slope: float) -> float:
         """The coefficient at an angle of attack, with the cosine of the sweep."""
         beyond = max(abs(angle) - self._stall, 0.0)
-        return math.copysign(slope * min(abs(angle), self._stall) * cosine + stalled * beyond, angle)
+        return math.copysign(slope * min(abs(angle), self._stall) * cosine + stall_slope * beyond, angle)

@@ -58,9 +58,9 @@ class Light(Actuator):
         if self._lamp is None or self._lamp.node.light is None:
             return
         distance, color, size, energy = self._shown
-        lit = replace(self._lamp.node.light, distance=distance, color=_color(color), spot_size=size, energy=energy)
-        if lit != self._lamp.node.light:
-            self._lamp.node.light = lit
+        light = replace(self._lamp.node.light, distance=distance, color=_color(color), spot_size=size, energy=energy)
+        if light != self._lamp.node.light:
+            self._lamp.node.light = light
             self.context.world.appearance_changed(self._lamp)
 
     def _looks(self) -> tuple[float, str, float, float]:

@@ -38,25 +38,25 @@ class ObstacleRadars:
         self._rays = world.rays.bundle(obj, cone * 2, REACH, origins)
         self._each = len(cone)
 
-    def look(self, ignored: Collection[str]) -> tuple[float, float]:
+    def look(self, names: Collection[str]) -> tuple[float, float]:
         """Return the distances of the nearest obstacles to the left and to the right, m; infinite for none.
 
         Args:
-            ignored: objects with one of these properties are ignored.
+            names: objects with one of these properties are ignored.
         """
         rays = self._rays
         rays.refresh()
         distances = rays.distances.tolist()
-        if ignored:
+        if names:
             for i, distance in enumerate(distances):
-                if distance < math.inf and self._is_ignored(i, ignored):
+                if distance < math.inf and self._is_ignored(i, names):
                     distances[i] = math.inf
         return min(distances[: self._each]), min(distances[self._each :])
 
-    def _is_ignored(self, ray: int, ignored: Collection[str]) -> bool:
+    def _is_ignored(self, ray: int, names: Collection[str]) -> bool:
         obj = self._rays.object_of(ray)
         while obj is not None:
-            if any(name in obj for name in ignored):
+            if any(name in obj for name in names):
                 return True
             obj = obj.parent
         return False

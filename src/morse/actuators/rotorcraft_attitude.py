@@ -98,14 +98,14 @@ class RotorcraftAttitude(Rotorcraft):
         heading = self._heading(yaw)
         if self._yaw_rate_control:
             yaw_before = heading if self._yaw_wanted is None else self._yaw_wanted
-            wanted = math.remainder(yaw_before + data["yaw"] / self.frequency, 2.0 * math.pi)
-            self._yaw_wanted = wanted
+            yaw_goal = math.remainder(yaw_before + data["yaw"] / self.frequency, 2.0 * math.pi)
+            self._yaw_wanted = yaw_goal
         else:
-            wanted = data["yaw"]
+            yaw_goal = data["yaw"]
         errors = (
             math.remainder(data["roll"] - roll, 2.0 * math.pi),
             math.remainder(data["pitch"] + pitch, 2.0 * math.pi),
-            math.remainder(wanted - heading, 2.0 * math.pi),
+            math.remainder(yaw_goal - heading, 2.0 * math.pi),
         )
         kp = (self._rp_pgain, self._rp_pgain, self._yaw_pgain)
         kd = (self._rp_dgain, self._rp_dgain, self._yaw_dgain)

@@ -240,8 +240,8 @@ class Waypoint(Going):
 
     def _around(self, speed: float, rate: float, *, aside: bool) -> tuple[float, float] | None:
         """Return forward speed and yaw rate for obstacle avoidance; None without obstacles."""
-        ignored = [name.strip() for name in self._ignore.split(",") if name.strip()] if self._ignore else ()
-        left, right = self.radars.look(ignored)
+        names = [name.strip() for name in self._ignore.split(",") if name.strip()] if self._ignore else ()
+        left, right = self.radars.look(names)
         near = min(left, right)
         if near < math.inf:
             if not self._side:

@@ -85,15 +85,15 @@ def settle(
         rigid_body: fields of `BodySettings` from rigid body settings.
         game: fields of `BodySettings` from old game engine settings.
     """
-    settled = Settled(properties={key: value for key, value in properties.items() if key not in SETTINGS})
+    settings = Settled(properties={key: value for key, value in properties.items() if key not in SETTINGS})
     weaker = {**(game or {}), **(rigid_body or {})}
-    own = _Settings(name, properties, settled.warnings)
+    own = _Settings(name, properties, settings.warnings)
     for key, (low, high) in _NUMBERS.items():
         weaker[key] = _clamped(weaker.get(key), low, high)
         weaker[key] = own.number(key, low, high, weaker[key])
     for key in _FLAGS:
         weaker[key] = own.flag(key, weaker.get(key))
-    settled.visible = own.flag("visible", True) is not False
+    settings.visible = own.flag("visible", True) is not False
     kind = own.choice("physics_type", _TYPES)
     collision = own.choice("collision", list(COLLISIONS))
     if kind is not None:
@@ -101,7 +101,7 @@ def settle(
     if collision is not None:
         weaker["bounds"] = COLLISIONS[collision]
     if collision == "none":
-        settled.shapes = []
+        settings.shapes = []
         weaker.setdefault("type", PhysicsType.NO_COLLISION)
     if "type" not in weaker and own.says("mass"):
         # an object with a mass is meant to move, with all objects below it
@@ -109,8 +109,8 @@ def settle(
         if weaker["compound"] is None:
             weaker["compound"] = True
     known_values = {key: value for key, value in weaker.items() if value is not None}
-    settled.body = replace(settled.body, **known_values)
-    return settled
+    settings.body = replace(settings.body, **known_values)
+    return settings
 
 
 class _Settings:

@@ -29,7 +29,7 @@ class Cache:
     def __init__(self, kind: str, most: int) -> None:
         self._kind = kind
         self._most = most
-        self._tidied = False
+        self._is_tidy = False
 
     def get(self, key: str, largest: int = 1 << 30) -> bytes | None:
         """The data stored under a key; None if there are none, or more than the given number of bytes."""
@@ -70,8 +70,8 @@ class Cache:
                 except BaseException:
                     os.unlink(file.name)
                     raise
-            if not self._tidied:
-                self._tidied = True
+            if not self._is_tidy:
+                self._is_tidy = True
                 self._tidy(folder)
         except OSError:
             return

@@ -85,9 +85,9 @@ class _Resolving:
 
     def __init__(self) -> None:
         self.warnings: list[str] = []
-        self._known: dict[_Key, list[CollisionShape]] = {}
+        self._shapes_by_key: dict[_Key, list[CollisionShape]] = {}
         self._contents: dict[int, bytes] = {}
-        self._parts = self._scaled = 0
+        self._parts = self._scale_count = 0
 
     def shapes_of(self, node: Node) -> list[CollisionShape]:
         if not (node.body.moves or node.body.type in _SOLID):
@@ -98,14 +98,14 @@ class _Resolving:
         numbers = tuple(round(value, 9) for row in stretch for value in row)
         few = node.body.bounds is Bounds.DECOMPOSITION or (node.body.bounds is None and _moves(node))
         key = (id(node.mesh), numbers, node.body.bounds, few)
-        if key not in self._known:
+        if key not in self._shapes_by_key:
             # further meshes are divided into few parts when there are very many already
             limit = _MOST_MOVING if few else min(DEFAULT_LIMIT, max(_MOST_PARTS - self._parts, _FREE_PARTS))
             shapes, warnings = _shapes_of_mesh(self._content(node), node.mesh, numbers, node.body.bounds, limit)
-            self._known[key] = list(shapes)
+            self._shapes_by_key[key] = list(shapes)
             self._parts += max(len(shapes) - _FREE_PARTS, 0)
             self.warnings += [f"'{node.name}': {text}" for text in warnings]
-        return self._known[key]
+        return self._shapes_by_key[key]
 
     def _content(self, node: Node) -> bytes:
         """The digest of the mesh of a node; a mesh whose shapes are computed again counts.
@@ -116,8 +116,8 @@ class _Resolving:
         mesh = node.mesh
         assert mesh is not None
         if id(mesh) in self._contents:
-            self._scaled += len(mesh.triangles)
-            if self._scaled > _MOST_SCALED:
+            self._scale_count += len(mesh.triangles)
+            if self._scale_count > _MOST_SCALED:
                 raise ValueError(
                     f"{_place(node)}: collision shapes would be computed for more than {_MOST_SCALED:,} triangles of "
                     f"scaled copies; use fewer different scales of '{mesh.name}', give it a simple shape (bounds), or "

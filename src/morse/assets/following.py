@@ -63,21 +63,21 @@ def resolve(revisions: Sequence[Revision]) -> list[str]:
     Returns:
         Warnings for the user.
     """
-    replaced = [pair for revision in revisions for pair in revision.replaced]
+    pairs = [pair for revision in revisions for pair in revision.replaced]
     come = [root for revision in revisions for root in revision.come]
-    with _hanging(replaced):
-        return resolve_shapes(Scene(roots=[*(after for _, after in replaced), *come]))
+    with _hanging(pairs):
+        return resolve_shapes(Scene(roots=[*(after for _, after in pairs), *come]))
 
 
 @contextmanager
-def _hanging(replaced: Sequence[tuple[Node, Node]]) -> Iterator[None]:
+def _hanging(pairs: Sequence[tuple[Node, Node]]) -> Iterator[None]:
     """Attach new trees to their future parents inside the block, because the scale of a parent affects the shapes."""
-    for now, after in replaced:
+    for now, after in pairs:
         after.parent = now.parent
     try:
         yield
     finally:
-        for _, after in replaced:
+        for _, after in pairs:
             after.parent = None
 
 
@@ -162,9 +162,9 @@ class _Following:
 
     def _go(self) -> None:
         """Remove nodes that are no longer in the file and do not belong to a replaced tree."""
-        covered = {id(node) for now, _ in self._revision.replaced for node in now.walk()}
+        numbers = {id(node) for now, _ in self._revision.replaced for node in now.walk()}
         for name, node in self._now.items():
-            if name in self._after or id(node) in covered:
+            if name in self._after or id(node) in numbers:
                 continue
             strangers = [below.name for below in node.walk() if id(below) not in self._own]
             if strangers:
@@ -172,7 +172,7 @@ class _Following:
                     f"'{node.name}' is no longer in the file; it is kept, because '{strangers[0]}' is attached to it"
                 )
                 continue
-            covered.update(id(below) for below in node.walk())
+            numbers.update(id(below) for below in node.walk())
             self._revision.gone.append(node)
 
     def _remember_the_first(self) -> None:

@@ -50,10 +50,10 @@ def _without_lights(root: Node) -> list[Node]:
             node.detach()
     if not _is_light(root):
         return [root]
-    freed = list(root.children)
-    for child in freed:
+    children = list(root.children)
+    for child in children:
         set_free(child)
-    return [tree for child in freed for tree in _without_lights(child)]
+    return [tree for child in children for tree in _without_lights(child)]
 
 
 def _is_private(node: Node) -> bool:
@@ -69,7 +69,7 @@ def _choose(loose: list[Node], stem: str) -> Node:
         if (node.source_name or node.name).casefold() == stem.casefold():
             return node
     for node in loose:
-        settled = node.body.type not in (PhysicsType.AUTO, PhysicsType.NO_COLLISION)
-        if node.children or settled or node.kind is NodeKind.EMPTY:
+        has_type = node.body.type not in (PhysicsType.AUTO, PhysicsType.NO_COLLISION)
+        if node.children or has_type or node.kind is NodeKind.EMPTY:
             return node
     return next((node for node in loose if node.mesh is not None), loose[0])

@@ -44,9 +44,9 @@ def load(path: str | Path, arguments: Mapping[str, str] | None = None) -> Librar
         status = os.fstat(file.fileno())
     stamp = (status.st_mtime_ns, status.st_size)
     key = path, tuple(sorted((arguments or {}).items()))
-    cached = _cache.get(key)
-    if cached is not None and cached[0] == stamp:
-        return cached[1]
+    present = _cache.get(key)
+    if present is not None and present[0] == stamp:
+        return present[1]
     token = ARGUMENTS.set(dict(arguments or {}))
     try:
         library = reader(path)

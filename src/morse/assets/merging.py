@@ -102,9 +102,9 @@ def merge_node(before: Node, now: Node, after: Node, *, is_root: bool) -> None:
 def _materials(before: Node, now: Node, after: Node) -> list[Material | None]:
     if same(before.materials, now.materials):
         return now.materials if same(before.materials, after.materials) else after.materials
-    painted, original, latest = _slots(now), _slots(before), _slots(after)
-    if len(painted) == len(original) == len(latest):
-        return list(map(merged, original, painted, latest))
+    paint, original, latest = _slots(now), _slots(before), _slots(after)
+    if len(paint) == len(original) == len(latest):
+        return list(map(merged, original, paint, latest))
     return now.materials
 
 

@@ -29,8 +29,8 @@ def resolve_auto(roots: Iterable[Node], *, role: Literal["environment", "compone
     """
     roots = list(roots)
     nodes = [node for root in roots for node in root.walk()]
-    settled = any(node.body.type is not PhysicsType.AUTO for node in nodes)
-    if role != "environment" and not settled:
+    has_types = any(node.body.type is not PhysicsType.AUTO for node in nodes)
+    if role != "environment" and not has_types:
         for root in roots:
             root.body.type, root.body.compound = PhysicsType.RIGID_BODY, True
     for node in nodes:
@@ -38,18 +38,18 @@ def resolve_auto(roots: Iterable[Node], *, role: Literal["environment", "compone
             _complete(node)
     for node in nodes:
         if node.body.type is PhysicsType.AUTO:
-            shaped = node.mesh is not None and (role == "environment" or node.body.bounds is not None)
-            node.body.type = PhysicsType.STATIC if shaped else PhysicsType.NO_COLLISION
+            has_shape = node.mesh is not None and (role == "environment" or node.body.bounds is not None)
+            node.body.type = PhysicsType.STATIC if has_shape else PhysicsType.NO_COLLISION
 
 
 def _complete(body: Node) -> None:
     """Assign types to the undecided nodes below a moving node."""
     parts = list(_parts(body))
-    undecided = [node for node in parts if node.mesh is not None and node.body.type is PhysicsType.AUTO]
-    outlined = [node for node in undecided if node.body.bounds is not None]
+    open_nodes = [node for node in parts if node.mesh is not None and node.body.type is PhysicsType.AUTO]
+    with_bounds = [node for node in open_nodes if node.body.bounds is not None]
     own = body.mesh is not None and body.shapes is None
-    decided = any(node.body.collides and node.mesh is not None for node in parts)
-    bodies = outlined if outlined or decided or (own and not body.body.compound) else undecided
+    has_collisions = any(node.body.collides and node.mesh is not None for node in parts)
+    bodies = with_bounds if with_bounds or has_collisions or (own and not body.body.compound) else open_nodes
     for node in parts:
         if node.body.type is PhysicsType.AUTO:
             node.body.type = PhysicsType.RIGID_BODY if node in bodies else PhysicsType.NO_COLLISION

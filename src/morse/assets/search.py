@@ -135,8 +135,8 @@ def find_file(name: str, *folders: Path) -> Path:
     beside = {other.name for one in directories for other in _siblings(one / path)}
     near = difflib.get_close_matches(path.name, beside, n=1)
     hint = f"; did you mean '{path.parent / near[0]}'?" if near else ""
-    searched = ", ".join(map(str, dict.fromkeys([Path.cwd(), *directories])))
-    raise AssetNotFoundError(f"there is no file {name[:200]!r}{hint} (searched: {searched})")
+    places = ", ".join(map(str, dict.fromkeys([Path.cwd(), *directories])))
+    raise AssetNotFoundError(f"there is no file {name[:200]!r}{hint} (searched: {places})")
 
 
 def _siblings(path: Path) -> Iterator[Path]:
@@ -166,8 +166,8 @@ def _folders(name: str) -> Iterator[Path]:
     """The folders that may be a model of Gazebo."""
     plain = name.removeprefix("model://")
     yield Path(plain).expanduser()
-    listed = [Path(entry) for variable in MODEL_PATHS for entry in variables.paths(variable)]
-    yield from (directory / plain for directory in [*resource_dirs(), *listed])
+    folders = [Path(entry) for variable in MODEL_PATHS for entry in variables.paths(variable)]
+    yield from (directory / plain for directory in [*resource_dirs(), *folders])
 
 
 def _not_found(name: str, category: str) -> str:
@@ -181,8 +181,8 @@ def _not_found(name: str, category: str) -> str:
         message += f"; did you mean {' or '.join(repr(c) for c in close)}?"
     elif candidates:
         message += f"; there are: {', '.join(candidates[:12])}{', ...' if len(candidates) > 12 else ''}"
-    searched = ", ".join(str(directory) for directory in [*component_dirs(), *resource_dirs()])
-    return f"{message} (searched: {searched}; more directories: MORSE_RESOURCE_PATH)"
+    places = ", ".join(str(directory) for directory in [*component_dirs(), *resource_dirs()])
+    return f"{message} (searched: {places}; more directories: MORSE_RESOURCE_PATH)"
 
 
 def available(category: str = "") -> list[str]:

@@ -47,7 +47,7 @@ class Clock:
         self.strategy = strategy
         self._origin = start
         own["tick"], own["time"] = 0, self._origin
-        self._stamped = (-1, 0)
+        self._last_stamp = (-1, 0)
         self._wall: float | None = None
         self._start: float | None = None
         self._samples = 0
@@ -72,9 +72,9 @@ class Clock:
         tick = self.tick
         if seconds is None or seconds == self.time:
             # called by every component in every tick
-            if self._stamped[0] != tick:
-                self._stamped = (tick, self.stamp_of(tick))
-            return self._stamped[1]
+            if self._last_stamp[0] != tick:
+                self._last_stamp = (tick, self.stamp_of(tick))
+            return self._last_stamp[1]
         return self.stamp_at(seconds, tick)
 
     def stamp_at(self, seconds: object, tick: int) -> int:
@@ -114,7 +114,7 @@ class Clock:
     def go_to(self, tick: int, origin: float | None = None) -> None:
         """Set the tick, and the time of tick 0 unless it is None, after another state was restored."""
         if origin is not None:
-            self._origin, self._stamped = origin, (-1, 0)
+            self._origin, self._last_stamp = origin, (-1, 0)
         self._own.update(tick=tick, time=self._origin + tick / self.frequency)
         self._wall = self._start = None
 

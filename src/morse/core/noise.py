@@ -83,8 +83,8 @@ class Noise:
             length = float(norm(values))
             values = values / length if length > 0.0 else np.array([1.0, 0.0, 0.0, 0.0])
         if field.low is not None or field.high is not None:
-            clipped = np.clip(values, field.low, field.high)
-            values = np.where(np.isfinite(values), clipped, values)
+            in_range = np.clip(values, field.low, field.high)
+            values = np.where(np.isfinite(values), in_range, values)
         return values
 
     def get_state(self) -> StateData:

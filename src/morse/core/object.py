@@ -69,9 +69,9 @@ class Object(Requesting, AbstractObject):
     def __new__(cls, *args: object, **kwargs: object) -> Self:
         """In a scene script, ``Sonar()`` and ``Sonar("name")`` return the builder object of the component."""
         if describing.describe is not None and (isinstance(args[0], str) if args else "obj" not in kwargs):
-            described = describing.describe(cls, *args, **kwargs)
-            if described is not None:
-                return described  # type: ignore[no-any-return] # what scripts use in place of the component
+            description = describing.describe(cls, *args, **kwargs)
+            if description is not None:
+                return description  # type: ignore[no-any-return] # what scripts use in place of the component
         return super().__new__(cls)
 
     def __init__(self, obj: Body, parent: Carrier | None = None) -> None:

@@ -248,8 +248,8 @@ class RequestManager(ABC):
         if request_id not in self._running:
             return
         owner, component, service = self._running[request_id]
-        offered = self.find(component, service)
-        if self.context is not None and (offered is None or offered.changes):
+        entry = self.find(component, service)
+        if self.context is not None and (entry is None or entry.changes):
             self.context.journal.note(CANCEL, component, service)
         cancel = self._cancellations.pop(request_id, None)
         if cancel is not None:

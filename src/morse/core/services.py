@@ -168,8 +168,8 @@ def signature_of(method: Callable[..., object]) -> inspect.Signature:
     asynchronous = plain is not None or getattr(method, "_morse_concurrent", False)
     if asynchronous:
         del parameters[0]
-    ranged = {name: hint for name, hint in hints_of(method).items() if _without_range(hint) is not hint}
-    visible = [p.replace(annotation=_without_range(ranged[p.name])) if p.name in ranged else p for p in parameters]
+    hints = {name: hint for name, hint in hints_of(method).items() if _without_range(hint) is not hint}
+    visible = [p.replace(annotation=_without_range(hints[p.name])) if p.name in hints else p for p in parameters]
     returns = inspect.Signature.empty if asynchronous else inspect.signature(method).return_annotation
     return inspect.Signature(visible, return_annotation=returns)
 

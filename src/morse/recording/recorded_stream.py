@@ -56,7 +56,7 @@ class RecordedStream(TopicStream):
         self._keeper: Keeper = self.manager.keeper
         #: by names of the fields and types of their values
         self._layouts: dict[_Key, tuple[Columns, Sequence[Line]]] = {}
-        self._chosen: dict[_Key, tuple[str, ...]] = {}
+        self._choices: dict[_Key, tuple[str, ...]] = {}
         topic = f"{FIELDS}/{cleaned(self.component_name)}"
         self._fields = 0
         if tape is not None:
@@ -64,7 +64,7 @@ class RecordedStream(TopicStream):
             tape.kept.append(self)
         #: rows of the data that were kept with those of other sensors
         self._together: list[Rows] = []
-        self._recorded = [
+        self._lines_with_numbers = [
             (bound, line, number)
             for bound, lines in self.sending
             for line in lines
@@ -82,9 +82,9 @@ class RecordedStream(TopicStream):
         columns = columns_of(type(component))
         if columns is None or self.moves_frames or any(bound.kind.name == GENERAL for bound, _ in self.sending):
             return False
-        declared = fields_of(component)
+        fields = fields_of(component)
         others = present_data(component).keys() - {"timestamp", *columns.fields}
-        return all(name in declared and declared[name].follows for name in others) and all(
+        return all(name in fields and fields[name].follows for name in others) and all(
             line.ready is None and line.message is None for line in self.form[0]
         )
 
@@ -123,19 +123,19 @@ class RecordedStream(TopicStream):
 
     def _measured(self, data: Fields, key: _Key) -> tuple[tuple[object, ...], _Key]:
         """The values of fields, without those that are computed on demand and follow from others."""
-        names = self._chosen.get(key)
+        names = self._choices.get(key)
         if names is None:
-            names = self._chosen[key] = tuple(self._choose(data))
-        chosen = [dict.__getitem__(data, name) for name in names]
+            names = self._choices[key] = tuple(self._choose(data))
+        values_now = [dict.__getitem__(data, name) for name in names]
         # an array that is made here is nobody else's
-        values = tuple([value.make() if type(value) is Later else value for value in chosen])
-        return values, (names, tuple(map(type, chosen)))
+        values = tuple([value.make() if type(value) is Later else value for value in values_now])
+        return values, (names, tuple(map(type, values_now)))
 
     def _choose(self, data: Fields) -> Iterator[str]:
-        declared = fields_of(self.component_instance)
+        fields = fields_of(self.component_instance)
         general = any(bound.kind.name == GENERAL for bound, _ in self.sending)
         for name, value in dict.items(data):
-            if general or type(value) is not Later or not (name in declared and declared[name].follows):
+            if general or type(value) is not Later or not (name in fields and fields[name].follows):
                 yield name
 
     def _form(self, names: tuple[str, ...], kinds: tuple[type, ...]) -> tuple[Columns, Sequence[Line]]:
@@ -144,13 +144,15 @@ class RecordedStream(TopicStream):
 
     def _lines_of_rows(self) -> tuple[list[Line], list[Callable[[], object]]]:
         component = self.component_instance
-        sources = [source for bound, line, _ in self._recorded if line.outlet.by_rows for _, source in bound.sources]
+        sources = [
+            source for bound, line, _ in self._lines_with_numbers if line.outlet.by_rows for _, source in bound.sources
+        ]
         properties = tuple(dict.fromkeys(name for source in sources for name in source.properties))
         live: list[Callable[[], object]] = []
         if properties:
             live.append(partial(_tuple_getter(properties), component))
         lines = []
-        for bound, line, number in self._recorded:
+        for bound, line, number in self._lines_with_numbers:
             outlet, frame = line.outlet, self.frame_id(line.outlet.frame or bound.frame)
             row_line = Line(number, line.topic, outlet, frame, bound)
             if outlet.by_rows and bound.component is component:
@@ -242,7 +244,7 @@ def _own(value: object) -> Value:
 
 def described(component: Object) -> dict[str, str]:
     """The declarations of the fields of a component, as named strings of a channel."""
-    declared = [
+    fields = [
         {
             "name": name,
             "type": field.dtype or field.type,
@@ -252,4 +254,4 @@ def described(component: Object) -> dict[str, str]:
         for name, field in fields_of(component).items()
     ]
     path = f"{type(component).__module__}.{type(component).__qualname__}"
-    return {COMPONENT: component.name(), CLASS: path, DECLARED: json.dumps(declared)}
+    return {COMPONENT: component.name(), CLASS: path, DECLARED: json.dumps(fields)}

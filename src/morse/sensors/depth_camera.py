@@ -145,12 +145,12 @@ class DepthCamera(AbstractDepthCamera):
         flip, whole = self.vertical_flip, self.keep_resolution
 
         def points() -> NDArray[np.float32]:
-            found = lens.rays() * np.where(is_surface, depth, np.float32(0.0))[..., None] + np.float32(0.0)
+            coordinates = lens.rays() * np.where(is_surface, depth, np.float32(0.0))[..., None] + np.float32(0.0)
             if not flip:
-                found = found[::-1]
+                coordinates = coordinates[::-1]
             if whole:
-                return np.ascontiguousarray(found.reshape(-1, 3))
-            return np.asarray(found[is_surface if flip else is_surface[::-1]])
+                return np.ascontiguousarray(coordinates.reshape(-1, 3))
+            return np.asarray(coordinates[is_surface if flip else is_surface[::-1]])
 
         self.local_data["points"] = Later(points)
         self.local_data["nb_points"] = depth.size if whole else int(np.count_nonzero(is_surface))

@@ -203,13 +203,13 @@ class IMU(MotionSensor):
         """Return the measurement of an ideal sensor."""
         position, rotation = pose
         x, y, z = motion.acceleration
-        felt = {
+        forces = {
             "angular_velocity": list(turn_back(rotation, motion.angular)),
             "linear_acceleration": list(turn_back(rotation, (x, y, z + self.context.scene.settings.gravity))),
         }
         if self._field is not None:
-            felt["magnetic_field"] = list(turn_back(rotation, self._field.north_east_down(position)))
-        return felt
+            forces["magnetic_field"] = list(turn_back(rotation, self._field.north_east_down(position)))
+        return forces
 
     def _add_errors(self) -> None:
         data = self.local_data

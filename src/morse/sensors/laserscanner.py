@@ -98,9 +98,9 @@ def _seen(sight: Any) -> NDArray[np.float64]:
     return ranges
 
 
-def _ranges_at(_snapshots: object, kept: Sequence[Sequence[NDArray[np.float64]]]) -> dict[str, Sequence[object]]:
+def _ranges_at(_snapshots: object, arrays: Sequence[Sequence[NDArray[np.float64]]]) -> dict[str, Sequence[object]]:
     """The distances of many casts, from which the points follow."""
-    return {"range_list": arrays_of(kept)}
+    return {"range_list": arrays_of(arrays)}
 
 
 _SEPARATION: Fields = {"unit": "deg", "low": -180.0, "high": 180.0}
@@ -304,10 +304,10 @@ class LaserScanner(Sensor):
             data["point_list"] = Later(lambda: sight.points.copy())
             return
         distances = data["range_list"]
-        met = distances < self.laser_range
-        data["point_list"] = rays.directions * np.where(met, distances, 0.0)[:, None] + 0.0
+        has_hit = distances < self.laser_range
+        data["point_list"] = rays.directions * np.where(has_hit, distances, 0.0)[:, None] + 0.0
         if "remission_list" in data:
-            data["remission_list"] = np.where(met, data["remission_list"], 0.0)
+            data["remission_list"] = np.where(has_hit, data["remission_list"], 0.0)
 
     def may_wait(self) -> bool:
         """Return False with remissions, because they may change until they are read."""
@@ -320,14 +320,14 @@ class LaserScanner(Sensor):
     def add_noise(self, field: str, noise: Noise, before: object) -> None:
         """Add errors to distances or remissions; a lost echo is reported as no hit."""
         rays, data = self.rays, self.local_data
-        met = rays.hit >= 0
+        has_hit = rays.hit >= 0
         values = data[field]
         if field != "range_list":
-            values[met] = noise.possible(noise.errors(values[met], common=True))
+            values[has_hit] = noise.possible(noise.errors(values[has_hit], common=True))
             return
         distances = noise.errors(values, common=True)
-        met &= ~noise.lost(len(rays)) & (distances < self.laser_range)
-        data[field] = np.where(met, np.maximum(distances, 0.0), self.laser_range)
+        has_hit &= ~noise.lost(len(rays)) & (distances < self.laser_range)
+        data[field] = np.where(has_hit, np.maximum(distances, 0.0), self.laser_range)
 
 
 class LaserScannerRotationZ(LaserScanner):

@@ -145,10 +145,10 @@ class IntegratedOdometry(Odometry):
         self.previous_pos, self._time = self.relative_pose(), self.local_data["timestamp"]
 
 
-def _rate(frequency: float, passed: float) -> float:
+def _rate(frequency: float, duration: float) -> float:
     """Return the inverse of the time since the last measurement, Hz: a program may measure between two periods."""
-    is_regular = passed <= 0.0 or abs(passed * frequency - 1.0) < 1e-6
-    return frequency if is_regular else 1.0 / passed
+    is_regular = duration <= 0.0 or abs(duration * frequency - 1.0) < 1e-6
+    return frequency if is_regular else 1.0 / duration
 
 
 def _numbers(pose: Transformation3d, before: Transformation3d, rate: float) -> tuple[float, ...]:

@@ -157,12 +157,12 @@ class SearchAndRescue(Sensor):
         except MorseRPCInvokationError as error:
             self.completed(status.FAILED, str(error))
             return
-        required = _numbers(victim.get(_REQUIREMENTS))
+        requirements = _numbers(victim.get(_REQUIREMENTS))
         if distance > self._heal_range:
             reason = f"'{victim.name}' is {distance:.2f} m away, farther than Heal_range, {self._heal_range:g} m"
             self.completed(status.FAILED, reason)
-        elif required and not set(required) & set(_numbers(self._abilities)):
-            reason = f"'{victim.name}' requires one of the abilities {required}, the robot has {self._abilities!r}"
+        elif requirements and not set(requirements) & set(_numbers(self._abilities)):
+            reason = f"'{victim.name}' requires one of the abilities {requirements}, the robot has {self._abilities!r}"
             self.completed(status.FAILED, reason)
         else:
             self._patient, self._left = victim.name, _HEALING

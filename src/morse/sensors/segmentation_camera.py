@@ -172,9 +172,9 @@ class SegmentationCamera(Camera):
         """Determine the objects in the pixels."""
         from morse.rendering.things import patches
 
-        noted = self.noted
-        numbers = self._known(picture.nodes).numbers if noted is None else np.array(noted["numbers"], np.int32)
-        table = self._table if noted is None else noted["table"]
+        record = self.noted
+        numbers = self._known(picture.nodes).numbers if record is None else np.array(record["numbers"], np.int32)
+        table = self._table if record is None else record["table"]
         ids = np.array([row["id"] for row in table], np.uint16)
         classes = np.zeros(int(ids.max(initial=0)) + 1, np.uint16)
         classes[ids] = [row["class_id"] for row in table]
@@ -189,7 +189,9 @@ class SegmentationCamera(Camera):
                 "class": rows[patch.number][1]["class"],
                 "pixels": patch.pixels,
                 "box": list(patch.box),
-                **(self._in_space(rows[patch.number][0]) if noted is None else noted["spaces"][rows[patch.number][0]]),
+                **(
+                    self._in_space(rows[patch.number][0]) if record is None else record["spaces"][rows[patch.number][0]]
+                ),
             }
             for patch in patches(image)
             if patch.pixels >= self.fewest_pixels

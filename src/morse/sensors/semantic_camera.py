@@ -101,7 +101,7 @@ class SemanticCamera(Camera):
         if self.noted is None:
             descriptions = [self._described(thing) for thing, names in self._candidates() if is_seen(names)]
         else:
-            descriptions = [described for described, names in self.noted if is_seen(names)]
+            descriptions = [description for description, names in self.noted if is_seen(names)]
         self.local_data["visible_objects"] = descriptions
 
     def shown(self) -> Mapping[str, Any]:

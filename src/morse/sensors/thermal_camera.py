@@ -114,10 +114,10 @@ class ThermalCamera(Camera):
         obj = self.context.world.find_object(node)
         if obj is None:
             return None
-        given = obj.get(_TEMPERATURE)
-        value = _number(given)
-        if value is None and given is not None:
-            text = f"{obj.name}: the property '{_TEMPERATURE}' is a number of degrees Celsius, not {shown(given)}"
+        own_value = obj.get(_TEMPERATURE)
+        value = _number(own_value)
+        if value is None and own_value is not None:
+            text = f"{obj.name}: the property '{_TEMPERATURE}' is a number of degrees Celsius, not {shown(own_value)}"
             self.context.complaints.warn(text, text)
         if value is None and obj.get(self._fire_tag):
             heat = _number(obj.get(self._fire_tag))

@@ -73,13 +73,13 @@ def bones(record: Record) -> tuple[Bone, ...]:
 def _walk(armature: Record) -> Iterator[tuple[Record, int]]:
     """Iterate over all bones with the index of the parent bone; parents first, in the order of the file."""
     queue = [(bone, -1) for bone in reversed(list(armature.chain("bonebase", "Bone")))]
-    visited: set[int] = set()
+    bones_so_far: set[int] = set()
     while queue:
         bone, parent = queue.pop()
-        if bone.block.offset in visited:
+        if bone.block.offset in bones_so_far:
             continue
-        index = len(visited)
-        visited.add(bone.block.offset)
+        index = len(bones_so_far)
+        bones_so_far.add(bone.block.offset)
         yield bone, parent
         queue.extend((child, index) for child in reversed(list(bone.chain("childbase", "Bone"))))
 
@@ -100,7 +100,7 @@ def _joint(channel: Record) -> _Joint:
     if stretch > 0.0:
         value = min(max(channel.reals("loc", _ORIGIN)[1], 0.0), stretch)
         return _Joint(JointKind.PRISMATIC, low=0.0, high=stretch, value=value)
-    x, y, z = (not flags & locked for locked in _LOCKED)
+    x, y, z = (not flags & mask for mask in _LOCKED)
     if not (x or y or z):
         return _Joint()
     axis = (x, y, z).index(True)
@@ -108,8 +108,8 @@ def _joint(channel: Record) -> _Joint:
     if flags & _LIMITED[axis]:
         one, other = channel.reals("limitmin", (low,) * 3)[axis], channel.reals("limitmax", (high,) * 3)[axis]
         low, high = min(one, other), max(one, other)
-    posed = _posed(channel)
-    angle = math.remainder(2.0 * math.atan2(posed[axis + 1], posed[0]), math.tau)
+    pose = _posed(channel)
+    angle = math.remainder(2.0 * math.atan2(pose[axis + 1], pose[0]), math.tau)
     return _Joint(JointKind.REVOLUTE, axis, (x, y, z), low, high, min(max(angle, low), high))
 
 
@@ -131,11 +131,11 @@ def _posed(channel: Record) -> Quaternion:
 
 def _fixed_part(bone: Record, channel: Record, joint: _Joint) -> Matrix:
     """Return the part of the saved pose relative to the rest pose that is not the value of the joint."""
-    posed = _posed(channel)
+    pose = _posed(channel)
     if joint.kind is JointKind.REVOLUTE:
         axis = Vector([float(i == joint.axis) for i in range(3)])
-        posed = posed @ Quaternion((math.cos(0.5 * joint.value), *(-math.sin(0.5 * joint.value) * axis)))
-    result = posed.to_matrix().to_4x4()
+        pose = pose @ Quaternion((math.cos(0.5 * joint.value), *(-math.sin(0.5 * joint.value) * axis)))
+    result = pose.to_matrix().to_4x4()
     if not bone.integer("flag", 0) & _CONNECTED:
         offset = list(channel.reals("loc", _ORIGIN))
         if joint.kind is JointKind.PRISMATIC:

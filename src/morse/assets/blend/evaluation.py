@@ -72,7 +72,7 @@ class _Surfaces:
     def __init__(self, objects: Objects, arrays: Arrays) -> None:
         self._objects = objects
         self._arrays = arrays
-        self._known: dict[tuple[object, ...], Mesh] = {}
+        self._meshes: dict[tuple[object, ...], Mesh] = {}
 
     def show(self, address: int, prefix: str) -> bool:
         """Set the mesh of an object; False if it has no surface."""
@@ -82,9 +82,9 @@ class _Surfaces:
         node = self._objects.nodes[address]
         slots = tuple(self._objects.slots(self._objects.records[address]))
         key = (slots, *(hashlib.blake2b(value.tobytes()).digest() for value in own.values()))
-        if key not in self._known:
-            self._known[key] = _mesh(node.name, own, slots)
-        node.kind, node.mesh, node.materials = NodeKind.MESH, self._known[key], []
+        if key not in self._meshes:
+            self._meshes[key] = _mesh(node.name, own, slots)
+        node.kind, node.mesh, node.materials = NodeKind.MESH, self._meshes[key], []
         return True
 
 

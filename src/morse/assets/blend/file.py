@@ -43,7 +43,7 @@ class BlendFile:
         # since 5.0 an address is valid only within the datablock that contains the pointer
         self._data = {(b.owner, b.address): b for b in self.blocks if b.code == "DATA"}
         self._ids = {b.address: b for b in self.blocks if len(b.code) == 2}
-        self._shared = {b.address: b for b in self.blocks} if header.version < 500 else {}
+        self._by_address = {b.address: b for b in self.blocks} if header.version < 500 else {}
         self._steps = 0
 
     def warn(self, message: str) -> None:
@@ -69,7 +69,7 @@ class BlendFile:
         """Return the block to which a pointer of a datablock refers."""
         if not address:
             return None
-        return self._data.get((owner, address)) or self._ids.get(address) or self._shared.get(address)
+        return self._data.get((owner, address)) or self._ids.get(address) or self._by_address.get(address)
 
     def record(self, block: Block, index: int | None = None, item: int = 0) -> Record:
         """Return one of the structs of a block, read as the struct type of the block or as the given type.

@@ -80,9 +80,9 @@ class Meshes:
             if image is not None:
                 _, _, _, alpha = material.color if material else (1.0, 1.0, 1.0, 1.0)
                 polygons.materials[which.ravel() == number] = len(result)
-                textured = replace(material) if material else Material(image.name)
-                textured.image, textured.color = image, (1.0, 1.0, 1.0, alpha)
-                result.append(textured)
+                with_texture = replace(material) if material else Material(image.name)
+                with_texture.image, with_texture.color = image, (1.0, 1.0, 1.0, alpha)
+                result.append(with_texture)
         return result
 
 

@@ -74,16 +74,16 @@ class Node:
     def image(self, *names: str) -> Record | None:
         """Return the image that feeds an input, directly or through nodes that change its colours."""
         source = self.source(*names)
-        queue, visited = [source] if source else [], set[Node]()
+        queue, nodes_so_far = [source] if source else [], set[Node]()
         while queue:
             node = queue.pop()
-            if node in visited:
+            if node in nodes_so_far:
                 continue
-            visited.add(node)
+            nodes_so_far.add(node)
             if node.kind in ("ShaderNodeTexImage", "ShaderNodeTexEnvironment"):
                 return node.record.follow("id", "Image")
-            fed = [self.tree.source(socket) for socket in node.inputs]
-            queue.extend(source for source in reversed(fed) if source)
+            sources = [self.tree.source(socket) for socket in node.inputs]
+            queue.extend(source for source in reversed(sources) if source)
         return None
 
 
@@ -107,10 +107,10 @@ class NodeTree:
             node = self._nodes.get(self._sources.get(socket.block.address, 0))
             if node is None or not (node.kind == "NodeReroute" or node.record.integer("flag") & _MUTED):
                 return node
-            fed = next((entry for entry in node.inputs if entry.block.address in self._sources), None)
-            if fed is None:
+            entry_socket = next((entry for entry in node.inputs if entry.block.address in self._sources), None)
+            if entry_socket is None:
                 return None
-            socket = fed
+            socket = entry_socket
         return None
 
     def output(self, kind: str) -> Node | None:

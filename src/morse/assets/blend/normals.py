@@ -23,10 +23,10 @@ def corner_normals(polygons: Polygons, crease: float | None = None) -> Floats | 
     """
     if not polygons.smooth.any():
         return None
-    weighted = polygons.normals[polygons.polygon] * _angles(polygons)[:, None]
+    weights = polygons.normals[polygons.polygon] * _angles(polygons)[:, None]
     group = polygons.corners if crease is None else _fans(polygons, crease)
     count = int(group.max()) + 1
-    sums: Floats = np.stack([np.bincount(group, weighted[:, axis], count) for axis in range(3)], axis=1)
+    sums: Floats = np.stack([np.bincount(group, weights[:, axis], count) for axis in range(3)], axis=1)
     result = unit(sums)[group]
     flat = ~polygons.smooth[polygons.polygon] | ~result.any(axis=1)
     result[flat] = polygons.normals[polygons.polygon[flat]]

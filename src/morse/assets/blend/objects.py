@@ -56,8 +56,8 @@ class Objects:
     def _node(self, record: Record) -> Node:
         name = datablock_name(record)
         kind = record.integer("type")
-        settled = rules.settle(name, id_properties(record), rigid_body(record), game_settings(record))
-        for warning in settled.warnings:
+        settings = rules.settle(name, id_properties(record), rigid_body(record), game_settings(record))
+        for warning in settings.warnings:
             self._file.warn(warning)
         location, rotation_euler, scale = pose(record)
         node = Node(
@@ -66,11 +66,11 @@ class Objects:
             location,
             rotation_euler,
             scale,
-            body=settled.body,
-            shapes=settled.shapes,
-            properties={**game_properties(record), **settled.properties},
+            body=settings.body,
+            shapes=settings.shapes,
+            properties={**game_properties(record), **settings.properties},
             debug=debug_properties(record),
-            visible=settled.visible
+            visible=settings.visible
             and not record.integer(record.either("restrictflag", "visibility_flag"), 0) & _HIDDEN,
             source_name=name,
         )

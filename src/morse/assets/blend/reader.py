@@ -65,11 +65,13 @@ def _read(path: Path, blender: str | None, size_limit: int) -> Library:
             roots[node] = None
     for copy in Instances(file, objects, collections).expand():
         roots[copy] = None
-    linked = [record.text("name")[2:] for record in file.datablocks("ID", "ID") if record.text("name")[:2] in _LINKED]
-    if linked:
-        more = f" and {len(linked) - 1} more" if len(linked) > 1 else ""
+    libraries = [
+        record.text("name")[2:] for record in file.datablocks("ID", "ID") if record.text("name")[:2] in _LINKED
+    ]
+    if libraries:
+        more = f" and {len(libraries) - 1} more" if len(libraries) > 1 else ""
         file.warn(
-            f"'{linked[0]}'{more}: linked from other .blend files, which are not read; "
+            f"'{libraries[0]}'{more}: linked from other .blend files, which are not read; "
             "make them local in Blender (Object > Relations > Make Local)"
         )
     return Library(

@@ -161,12 +161,12 @@ class Record:
         if index is None or name not in self.struct.fields:
             return
         holder, field = self.part(name), "first"
-        visited: set[int] = set()
+        addresses: set[int] = set()
         while (block := holder.target(field)) is not None:
-            if block.offset in visited:
+            if block.offset in addresses:
                 self.file.warn(f"a list of {struct} in the file is circular; the file may be damaged")
                 return
-            visited.add(block.offset)
+            addresses.add(block.offset)
             self.file.spend()
             holder, field = self.file.record(block, index), "next"
             yield holder

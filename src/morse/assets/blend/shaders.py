@@ -92,20 +92,20 @@ def _mixed(name: str, shader: Node, images: Images, depth: int) -> Material | No
     factor = _share(shader.value("Fac", "Factor", default=0.5)) if shader.kind == "ShaderNodeMixShader" else 0.5
     sockets = [socket for socket in shader.inputs if socket.text("name") == "Shader"][:2]
     sources = [shader.tree.source(socket) for socket in sockets]
-    mixed: list[tuple[float, Material, bool]] = []
+    parts: list[tuple[float, Material, bool]] = []
     for weight, source in zip((1.0 - factor, factor), sources, strict=False):
         material = None if source is None else _shade(name, source, images, depth - 1)
         if source is not None and material is not None:
-            mixed.append((weight, material, source.kind == "ShaderNodeBsdfTransparent"))
-    if not mixed:
+            parts.append((weight, material, source.kind == "ShaderNodeBsdfTransparent"))
+    if not parts:
         return None
-    clear = next((weight for weight, _, transparent in mixed if transparent), 0.0)
-    weight, heaviest, _ = max(mixed, key=lambda entry: (not entry[2], entry[0]))
+    clear = next((weight for weight, _, transparent in parts if transparent), 0.0)
+    weight, heaviest, _ = max(parts, key=lambda entry: (not entry[2], entry[0]))
     if clear and shader.kind == "ShaderNodeMixShader":
         heaviest.color = (*heaviest.color[:3], heaviest.color[3] * (1.0 - clear))
     if shader.kind == "ShaderNodeAddShader":
-        heaviest.emission = max((material.emission for _, material, _ in mixed), key=sum)
-        heaviest.shadeless = all(material.shadeless for _, material, _ in mixed)
+        heaviest.emission = max((material.emission for _, material, _ in parts), key=sum)
+        heaviest.shadeless = all(material.shadeless for _, material, _ in parts)
     return heaviest
 
 

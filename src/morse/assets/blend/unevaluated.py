@@ -40,14 +40,14 @@ class Needs(NamedTuple):
 def needs(record: Record) -> Needs:
     """Whether Blender has to evaluate something."""
     kind = record.integer("type")
-    shaped = kind in (SURFACE, FONT, METABALL) or (kind == CURVE and _has_surface(record))
+    has_shape = kind in (SURFACE, FONT, METABALL) or (kind == CURVE and _has_surface(record))
     if kind == MESH:
-        shaped = any(_moves_vertices(modifier) for modifier in _modifiers(record)) or _is_keyed(record)
-    constrained = any(
+        has_shape = any(_moves_vertices(modifier) for modifier in _modifiers(record)) or _is_keyed(record)
+    has_constraint = any(
         not constraint.integer("flag", 0) & _MUTED_CONSTRAINT and constraint.real("enforce", 1.0) > 0.0
         for constraint in record.chain("constraints", "bConstraint")
     )
-    return Needs(shaped, constrained or parent_kind(record) == TRIANGLE)
+    return Needs(has_shape, has_constraint or parent_kind(record) == TRIANGLE)
 
 
 def crease_angle(record: Record) -> float | None:

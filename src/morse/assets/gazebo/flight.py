@@ -40,8 +40,8 @@ def thruster(plugins: Plugins, element: Element, prefix: str) -> None:
     # the thrust is C rho D^4 w^2
     constant = number(element, "thrust_coefficient", 1.0) * number(element, "fluid_density", 1000.0) * diameter**4
     link = joint.child.removeprefix(plugins.prefix)
-    turned = Vector((0.0, 0.0, 1.0)).rotation_difference(joint.axis).to_matrix().to_4x4()
-    pose = turned if joint.anchor is None else joint.anchor @ turned
+    turn = Vector((0.0, 0.0, 1.0)).rotation_difference(joint.axis).to_matrix().to_4x4()
+    pose = turn if joint.anchor is None else joint.anchor @ turn
     properties: Properties = {
         "Joint": joint.name, "MotorConstant": abs(constant), "MomentConstant": 0.0, "TimeConstantUp": 0.0,
         "TimeConstantDown": 0.0, "MaxSpeed": 1e5, "Slowdown": 1.0,

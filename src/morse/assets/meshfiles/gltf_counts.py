@@ -68,9 +68,9 @@ def _tree(path: Path) -> object:
 
 
 def _check_arrays(path: Path, tree: dict[str, object]) -> None:
-    implied = sum(_count(accessor) for accessor in _objects(tree, "accessors") if _is_implied(accessor))
-    if implied > _MOST_IMPLIED:
-        raise AssetError(path, f"it has arrays of {implied} items that are not in the file, at most {_MOST_IMPLIED}")
+    implicit = sum(_count(accessor) for accessor in _objects(tree, "accessors") if _is_implied(accessor))
+    if implicit > _MOST_IMPLIED:
+        raise AssetError(path, f"it has arrays of {implicit} items that are not in the file, at most {_MOST_IMPLIED}")
     buffers = sum(_count(buffer, "byteLength") for buffer in _objects(tree, "buffers"))
     if buffers > _MOST_BYTES:
         raise AssetError(

@@ -99,7 +99,7 @@ class _Reading:
         self._turn = _FROM_GLTF if is_gltf else np.eye(3)
         self._surfaces = Surfaces(self._turn, is_linear=is_gltf)
         self._names: set[str] = set()
-        self._sheared: list[str] = []
+        self._shears: list[str] = []
 
     def library(self) -> Library:
         graph = self._scene.graph
@@ -121,20 +121,20 @@ class _Reading:
             raise AssetError(self._path, "it contains no mesh")
         library = Library(path=str(self._path), roots=roots, images=self._surfaces.images)
         library.warnings += self._surfaces.warnings[:5]
-        if self._sheared:
-            library.warnings.append(f"sheared objects are shown without shear: {', '.join(self._sheared[:5])}")
+        if self._shears:
+            library.warnings.append(f"sheared objects are shown without shear: {', '.join(self._shears[:5])}")
         return library
 
     def _in_order(self, parents: dict[Any, Any], base: object) -> list[Any]:
         """All frames except the base, parents first."""
-        ordered: dict[Any, None] = {}
+        order: dict[Any, None] = {}
         for frame in sorted(parents, key=str):
             chain = []
-            while frame in parents and frame != base and frame not in ordered and frame not in chain:
+            while frame in parents and frame != base and frame not in order and frame not in chain:
                 chain.append(frame)
                 frame = parents[frame]
-            ordered.update(dict.fromkeys(reversed(chain)))
-        return list(ordered)
+            order.update(dict.fromkeys(reversed(chain)))
+        return list(order)
 
     def _node(self, name: str, matrix: Any, geometry: str | None) -> Node:
         mesh = self._scene.geometry.get(geometry) if geometry is not None else None
@@ -172,7 +172,7 @@ class _Reading:
         scale[scale == 0.0] = 1.0
         rotation = turn / scale
         if not np.allclose(matmul(rotation.T, rotation), np.eye(3), atol=_SHEAR):
-            self._sheared.append(node.name)
+            self._shears.append(node.name)
             rotation = nearest_rotation(rotation)
         node.location = matmul(self._turn, matrix[:3, 3]).tolist()
         node.rotation_euler = list(Matrix(rotation.tolist()).to_euler())

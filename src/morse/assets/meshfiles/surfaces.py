@@ -99,11 +99,11 @@ class Surfaces:
                 for value in (material.roughnessFactor, material.metallicFactor)
             )
             glow = np.clip(_numbers(material.emissiveFactor, 3, (0.0, 0.0, 0.0)), 0.0, 100.0)
-            picture, sided = material.baseColorTexture, bool(material.doubleSided)
+            picture, is_double = material.baseColorTexture, bool(material.doubleSided)
         else:
             color = _numbers(getattr(material, "diffuse", None), 4, _GREY) / 255.0
             roughness, metallic, glow = 0.6, 0.0, np.zeros(3)
-            picture, sided = getattr(material, "image", None), True
+            picture, is_double = getattr(material, "image", None), True
             if picture is not None and getattr(visual, "uv", None) is not None:
                 color = np.ones(4)
         r, g, b, alpha = (float(part) for part in np.clip(color, 0.0, 1.0))
@@ -114,7 +114,7 @@ class Surfaces:
             roughness=roughness,
             emission=(float(glow[0]), float(glow[1]), float(glow[2])),
             image=None if picture is None else self._image(own, picture),
-            double_sided=sided,
+            double_sided=is_double,
         )
 
     def _image(self, name: str, picture: object) -> Image:

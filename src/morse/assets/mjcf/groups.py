@@ -53,10 +53,10 @@ def groups_of(model: ModelData, path: Path) -> list[Group]:
             raise AssetError(path, f"the tree of bodies is deeper than {_DEEPEST}")
         members.setdefault(top, []).append(index)
     free = [top for top in members if any(joints[joint].kind == "free" for joint in bodies[top].joints)]
-    fixed = [top for top in members if top not in free]
+    anchors = [top for top in members if top not in free]
     groups = [Group((top,), tuple(members[top]), top) for top in free]
-    if fixed:
-        groups.append(Group(tuple(fixed), tuple(index for top in fixed for index in members[top]), None))
+    if anchors:
+        groups.append(Group(tuple(anchors), tuple(index for top in anchors for index in members[top]), None))
 
     def count(group: Group) -> int:
         return sum(joints[joint].kind != "free" for body in group.bodies for joint in bodies[body].joints)

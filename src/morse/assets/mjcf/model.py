@@ -379,13 +379,13 @@ class _Reading:
             return None
         gains, bias = m.actuator_gainprm[index], m.actuator_biasprm[index]
         affine = int(m.actuator_biastype[index]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
-        fixed = int(m.actuator_gaintype[index]) == int(mujoco.mjtGain.mjGAIN_FIXED)
+        has_fixed_gain = int(m.actuator_gaintype[index]) == int(mujoco.mjtGain.mjGAIN_FIXED)
         plain = affine or int(m.actuator_biastype[index]) == int(mujoco.mjtBias.mjBIAS_NONE)
         static = int(m.actuator_dyntype[index]) == int(mujoco.mjtDyn.mjDYN_NONE)
         gain, stiffness, slowing = float(gains[0]), -float(bias[1]) * affine, -float(bias[2]) * affine
         pull = stiffness or slowing or gain
         low, high = m.actuator_forcerange[index] if m.actuator_forcelimited[index] else (-1.0, 1.0)
-        linear = fixed and plain and static and gain > 0.0 and not (affine and bias[0]) and low == -high
+        linear = has_fixed_gain and plain and static and gain > 0.0 and not (affine and bias[0]) and low == -high
         return MotorData(
             name,
             joint,
@@ -440,14 +440,14 @@ class _Reading:
     def follows(self) -> list[tuple[int, int, float, float]]:
         m = self.model
         couplings: list[tuple[int, int, float, float]] = []
-        driven = {motor.joint for motor in self._motors}
+        motor_joints = {motor.joint for motor in self._motors}
         for index in range(m.neq):
             one, other = int(m.eq_obj1id[index]), int(m.eq_obj2id[index])
             is_joint = int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_JOINT)
             if not is_joint or other < 0 or any(m.eq_data[index][2:5]) or m.jnt_type[one] < 2 or m.jnt_type[other] < 2:
                 continue
             factor, offset = float(m.eq_data[index][1]), float(m.eq_data[index][0])
-            if factor and one in driven and other not in driven:
+            if factor and one in motor_joints and other not in motor_joints:
                 # the joint with the motor leads
                 one, other, factor, offset = other, one, 1.0 / factor, -offset / factor
             if not m.eq_active0[index] or any(one == joint for joint, *_ in couplings):

@@ -38,16 +38,16 @@ def hide_collision_shapes(model: ModelData) -> None:
     bodies_of: dict[int, set[int]] = {}
     solid_groups: set[int] = set()
     shown_groups: set[int] = set()
-    drawn: set[int] = set()
+    visible: set[int] = set()
     for number, body in enumerate(model.bodies[1:], 1):
         for geom in (model.geoms[index] for index in body.geoms):
             (solid_groups if any(geom.masks) else shown_groups).add(geom.group)
             bodies_of.setdefault(geom.group, set()).add(number)
             if geom.kind == "mesh" and not any(geom.masks) and geom.group < _HIDDEN and geom.color[3] > 0.0:
-                drawn.add(number)
-    hidden = {group for group in solid_groups - shown_groups if bodies_of[group] <= drawn}
+                visible.add(number)
+    invisible = {group for group in solid_groups - shown_groups if bodies_of[group] <= visible}
     for geom in model.geoms:
-        if geom.group in hidden and any(geom.masks):
+        if geom.group in invisible and any(geom.masks):
             geom.group = _HIDDEN
 
 

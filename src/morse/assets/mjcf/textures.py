@@ -51,7 +51,7 @@ def take_textures(
         read: returns the content of a file, from its name and the file that names it.
         origin: attribute with the file that contains an element.
     """
-    lost, names = [], set()
+    losses, names = [], set()
     for assets in root.iter("asset"):
         for element in assets.findall("texture"):
             attributes = dict(element.attrib)
@@ -66,7 +66,7 @@ def take_textures(
                     if mistake := mistake_in(texture.data):
                         raise FileRefusedError(mistake)
                 except (FileRefusedError, OSError) as error:
-                    lost.append(f"the texture '{file:.200}' is left out: {error}")
+                    losses.append(f"the texture '{file:.200}' is left out: {error}")
                     texture.is_lost = True
             number = len(textures)
             textures.append(texture)
@@ -81,7 +81,7 @@ def take_textures(
             material.remove(layer)
         if material.get("texture") not in names:
             material.attrib.pop("texture", None)
-    return lost
+    return losses
 
 
 class TextureImages:

@@ -39,8 +39,8 @@ def add_actors(library: Library, actors: list[tuple[Element, Path]], includes: I
         except ValueMistakeError as error:
             includes.warn(f"the actor '{name:.80}' is left out: {error}")
             continue
-        shown = f"figure of {name}"
-        figure = Node(shown, source_name=shown, location=list(pose.translation), rotation_euler=list(pose.to_euler()))
+        title = f"figure of {name}"
+        figure = Node(title, source_name=title, location=list(pose.translation), rotation_euler=list(pose.to_euler()))
         for part in _skin(element, path, libraries, includes, name):
             figure.attach(part)
         for part in figure.children:
@@ -56,8 +56,8 @@ def add_actors(library: Library, actors: list[tuple[Element, Path]], includes: I
                 "Delay": delay,
             }
             identity = nine(list(Matrix.Identity(3)))
-            declared = DeclaredSensor(name, "TimedPath", shown, (0.0, 0.0, 0.0), identity, tuple(properties.items()))
-            library.walkers.append(declared)
+            sensor = DeclaredSensor(name, "TimedPath", title, (0.0, 0.0, 0.0), identity, tuple(properties.items()))
+            library.walkers.append(sensor)
 
 
 def _points(element: Element) -> list[tuple[float, ...]]:

@@ -87,8 +87,8 @@ def links_of(model: Scope, prefix: str = "", pose: Matrix | None = None, static:
     is_static = static or model.static
     for name, part in model.links.items():
         yield FlatLink(f"{prefix}{name}", part, outer @ model.pose_of(name), model, is_static)
-    for name, nested in model.models.items():
-        yield from links_of(nested, f"{prefix}{name}{SEPARATOR}", outer @ model.pose_of(name), is_static)
+    for name, child in model.models.items():
+        yield from links_of(child, f"{prefix}{name}{SEPARATOR}", outer @ model.pose_of(name), is_static)
 
 
 def joints_of(
@@ -101,8 +101,8 @@ def joints_of(
             yield _joint(model, part, prefix, outer)
         except (FrameMistakeError, ValueMistakeError) as error:
             warn(f"the joint '{prefix}{name:.80}' is left out: {error}")
-    for name, nested in model.models.items():
-        yield from joints_of(nested, warn, f"{prefix}{name}{SEPARATOR}", outer @ model.pose_of(name))
+    for name, child in model.models.items():
+        yield from joints_of(child, warn, f"{prefix}{name}{SEPARATOR}", outer @ model.pose_of(name))
 
 
 def _joint(model: Scope, part: Part, prefix: str, outer: Matrix) -> FlatJoint:
@@ -129,5 +129,5 @@ def _axis(model: Scope, part: Part, tag: str) -> Vector:
     if not frame or frame == part.name:
         return xyz
     rotation = (model.pose_of(part.name).inverted() @ model.pose_of(frame)).to_3x3()
-    turned: Vector = rotation @ xyz
-    return turned
+    axis_in_model: Vector = rotation @ xyz
+    return axis_in_model

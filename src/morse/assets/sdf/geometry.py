@@ -170,13 +170,13 @@ def _only(node: Node, name: str, *, is_centred: bool) -> None:
     """
     meshes = [part for part in node.walk() if part.mesh is not None]
     names = {part: {part.name, part.plain_name, part.mesh.name} for part in meshes if part.mesh is not None}
-    chosen = [part for part in meshes if name in names[part]]
-    chosen = chosen or [part for part in meshes if any(one.startswith(name) for one in names[part])]
-    if not chosen:
+    matches = [part for part in meshes if name in names[part]]
+    matches = matches or [part for part in meshes if any(one.startswith(name) for one in names[part])]
+    if not matches:
         raise ValueMistakeError(f"it contains no mesh '{name:.60}'; it has {', '.join(p.name for p in meshes[:5])}")
     low, high = [math.inf] * 3, [-math.inf] * 3
     for part in meshes:
-        if part not in chosen:
+        if part not in matches:
             part.kind, part.mesh, part.materials = NodeKind.EMPTY, None, []
             continue
         assert part.mesh is not None

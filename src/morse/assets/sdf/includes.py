@@ -232,9 +232,9 @@ class Includes:
                     base=home if part.base == MODEL else part.base,
                     attached=home if part.attached == MODEL else part.attached,
                 )
-        for nested in model.models.values():
-            nested.base = nested.base if nested.base not in ("", MODEL) else home
-            self._add(scope, nested)
+        for child in model.models.values():
+            child.base = child.base if child.base not in ("", MODEL) else home
+            self._add(scope, child)
         scope.plugins += model.plugins
         scope.lights += [(light, replace(frame, base=frame.base or home)) for light, frame in model.lights]
 

@@ -69,13 +69,13 @@ class JointTree:
         for joint in joints:
             at.setdefault(joint.parent, []).append(joint)
             at.setdefault(joint.child, []).append(joint)
-        depth, done, queue = {root: 0}, set[int](), [root]
+        depth, visits, queue = {root: 0}, set[int](), [root]
         for name in queue:
             # joints away from the root first, so that only loops turn a joint round
             for joint in sorted(at.get(name, ()), key=lambda one: one.parent != name):
-                if id(joint) in done:
+                if id(joint) in visits:
                     continue
-                done.add(id(joint))
+                visits.add(id(joint))
                 other = joint.child if joint.parent == name else joint.parent
                 if other in depth:
                     self._close(joint)
@@ -84,7 +84,7 @@ class JointTree:
                 check_depth(self._path, depth[other], other)
                 queue.append(other)
                 self._add(joint, name, other)
-        return [joint for joint in joints if id(joint) not in done]
+        return [joint for joint in joints if id(joint) not in visits]
 
     def float(self, parent: str, child: str) -> None:
         """Add a joint that lets a link move freely."""

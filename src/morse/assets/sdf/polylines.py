@@ -41,8 +41,8 @@ def extruded(element: Element, name: str) -> Mesh:
     if not len(top):
         raise ValueMistakeError("its corners enclose no area")
     corners = points[top]
-    doubled = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    top[doubled < 0.0] = top[doubled < 0.0][:, ::-1]
+    areas = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    top[areas < 0.0] = top[areas < 0.0][:, ::-1]
     count = len(points)
     walls, begin = [], 0
     for ring in rings:

@@ -171,8 +171,8 @@ class Models:
             for joint in joints:
                 yield from ((element, f"{prefix}{joint.child}") for element in joint.element.findall("sensor"))
 
-        shown = {f"{prefix}{name}" for name, link in links.items() if link.part.element.find("visual") is not None}
-        sensors, remarks = declared_sensors(elements(), {f"{prefix}{name}" for name in links}, shown)
+        visible = {f"{prefix}{name}" for name, link in links.items() if link.part.element.find("visual") is not None}
+        sensors, remarks = declared_sensors(elements(), {f"{prefix}{name}" for name in links}, visible)
         return sensors, [*wrong, *remarks]
 
 
@@ -180,8 +180,8 @@ def _plugins_of(model: Scope, prefix: str = "") -> Iterator[tuple[Element, str]]
     """The plugins of a model and its nested models, with the prefixes of names in these."""
     for element, _ in model.plugins:
         yield element, prefix
-    for name, nested in model.models.items():
-        yield from _plugins_of(nested, f"{prefix}{name}{SEPARATOR}")
+    for name, child in model.models.items():
+        yield from _plugins_of(child, f"{prefix}{name}{SEPARATOR}")
 
 
 def _in_link(element: Element, link: FlatLink) -> Element:

@@ -115,8 +115,8 @@ class Scope:
             return self.place_of(part)
         model = self.models.get(name)
         if model is not None:
-            placed = self.pose_of(model.base) @ model.pose
-            return placed @ model.pose_of(model.placement).inverted() if model.placement else placed
+            pose = self.pose_of(model.base) @ model.pose
+            return pose @ model.pose_of(model.placement).inverted() if model.placement else pose
         head, separator, rest = name.partition(SEPARATOR)
         if separator and head in self.models:
             return self.pose_of(head) @ self.models[head].pose_of(rest)

@@ -91,7 +91,7 @@ def _measure(cell: _Cell, width: float) -> None:
     inside = (reach <= heights.max(axis=0) + margin).all(axis=1)
     unit = float(np.prod(high - low + width)) / len(probes)
     cell.volume = unit * int(inside.sum())
-    filled = len(cell.inner) * width**3
+    volume = len(cell.inner) * width**3
     smallest = np.inf
     for axis in range(3):
         for place in _places(low[axis], high[axis], width):
@@ -104,7 +104,7 @@ def _measure(cell: _Cell, width: float) -> None:
             if unit * count < smallest:
                 smallest, cell.cut = unit * count, (axis, place)
     if cell.cut is not None:
-        cell.excess = cell.volume - filled
+        cell.excess = cell.volume - volume
 
 
 def _places(low: float, high: float, width: float) -> list[float]:
@@ -142,10 +142,10 @@ def _clipped(corners: Floats, axis: int, place: float, sign: float) -> Floats:
     number = inside.sum(axis=1)
     result = [corners[number == 3]]
     for count in (1, 2):
-        crossed = number == count
-        some, deep = corners[crossed], depth[crossed]
+        is_outside = number == count
+        some, deep = corners[is_outside], depth[is_outside]
         # the corner that is alone on its side comes first
-        alone = (inside[crossed] == (count == 1)).argmax(axis=1)
+        alone = (inside[is_outside] == (count == 1)).argmax(axis=1)
         order = (alone[:, None] + np.arange(3)) % 3
         rows = np.arange(len(some))[:, None]
         a, b, c = np.moveaxis(some[rows, order], 1, 0)

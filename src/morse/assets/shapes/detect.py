@@ -116,10 +116,10 @@ def _nearest_to_frame(axes: list[Floats]) -> Floats:
 def _as_sphere(points: Floats, volume: float) -> Primitive | None:
     if len(points) < 20:
         return None
-    fitted = fit_round(points)
-    if fitted is None:
+    fit = fit_round(points)
+    if fit is None:
         return None
-    centre, _ = fitted
+    centre, _ = fit
     distance = np.linalg.norm(points - centre, axis=1)
     radius = float(distance.mean())
     if np.abs(distance - radius).max() > _OFF * radius:
@@ -145,10 +145,10 @@ def _as_cylinder(points: Floats, volume: float, axis: Floats) -> tuple[Primitive
     low, high = float(local[:, 2].min()), float(local[:, 2].max())
     half, middle = (high - low) / 2.0, (high + low) / 2.0
     flat = local[:, :2]
-    fitted = fit_round(_outline(flat))
-    if fitted is None or half <= 0.0:
+    fit = fit_round(_outline(flat))
+    if fit is None or half <= 0.0:
         return None
-    centre, radius = fitted
+    centre, radius = fit
     distance = np.linalg.norm(flat - centre, axis=1)
     off_mantle = np.abs(distance / radius - 1.0)
     off_cap = np.abs(np.abs(local[:, 2] - middle) / half - 1.0)

@@ -71,7 +71,7 @@ def fit_round(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] 
     solution = solve(matmul(system.T, system), matmul(system.T, (local * local).sum(axis=1)))
     if solution is None:
         return None
-    squared = float(solution[dimension] + matmul(solution[:dimension], solution[:dimension]))
-    if not squared > 0.0:
+    square = float(solution[dimension] + matmul(solution[:dimension], solution[:dimension]))
+    if not square > 0.0:
         return None
-    return middle + size * solution[:dimension], size * math.sqrt(squared)
+    return middle + size * solution[:dimension], size * math.sqrt(square)

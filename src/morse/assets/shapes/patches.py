@@ -125,16 +125,20 @@ class _Growing:
 def _acute_neighbours(surface: Surface, across: Ints, label: Ints, seeds: Ints, offsets: Floats) -> list[Floats]:
     """Return for each patch the planes of its neighbours at an acute interior angle."""
     one, other = np.repeat(np.arange(len(across)), 3), across.ravel()
-    met = other >= 0
-    one, other = one[met], other[met]
+    has_neighbour = other >= 0
+    one, other = one[has_neighbour], other[has_neighbour]
     mine, theirs = label[one], label[other]
-    met = (mine >= 0) & (theirs >= 0) & (mine != theirs)
-    one, other, mine, theirs = one[met], other[met], mine[met], theirs[met]
+    has_neighbour = (mine >= 0) & (theirs >= 0) & (mine != theirs)
+    one, other, mine, theirs = one[has_neighbour], other[has_neighbour], mine[has_neighbour], theirs[has_neighbour]
     leans_back = np.einsum("ij,ij->i", surface.normals[one], surface.normals[other]) < -1e-3
     centres = surface.corners[other].mean(axis=1)
     behind = np.einsum("ij,ij->i", surface.normals[one], centres) < offsets[one]
-    met = leans_back & behind
-    pairs = np.unique(mine[met] * len(seeds) + theirs[met]) if len(seeds) else np.empty(0, dtype=np.int64)
+    has_neighbour = leans_back & behind
+    pairs = (
+        np.unique(mine[has_neighbour] * len(seeds) + theirs[has_neighbour])
+        if len(seeds)
+        else np.empty(0, dtype=np.int64)
+    )
     planes = np.column_stack([surface.normals[seeds], offsets[seeds]])
     cuts = np.searchsorted(pairs // max(1, len(seeds)), np.arange(1, len(seeds)))
     return [planes[group % len(seeds)] for group in np.split(pairs, cuts)] if len(seeds) else []

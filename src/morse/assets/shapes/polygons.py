@@ -110,10 +110,10 @@ def _merged(where: Sequence[Point2], pieces: list[Polygon]) -> list[Polygon]:
             or _bend(where[right[-2]], where[b], where[left[1]]) < -_STRAIGHT
         ):
             continue
-        merged = left + right[1:-1]
-        polygons[one] = merged
+        union = left + right[1:-1]
+        polygons[one] = union
         del polygons[other]
-        for edge in _edges(merged):
+        for edge in _edges(union):
             owner[edge] = one
     return list(polygons.values())
 

@@ -66,8 +66,8 @@ def rectangles(points: Floats, loops: Sequence[Sequence[int]]) -> list[Floats] |
 
 
 def _lines(values: Floats, tolerance: float) -> Floats:
-    ordered = np.sort(values)
-    lines: Floats = ordered[np.append(True, np.diff(ordered) > tolerance)]
+    series = np.sort(values)
+    lines: Floats = series[np.append(True, np.diff(series) > tolerance)]
     return lines
 
 
@@ -90,6 +90,6 @@ def _strips(inside: NDArray[np.bool_]) -> list[tuple[int, int, int, int]]:
     return strips
 
 
-def _runs(occupied: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    steps = np.diff(np.concatenate([[0], occupied.astype(np.int8), [0]]))
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    steps = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
     return list(zip(np.flatnonzero(steps == 1).tolist(), np.flatnonzero(steps == -1).tolist(), strict=True))

@@ -131,8 +131,8 @@ def without_equal_triangles(faces: NDArray[np.generic]) -> np.ndarray:
     first = faces.argmin(axis=1)[:, None]
     rows = np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)
     order = np.lexsort(rows.T[::-1])
-    ordered = rows[order]
-    again = (ordered[1:] == ordered[:-1]).all(axis=1)
+    sorted_rows = rows[order]
+    again = (sorted_rows[1:] == sorted_rows[:-1]).all(axis=1)
     if not again.any():
         return faces
     # the sort is stable: the first of equal triangles stays
@@ -180,9 +180,9 @@ def _weld_borders(points: Floats, faces: Ints) -> Ints:
     for ends in open_edges(faces, len(points)):
         is_open[ends] = True
     border = np.flatnonzero(is_open)
-    merged = np.arange(len(points))
+    numbers = np.arange(len(points))
     if len(border) == 0:
-        return merged
+        return numbers
     low = points[border].min(axis=0)
     size = float(norm(np.ptp(points, axis=0)))
     cell = max(size * _WELD, float(np.abs(points).max()) * _SINGLE_PRECISION, 1e-12)
@@ -190,9 +190,9 @@ def _weld_borders(points: Floats, faces: Ints) -> Ints:
     for shift in (0.0, 0.5):
         x, y, z = np.floor((points[border] - low) / cell + shift).astype(np.int64).T
         _, first, group = np.unique((x << 42) + (y << 21) + z, return_index=True, return_inverse=True)
-        merged[border] = merged[border[first]][group.ravel()]
-        points = points[merged]
-    return merged
+        numbers[border] = numbers[border[first]][group.ravel()]
+        points = points[numbers]
+    return numbers
 
 
 def edge_neighbours(surface: Surface) -> Ints:

@@ -228,20 +228,20 @@ def parse(path: Path) -> Document:
     if any(joint.parent == WORLD for joint in joints):
         # joints fix robots to the world also in files that do not declare it
         links.setdefault(WORLD, Link(WORLD))
-    root, ordered = _tree(parser, links, joints, robot.findall("joint"))
-    root, ordered = _let_float(parser, links, root, ordered)
+    root, sequence = _tree(parser, links, joints, robot.findall("joint"))
+    root, sequence = _let_float(parser, links, root, sequence)
     sensors, remarks = sensors_of(robot, links)
-    document = Document(robot.get("name") or path.stem, links, ordered, root, [*parser.warnings, *remarks], sensors)
+    document = Document(robot.get("name") or path.stem, links, sequence, root, [*parser.warnings, *remarks], sensors)
     add_plugins(robot, document)
     document.text, document.files = text_with_urls(robot, path)
     return document
 
 
-def _let_float(parser: _Parser, links: dict[str, Link], root: str, ordered: list[Joint]) -> tuple[str, list[Joint]]:
+def _let_float(parser: _Parser, links: dict[str, Link], root: str, sequence: list[Joint]) -> tuple[str, list[Joint]]:
     """Return the root and the joints without a world link relative to which the robot floats; robots are free."""
-    first = [joint for joint in ordered if joint.parent == root]
+    first = [joint for joint in sequence if joint.parent == root]
     if root != WORLD or len(first) != 1 or first[0].kind != "floating":
-        return root, ordered
+        return root, sequence
     x, y, z = first[0].origin.translation
     if max(map(abs, (x, y, z))) > 1e-9:
         parser.warnings.append(
@@ -249,7 +249,7 @@ def _let_float(parser: _Parser, links: dict[str, Link], root: str, ordered: list
             "instead, with translate()"
         )
     del links[root]
-    return first[0].child, [joint for joint in ordered if joint is not first[0]]
+    return first[0].child, [joint for joint in sequence if joint is not first[0]]
 
 
 def check_counts(path: Path, links: int, moving: int) -> None:
@@ -309,15 +309,15 @@ def _tree(
             else "its joints form a cycle"
         )
         raise parser.fail(what)
-    ordered, queue, depth = [], [roots[0]], {roots[0]: 0}
+    sequence, queue, depth = [], [roots[0]], {roots[0]: 0}
     while queue:
         link = queue.pop(0)
         check_depth(parser.path, depth[link], link)
         for joint in below.get(link, ()):
-            ordered.append(joint)
+            sequence.append(joint)
             queue.append(joint.child)
             depth[joint.child] = depth[link] + 1
-    if len(ordered) != len(joints):
+    if len(sequence) != len(joints):
         raise parser.fail("its joints form a cycle")
-    settle_mimics(ordered, parser.warnings.append)
-    return roots[0], ordered
+    settle_mimics(sequence, parser.warnings.append)
+    return roots[0], sequence

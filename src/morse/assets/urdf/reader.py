@@ -74,7 +74,7 @@ class _Reader:
         self.document = document
         self.warnings = list(document.warnings)
         self._libraries: dict[Path, Library] = {}
-        self._told: set[str] = set()
+        self._warnings: set[str] = set()
         self._parts = 0
 
     def library(self) -> Library:
@@ -217,8 +217,8 @@ class _Reader:
         try:
             return mesh_nodes(find_near(shape.file, self.path), libraries=self._libraries)
         except (AssetError, FileRefusedError, MeshError, OSError) as error:
-            if shape.file not in self._told:
-                self._told.add(shape.file)
+            if shape.file not in self._warnings:
+                self._warnings.add(shape.file)
                 reason = error.message if isinstance(error, AssetError) else str(error)
                 self.warnings.append(f"the mesh '{shape.file:.200}' is left out: {reason}")
             return []

@@ -126,13 +126,13 @@ def settle_mimics(joints: Sequence[Joint], warn: Callable[[str], None]) -> None:
         warn: receives what is left out.
     """
     by_name = {joint.name: joint for joint in joints}
-    followed = {joint.name: joint.mimic for joint in joints}
+    mimics = {joint.name: joint.mimic for joint in joints}
     for joint in joints:
         if joint.mimic is None:
             continue
         name, factor, offset = joint.mimic
         names = {joint.name}
-        while name not in names and (further := followed.get(name)) is not None:
+        while name not in names and (further := mimics.get(name)) is not None:
             names.add(name)
             name, offset, factor = further[0], factor * further[2] + offset, factor * further[1]
         leader = by_name.get(name)

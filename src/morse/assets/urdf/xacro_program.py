@@ -23,7 +23,7 @@ def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
     import xacro
     from xacro import substitution_args
 
-    refused: list[str] = []
+    refusals: list[str] = []
     packages: list[Path] = []
 
     def package(name: str) -> str:
@@ -32,7 +32,7 @@ def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
             return str(packages[-1])
         except FileRefusedError as error:
             # xacro raises errors of its own instead
-            refused.append(f"$(find {name[:60]}): {error}")
+            refusals.append(f"$(find {name[:60]}): {error}")
             raise
 
     # without ROS, xacro cannot find packages
@@ -42,7 +42,7 @@ def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
         document = xacro.process_file(str(path), mappings=arguments)
     except Exception as error:  # the expressions of the file raise anything
         reason = " ".join(f"{type(error).__name__}: {error}".split())
-        return {"error": refused[0] if refused else f"xacro cannot expand it: {reason:.300}"}
+        return {"error": refusals[0] if refusals else f"xacro cannot expand it: {reason:.300}"}
     if not document.getElementsByTagName("link"):
         return {"error": "it defines macros or properties, and no links: load the file that includes it"}
     return {"text": document.toxml()}

@@ -33,5 +33,5 @@ def check_class(part: object, name: str, value: object) -> None:
     """Raise `TypeError` for a value of another class than that of the present value of an attribute."""
     before = vars(part).get(name)
     if before is not None and type(value) is not type(before):
-        kind, meant = class_name(type(value)), class_name(type(before))
-        raise TypeError(f"'{name}' is of the class {meant}, and cannot become {kind}: the simulation needs it")
+        kind, expectation = class_name(type(value)), class_name(type(before))
+        raise TypeError(f"'{name}' is of the class {expectation}, and cannot become {kind}: the simulation needs it")

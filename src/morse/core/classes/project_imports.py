@@ -57,11 +57,11 @@ class ProjectImports:
         self._argv = list(argv)
         self._modules: dict[str, ModuleType] = {}
         self._names: set[str] = set()
-        self._entered = 0
+        self._depth = 0
         self._from_source = self._renewing = from_source
         self._finders: list[Any] = [*finders, self]
         self._builtins = {**vars(builtins), "__import__": self._import}
-        self._kept: tuple[list[str], list[str], dict[str, ModuleType]] = ([], [], {})
+        self._former: tuple[list[str], list[str], dict[str, ModuleType]] = ([], [], {})
 
     def offer(self, name: str, module: ModuleType) -> None:
         """Let the project import a module under the given name."""
@@ -72,11 +72,11 @@ class ProjectImports:
         """Return the module of the project with that name, or None if it has not been imported."""
         if name.partition(".")[0] not in self._names:
             return None
-        return sys.modules.get(name) if self._entered else self._modules.get(name)
+        return sys.modules.get(name) if self._depth else self._modules.get(name)
 
     def sources(self) -> dict[str, str]:
         """Return the imported modules of the project and their files."""
-        table = sys.modules if self._entered else self._modules
+        table = sys.modules if self._depth else self._modules
         paths = {}
         for name, module in list(table.items()):
             file = getattr(module, "__file__", None)
@@ -113,43 +113,43 @@ class ProjectImports:
 
     def own_modules(self) -> dict[str, ModuleType]:
         """Return the imported modules of the project by name."""
-        modules = sys.modules if self._entered else self._modules
+        modules = sys.modules if self._depth else self._modules
         return {name: module for name, module in list(modules.items()) if name.partition(".")[0] in self._names}
 
     def __enter__(self) -> ProjectImports:
         _switching.acquire()
-        self._entered += 1
-        if self._entered == 1:
+        self._depth += 1
+        if self._depth == 1:
             self._switch_in()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._entered == 1:
+        if self._depth == 1:
             self._switch_out()
-        self._entered -= 1
+        self._depth -= 1
         _switching.release()
 
     def stay(self) -> None:
         """Enter permanently, for a process that runs only this simulation."""
         with _switching:
-            self._entered += 1
-            if self._entered == 1:
+            self._depth += 1
+            if self._depth == 1:
                 self._switch_in()
 
     def leave(self) -> None:
         """Undo `stay`, before another project replaces this one."""
         with _switching:
-            self._entered -= 1
-            if self._entered == 0:
+            self._depth -= 1
+            if self._depth == 0:
                 self._switch_out()
 
     def _switch_in(self) -> None:
         hides = self._names | {name for name in self._offered() if not _is_library(name)}
-        hidden = {name: module for name, module in sys.modules.items() if name.partition(".")[0] in hides}
-        self._kept = (list(sys.path), list(sys.argv), hidden)
-        for name in hidden:
+        modules = {name: module for name, module in sys.modules.items() if name.partition(".")[0] in hides}
+        self._former = (list(sys.path), list(sys.argv), modules)
+        for name in modules:
             del sys.modules[name]
         sys.modules.update(self._modules)
         sys.path[:0] = self._directories
@@ -159,16 +159,16 @@ class ProjectImports:
         sys.meta_path[place:place] = self._finders
 
     def _switch_out(self) -> None:
-        path, argv, hidden = self._kept
+        path, argv, modules = self._former
         for name in [name for name in sys.modules if name.partition(".")[0] in self._names]:
             self._modules[name] = sys.modules.pop(name)
-        sys.modules.update(hidden)
+        sys.modules.update(modules)
         # entries that the script added to the path are for its own modules
         new_entries = [entry for entry in sys.path if entry not in path and entry not in self._directories]
         self._directories += new_entries
         sys.path[:], sys.argv[:] = path, argv
         sys.meta_path[:] = [finder for finder in sys.meta_path if all(finder is not own for own in self._finders)]
-        self._kept = ([], [], {})
+        self._former = ([], [], {})
 
     def _offered(self) -> set[str]:
         """Return the modules imported in the process whose names are also names of files of the project."""
@@ -210,7 +210,7 @@ class ProjectImports:
         """Implementation of the import statement for the code of the project."""
         if level == 0 and name.partition(".")[0] not in self._names and name in sys.modules:
             return self._as_imported(builtins.__import__(name, globals, locals, fromlist, level))
-        if not self._entered:
+        if not self._depth:
             there = self._imported(name, globals, fromlist, level)
             if there is not None:
                 return there

@@ -91,13 +91,13 @@ class Network:
         self._selector = _WatchfulSelector()
         self._loop = _Loop(self._selector)
         self._thread = threading.Thread(target=self._serve, name="morse-network", daemon=True)
-        self._parked, self._go_on = threading.Event(), threading.Event()
+        self._is_parked, self._go_on = threading.Event(), threading.Event()
         self._asked_for = self._ending = self._woken = False
         self._borrower: int | None = None
-        self._served = 0.0
+        self._last_service = 0.0
         self._first: dict[int, Callable[[], object]] = {}
         self._unread: list[Callable[[], object]] = []
-        self._posted: list[tuple[Callable[..., object], tuple[object, ...]]] = []
+        self._calls: list[tuple[Callable[..., object], tuple[object, ...]]] = []
         self._alarm: asyncio.TimerHandle | None = None
         self._watchful = False
         self._thread.start()
@@ -108,7 +108,7 @@ class Network:
             while not self._ending:
                 self._loop.run_forever()
                 if self._asked_for:
-                    self._parked.set()
+                    self._is_parked.set()
                     self._go_on.wait()
                     self._go_on.clear()
         finally:
@@ -134,7 +134,7 @@ class Network:
         ``function`` may write to connections and schedule callbacks, but must not assume that the loop is running.
         """
         if self._borrower == threading.get_ident():
-            self._posted.append((function, args))
+            self._calls.append((function, args))
             return
         try:
             self._loop.call_soon_threadsafe(function, *args)
@@ -199,7 +199,7 @@ class Network:
         Functions that were posted before are called first. Between two calls of `wait` nothing is received or sent.
         """
         self._borrow()
-        if self._posted:
+        if self._calls:
             self._do_posted()
         if self._woken:
             self._loop.stop()  # one iteration: send the posted data, read the received data
@@ -214,8 +214,8 @@ class Network:
             functions, self._unread = self._unread, []
             self._after_reading(functions)
         self._woken = False
-        self._served = perf_counter()
-        self._watchful = self._served - begin < _WATCH
+        self._last_service = perf_counter()
+        self._watchful = self._last_service - begin < _WATCH
 
     def _run(self) -> None:
         # A notebook cell or a coroutine waits inside the running loop of its thread, which is suspended meanwhile.
@@ -233,8 +233,8 @@ class Network:
 
     def _do_posted(self) -> None:
         # called here, because the loop would need another iteration
-        posted, self._posted = self._posted, []
-        for function, args in posted:
+        calls, self._calls = self._calls, []
+        for function, args in calls:
             try:
                 function(*args)
             except Exception as error:  # as asyncio does for callbacks
@@ -251,15 +251,15 @@ class Network:
 
     def tend(self) -> None:
         """Return a borrowed loop if it has not been run for some time; to be called between ticks."""
-        if self._borrower is not None and perf_counter() - self._served > _UNSERVED:
+        if self._borrower is not None and perf_counter() - self._last_service > _UNSERVED:
             self.give_back()
 
     def give_back(self) -> None:
         """Return a borrowed loop to the network thread."""
         if self._borrower == threading.get_ident():
             self._borrower = None
-            posted, self._posted = self._posted, []
-            for function, args in posted:
+            calls, self._calls = self._calls, []
+            for function, args in calls:
                 self._loop.call_soon(function, *args)
             self._asked_for = False
             self._go_on.set()
@@ -268,8 +268,8 @@ class Network:
         if self._borrower is None:
             self._asked_for = True
             self._loop.call_soon_threadsafe(self._loop.stop)
-            self._parked.wait()
-            self._parked.clear()
+            self._is_parked.wait()
+            self._is_parked.clear()
             self._borrower = threading.get_ident()
 
     def _ring(self) -> None:

@@ -39,7 +39,7 @@ class TimeShare:
     def __init__(self, shares: TimeShares | None = None) -> None:
         self._shares = TimeShares() if shares is None else shares
         self._debt = 0.0
-        self._rested = self._allowed = perf_counter()
+        self._last_end = self._limit = perf_counter()
 
     @property
     def is_owing(self) -> bool:
@@ -49,23 +49,23 @@ class TimeShare:
     def begin(self) -> bool:
         """Return whether requests may be served in this tick."""
         now = perf_counter()
-        idle, self._rested = now - self._rested, now
+        idle, self._last_end = now - self._last_end, now
         credit = self._shares.part(self, now) * idle - self._debt
         self._debt = max(0.0, -credit)
         if credit < 0.0:
             return False
-        self._allowed = now + max(_LEAST, min(_MOST, credit))
+        self._limit = now + max(_LEAST, min(_MOST, credit))
         return True
 
     def spend(self) -> float:
         """Return the time of a request that has just been served, s."""
         now = perf_counter()
-        spent, self._rested = now - self._rested, now
-        return spent
+        duration, self._last_end = now - self._last_end, now
+        return duration
 
     def is_used(self) -> bool:
         """Return whether the share of this tick is used; called after `spend`."""
-        self._debt = max(0.0, self._rested - self._allowed)
+        self._debt = max(0.0, self._last_end - self._limit)
         return self._debt > 0.0
 
     def end_request(self) -> bool:

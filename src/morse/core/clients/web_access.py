@@ -36,13 +36,13 @@ def is_loopback(host: str) -> bool:
 
 def _host_of(authority: str) -> str | None:
     """The host of a ``Host`` header; None if it is not a name or an address, with or without a port (RFC 9110)."""
-    matched = _AUTHORITY.fullmatch(authority)
-    if matched is None or int(matched["port"] or 0) > 65535:
+    match = _AUTHORITY.fullmatch(authority)
+    if match is None or int(match["port"] or 0) > 65535:
         return None
-    if matched["address"] is None:
-        return matched["name"]
+    if match["address"] is None:
+        return match["name"]
     try:
-        return str(ipaddress.IPv6Address(matched["address"]))
+        return str(ipaddress.IPv6Address(match["address"]))
     except ValueError:
         return None
 

@@ -9,10 +9,10 @@ if TYPE_CHECKING:
 
 
 def _merged(cls: type, attribute: str) -> dict[str, Any]:
-    merged: dict[str, object] = {}
+    union: dict[str, object] = {}
     for base in reversed(cls.__mro__):
-        merged.update(vars(base).get(attribute, {}))
-    return merged
+        union.update(vars(base).get(attribute, {}))
+    return union
 
 
 def data_fields(cls: type) -> dict[str, DataField]:

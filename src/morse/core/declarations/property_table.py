@@ -46,9 +46,9 @@ class PropertyTable:
 
     def find(self, name: str) -> PropertyOf | None:
         """The property of a name; None if there is none."""
-        owner, _, wanted = name.rpartition(".")
+        owner, _, attribute = name.rpartition(".")
         component = self._component(owner)
         if component is None or owner not in self._components():
             return None
         pairs = properties(type(component)).items()
-        return next((PropertyOf(component, own, one) for own, one in pairs if one.name == wanted), None)
+        return next((PropertyOf(component, own, one) for own, one in pairs if one.name == attribute), None)

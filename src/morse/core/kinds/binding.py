@@ -349,14 +349,14 @@ def findings_of(components: Iterable[Object]) -> list[tuple[Object, str]]:
     Of components with the same declarations only the first is checked.
     """
     findings = []
-    visited = set()
+    slots_so_far = set()
     for component in components:
         modifiers = tuple(type(m) for m in [*component.output_modifiers, *component.input_modifiers])
         by_properties = any(use.when is not None for use in kinds(type(component)))
         alike = type(component), component.level, modifiers, component if by_properties else None
-        if alike in visited:
+        if alike in slots_so_far:
             continue
-        visited.add(alike)
+        slots_so_far.add(alike)
         try:
             bind(component, on_request=True)
         except KindError as error:

@@ -102,14 +102,14 @@ def covariances(
 
 def _spreads(component: Object) -> dict[str, _Spread]:
     realism = getattr(component, "realism", None)
-    declared = [realism.changes()] if realism is not None else []
-    declared += [component.field_changes]
-    declared += [getattr(modifier, "changes", {}) for modifier in component.output_modifiers]
+    change_list = [realism.changes()] if realism is not None else []
+    change_list += [component.field_changes]
+    change_list += [getattr(modifier, "changes", {}) for modifier in component.output_modifiers]
     spreads: dict[str, _Spread] = {}
-    for changes in declared:
+    for changes in change_list:
         for name, change in changes.items():
-            known = spreads.get(name, _EXACT)
-            parts = [_sum(a, change.get(key, 0.0)) for a, key in zip(known, ("stddev", "walk"), strict=True)]
+            spread = spreads.get(name, _EXACT)
+            parts = [_sum(a, change.get(key, 0.0)) for a, key in zip(spread, ("stddev", "walk"), strict=True)]
             if any(any(part) for part in parts):
                 spreads[name] = _Spread(*parts)
     return spreads

@@ -214,13 +214,13 @@ class Stack(Source):
 
     def put(self, value: Value, fields: Fields) -> str | None:
         """Write each number to its field; numbers without a field have no effect."""
-        unused = []
+        rest = []
         for index, ((name, (factor, offset)), number) in enumerate(zip(self._parts, value, strict=True)):
             if name is not None:
                 fields[name] = (float(number) - offset) / factor
             elif not abs(number) <= _ROUNDING:
-                unused.append(index)
-        return f"item {', '.join(map(str, unused))} has no effect" if unused else None
+                rest.append(index)
+        return f"item {', '.join(map(str, rest))} has no effect" if rest else None
 
 
 class Among(Source):
@@ -258,9 +258,9 @@ class Among(Source):
         remark = self._stack.put(value, numbers)
         set_now = {name: number for name, number in numbers.items() if name in names and number == number}
         fields.update(set_now)
-        unused = [name for name, number in numbers.items() if name not in names and number and number == number]
-        if unused:
-            return f"{', '.join(unused)}: another control mode; the value has no effect"
+        rest = [name for name, number in numbers.items() if name not in names and number and number == number]
+        if rest:
+            return f"{', '.join(rest)}: another control mode; the value has no effect"
         return remark
 
 

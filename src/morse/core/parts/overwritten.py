@@ -63,15 +63,15 @@ def uncover(component: Component) -> list[str]:
 
 def _hidden(component: Component) -> Iterator[tuple[str, object]]:
     own = vars(component)
-    visited = set()
+    names_so_far = set()
     for base in type(component).__mro__:
         if base.__module__.startswith("morse."):
             break
         for name in sorted(vars(base).keys() & _METHODS):
             value = vars(base)[name]
-            if name not in own and name not in visited and not (callable(value) or hasattr(value, "__func__")):
+            if name not in own and name not in names_so_far and not (callable(value) or hasattr(value, "__func__")):
                 yield name, value
-            visited.add(name)
+            names_so_far.add(name)
     for name in sorted(own.keys() & _METHODS):
         if not callable(own[name]):
             yield name, own[name]

@@ -56,8 +56,8 @@ def columns_of(cls: type) -> Columns | None:
 def _poses_of(snapshots: Sequence[Snapshot], _kept: object) -> dict[str, NDArray[np.float64]]:
     positions, rotations = snapshots[0].poses_at(snapshots)
     roll, pitch, yaw = euler_rows(rotations)
-    named = zip(POSES.fields, (*positions, yaw, pitch, roll), strict=True)
-    return {name: each.T for name, each in named}
+    pairs = zip(POSES.fields, (*positions, yaw, pitch, roll), strict=True)
+    return {name: each.T for name, each in pairs}
 
 
 def _positions_of(snapshots: Sequence[Snapshot], _kept: object) -> dict[str, NDArray[np.float64]]:
@@ -70,9 +70,9 @@ POSES = Columns(("x", "y", "z", "yaw", "pitch", "roll"), _poses_of)
 POSITIONS = Columns(("x", "y", "z"), _positions_of)
 
 
-def arrays_of(kept: Sequence[Sequence[NDArray[np.generic]]]) -> list[np.ndarray | tuple[np.ndarray, ...]]:
+def arrays_of(arrays: Sequence[Sequence[NDArray[np.generic]]]) -> list[np.ndarray | tuple[np.ndarray, ...]]:
     """The arrays of each sensor in R ticks as one; as they are if their sizes differ."""
-    return [stacked(one) if len({array.shape for array in one}) == 1 else one for one in zip(*kept, strict=True)]
+    return [stacked(one) if len({array.shape for array in one}) == 1 else one for one in zip(*arrays, strict=True)]
 
 
 def euler_rows(m: Sequence[NDArray[np.float64]]) -> tuple[NDArray[np.float64], ...]:

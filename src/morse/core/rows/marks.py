@@ -73,13 +73,13 @@ def waiting(function: object) -> Sized | None:
 
 def mark_of(cls: type, mark: str) -> Value:
     """Return the mark of the first action in the order of inheritance, unless a subclass changes how it acts."""
-    changed: set[str] = set()
+    names: set[str] = set()
     for base in cls.__mro__:
         for name in _ACTIONS:
             if name in vars(base):
                 value = getattr(vars(base)[name], mark, None)
-                return value if value is not None and not any(hasattr(base, other) for other in changed) else None
-        changed |= {name for name, value in vars(base).items() if name not in _HARMLESS and _is_behaviour(value)}
+                return value if value is not None and not any(hasattr(base, other) for other in names) else None
+        names |= {name for name, value in vars(base).items() if name not in _HARMLESS and _is_behaviour(value)}
     return None
 
 

@@ -85,8 +85,8 @@ class Rows(Generic[_M]):
         self.release()
         guard = self._guard
         rows = self._rows = guard.those(self.members, self.is_row, guard.deactivate)
-        chosen = set(map(id, rows))
-        self._each = [member for member in self.members if id(member) not in chosen]
+        ids = set(map(id, rows))
+        self._each = [member for member in self.members if id(member) not in ids]
         self._row_of = {id(member): row for row, member in enumerate(rows)}
         self._attributes = [vars(member) for member in rows]
         #: functions and modifiers of the rows, which may change, and as they were

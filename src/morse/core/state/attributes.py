@@ -27,9 +27,9 @@ def left_out(cls: type) -> frozenset[str]:
     ours = [base for base in cls.__mro__ if is_of_morse(base)]
     if not any("_state_variables" in vars(base) for base in ours):
         return frozenset(names)
-    assigned = set().union(*(assigned_by(base) for base in ours))
+    names_of_ours = set().union(*(assigned_by(base) for base in ours))
     users = set().union(*(assigned_by(base) for base in cls.__mro__ if base not in ours))
-    return frozenset(names | (assigned - users - state_variables(cls).keys() - properties(cls).keys()))
+    return frozenset(names | (names_of_ours - users - state_variables(cls).keys() - properties(cls).keys()))
 
 
 def state_of(owner: object) -> StateData:

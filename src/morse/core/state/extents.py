@@ -27,7 +27,7 @@ class Extents:
 
     def __init__(self) -> None:
         self._of: dict[int, tuple[int, int]] = {}
-        self._items = self._height = self._repeated = 0
+        self._items = self._height = self._repetitions = 0
 
     def begin(self) -> tuple[int, int]:
         """Begin a nested value; the result is an argument of `end`."""
@@ -83,6 +83,6 @@ class Extents:
             StateError: the limit is exceeded.
         """
         self._items += items
-        self._repeated += items
-        if self._repeated > _MOST:
+        self._repetitions += items
+        if self._repetitions > _MOST:
             raise StateError("the saved state refers to the same values too often")

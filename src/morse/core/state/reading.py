@@ -86,12 +86,12 @@ class Reader:
         #: whether the items of lists and dictionaries keep their kinds, too
         self._deep = False
         #: the classes of objects that may take the place of None
-        self._created: frozenset[type] = frozenset()
+        self._types: frozenset[type] = frozenset()
         self._holder: object = None
         self._extents = Extents()
-        self._met: list[object] = []
-        self._used: set[int] = set()
-        self._named: set[int] = set()
+        self._objects_so_far: list[object] = []
+        self._numbers_in_use: set[int] = set()
+        self._numbers_with_name: set[int] = set()
         self._depth = 0
         self._readers: dict[str, Callable[[Entry, Any], object]] = {
             "list": self._list,
@@ -180,24 +180,24 @@ class Reader:
         return value
 
     def _keep(self, value: _T) -> _T:
-        self._met.append(value)
+        self._objects_so_far.append(value)
         return value
 
     def _again(self, data: list[object], _now: object) -> object:
         if type(data[1]) is not int or data[1] < 0:
             raise StateError("the saved state is damaged: it refers to an object that was not saved before")
-        value = self._met[data[1]]
+        value = self._objects_so_far[data[1]]
         self._extents.refer(value, self._depth)
         return value
 
     def _target(self, now: object, cls: type[_T], make: Callable[[], _T]) -> _T:
         """Return the present object if it has the right class and is not used for another value, else a new one."""
-        if self._fresh or type(now) is not cls or id(now) in self._used:
+        if self._fresh or type(now) is not cls or id(now) in self._numbers_in_use:
             return self._keep(make())
-        if id(now) not in self._named and self._references.global_name(now) is not None:
+        if id(now) not in self._numbers_with_name and self._references.global_name(now) is not None:
             # the present object is a constant of the project, and another object may have been saved
             return self._keep(make())
-        self._used.add(id(now))
+        self._numbers_in_use.add(id(now))
         return self._keep(now)
 
     def _items(self, data: Entry, now: object) -> list[object]:
@@ -260,12 +260,12 @@ class Reader:
     # -- numpy -----------------------------------------------------------------------------
 
     def _view(self, data: Entry, _now: object) -> arrays.Array:
-        place = len(self._met)
+        place = len(self._objects_so_far)
         self._keep(None)
         root = self.value(data[1])
         if type(root) is not np.ndarray or root.dtype.hasobject:
             raise StateError("an array shares the memory of something that is not an array")
-        self._met[place] = view = arrays.view_of(root, arrays.dtype(data[2]), *data[3:])
+        self._objects_so_far[place] = view = arrays.view_of(root, arrays.dtype(data[2]), *data[3:])
         if view.nbytes > root.nbytes:
             raise StateError("an array is larger than the array whose memory it shares")
         self._extents.repeat(view.size)
@@ -356,14 +356,14 @@ class Reader:
 
     def _attributes(self, cls: type, data: Entry, present: StateData) -> Iterator[tuple[str, object]]:
         """Iterate over the names and the values of the attributes of an object of a class."""
-        outer, of_morse = (self._strict, self._deep, self._created), own_attributes(cls)
+        outer, of_morse = (self._strict, self._deep, self._types), own_attributes(cls)
         for name, item in data:
             before = present.get(name, MISSING)
             if item == AS_IS and before is MISSING:
                 continue
             self._strict = not self._trusted and (of_morse is None or name in of_morse)
             self._deep = of_morse is None
-            self._created = created_by(cls)
+            self._types = created_by(cls)
             try:
                 value = self.value(item, before)
                 self._check(value, before)
@@ -373,13 +373,13 @@ class Reader:
             except StateError as error:
                 raise StateError(f"{name:.80}: {error}") from None
             finally:
-                self._strict, self._deep, self._created = outer
+                self._strict, self._deep, self._types = outer
             yield name, value
 
     def _check(self, value: object, present: object) -> None:
         if value is present or self._trusted:
             return
-        if not (fits(value, present, self._created) if self._strict else fits_roughly(value, present)):
+        if not (fits(value, present, self._types) if self._strict else fits_roughly(value, present)):
             raise misfit(value, present)
 
     def _method(self, data: Entry, now: Any) -> object:
@@ -402,10 +402,10 @@ class Reader:
             if not (is_routine(now) or self._trusted):
                 raise StateError(f"the saved state contains the function {data[1]!r:.80} in place of {word_of(now)}")
             return target
-        place = len(self._met)
+        place = len(self._objects_so_far)
         if self._fresh:
             return target if data[2] == AS_IS else self.value(data[2])
-        self._named.add(id(target))
+        self._numbers_with_name.add(id(target))
         value = self.value(data[2], target)
         if (
             value is not target
@@ -415,7 +415,7 @@ class Reader:
         ):
             if target.flags.writeable:
                 target[...] = value
-            self._met[place] = value = target
+            self._objects_so_far[place] = value = target
         return value
 
     def _class(self, path: str, now: object) -> type:

@@ -84,7 +84,7 @@ class Writer:
     def __init__(self, references: References) -> None:
         self._references = references
         self._numbers: dict[int, int] = {}
-        self._met: list[object] = []
+        self._objects_so_far: list[object] = []
         self.unsaved: list[str] = []
         self._path: list[str] = []
         self._depth = 0
@@ -121,7 +121,7 @@ class Writer:
         A writer refers to itself. Without this call, the values would exist until the next garbage collection, and data
         of sensors that are referenced have to be filled in every tick.
         """
-        self._met.clear()
+        self._objects_so_far.clear()
         self._numbers.clear()
 
     def part(self, name: str, state: object) -> object:
@@ -146,7 +146,7 @@ class Writer:
         if self._depth >= DEEPEST:
             return self._cannot_be_saved(value, f"nested more than {DEEPEST} deep")
         self._depth += 1
-        numbers, path = len(self._met), len(self._path)
+        numbers, path = len(self._objects_so_far), len(self._path)
         try:
             name = None if cls in _CONSTANT else self._references.global_name(value)
             if name is not None:
@@ -170,14 +170,14 @@ class Writer:
         return write(value)
 
     def _number(self, value: object) -> None:
-        self._numbers[id(value)] = len(self._met)
-        self._met.append(value)  # keeps the object alive, so that its id is not reused
+        self._numbers[id(value)] = len(self._objects_so_far)
+        self._objects_so_far.append(value)  # keeps the object alive, so that its id is not reused
 
     def _forget(self, numbers: int) -> None:
         """Withdraw the numbers of values whose owner is not written."""
-        for value in self._met[numbers:]:
+        for value in self._objects_so_far[numbers:]:
             del self._numbers[id(value)]
-        del self._met[numbers:]
+        del self._objects_so_far[numbers:]
 
     def _cannot_be_saved(self, value: object, why: str = "") -> object:
         why = why or class_name(type(value))
@@ -242,10 +242,10 @@ class Writer:
         return [[self.value(key), self.value(item)] for key, item in value.items()]
 
     def _sorted(self, values: Iterable[object]) -> list[object]:
-        met = len(self._met)
+        count = len(self._objects_so_far)
         entries = [self.value(value) for value in values]
         # sets are unordered, but objects are numbered in the order in which they are restored
-        return sorted(entries, key=repr) if len(self._met) == met else entries
+        return sorted(entries, key=repr) if len(self._objects_so_far) == count else entries
 
     def _array(self, value: arrays.Array) -> object:
         if value.dtype.hasobject:

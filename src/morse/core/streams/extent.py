@@ -49,25 +49,25 @@ def check_fields(component: Component) -> None:
     data = attributes.get("local_data")
     if not is_a(data, dict):
         return
-    refused: list[tuple[object, str]] = []
-    counted: dict[object, int] | None = attributes.get("_counted")
+    refusals: list[tuple[object, str]] = []
+    counts: dict[object, int] | None = attributes.get("_counted")
     for number, (name, value) in enumerate(dict.items(data)):
         if number >= MOST_FIELDS:
-            refused = [(one, "") for one in list(data)[MOST_FIELDS:]]
+            refusals = [(one, "") for one in list(data)[MOST_FIELDS:]]
             _refuse(component, f"it has {dict.__len__(data):,} data fields; at most {MOST_FIELDS:,} are published")
             break
         if type(value) in _SMALL:
             continue
         size = _estimate(value)
-        if counted is None:
-            counted = attributes["_counted"] = {}
-        if size > counted.get(name, -1):
+        if counts is None:
+            counts = attributes["_counted"] = {}
+        if size > counts.get(name, -1):
             text = excess(value)
             if text:
-                refused.append((name, text))
+                refusals.append((name, text))
             else:
-                counted[name] = 2 * size
-    for name, text in refused:
+                counts[name] = 2 * size
+    for name, text in refusals:
         dict.__delitem__(data, name)
         if text:
             _refuse(component, f"the data field '{escaped(str(name)[:80])}' is {text}: it is not published")

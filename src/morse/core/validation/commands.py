@@ -51,10 +51,10 @@ class Commands:
         Raises:
             CommandError: the message is not a dictionary, a value is not valid, or the component has no such field.
         """
-        accepted, unknown = self.checked(message)
+        fields, unknown = self.checked(message)
         if unknown:
             self._refuse(unknown)
-        return accepted
+        return fields
 
     def take(self, message: object) -> str | None:
         """Store the fields of a message; other fields stay unchanged.
@@ -66,9 +66,9 @@ class Commands:
             CommandError: the message is not a dictionary, or a value is not valid, or the simulation is strict and the
                 component does not declare a field. Then nothing has changed.
         """
-        accepted, unknown = self.checked(message)
+        fields, unknown = self.checked(message)
         remark = self._take_unknown(unknown) if unknown else None
-        self._component.local_data.update(accepted)
+        self._component.local_data.update(fields)
         return remark
 
     def checked(self, message: object) -> tuple[Fields, Fields]:

@@ -43,11 +43,11 @@ def spec_of_property(prop: Property, *, script: bool = False) -> Spec:
     """
     default = prop.default
     allow = frozenset(prop.allow) | _occurring(default)
-    bounded = prop.low is not None or prop.high is not None
-    if script and not bounded:
+    has_bounds = prop.low is not None or prop.high is not None
+    if script and not has_bounds:
         allow |= {"inf", "-inf"}
-    if default is None and (bounded or prop.choices):
-        like = Spec(_WORDS.get(prop.type, "number" if bounded else "any"))
+    if default is None and (has_bounds or prop.choices):
+        like = Spec(_WORDS.get(prop.type, "number" if has_bounds else "any"))
     else:
         like = _like(default)
     if like.kind == "number" and _WORDS.get(prop.type) == "integer":

@@ -62,17 +62,17 @@ class Parameters:
             parameter["type"] = "float64_array"
         return parameter
 
-    def write(self, given: Iterable[Any]) -> tuple[list[str], list[str]]:
+    def write(self, entries: Iterable[Any]) -> tuple[list[str], list[str]]:
         """Change parameters.
 
         Args:
-            given: objects with name and value.
+            entries: objects with name and value.
 
         Returns:
             The names of the parameters that exist, and why changes are refused.
         """
         names, refusals = list[str](), list[str]()
-        for number, one in enumerate(given):
+        for number, one in enumerate(entries):
             if number == MOST or len(refusals) == _MOST_REFUSALS:
                 refusals.append(f"the rest of the parameters of this request: it sets more than {MOST}, or many fail")
                 break

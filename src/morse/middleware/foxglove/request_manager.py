@@ -39,9 +39,9 @@ class FoxgloveRequestManager(WebRequestManager):
         if path not in (GET, SET):
             super()._handle(client, call, path, arguments)
             return
-        given = msgspec.json.decode(arguments)
+        fields = msgspec.json.decode(arguments)
         try:
-            names, refusals = (given, []) if path == GET else self._parameters.write(given)
+            names, refusals = (fields, []) if path == GET else self._parameters.write(fields)
             values = self._parameters.read(names) if names or path == GET else []
             self._outbox.append((client, call, None, encoded({"parameters": values, "refusals": refusals})))
         except Exception as error:  # a property may be code of the user
@@ -54,13 +54,13 @@ class FoxgloveRequestManager(WebRequestManager):
         self._ticks += 1
         if self._ticks % _PERIOD == 0:
             for client in list(self._hub.server.clients):
-                watched = client.watched  # type: ignore[attr-defined] # it is a FoxgloveClient
-                if watched:
-                    self._tell(client, watched)
+                names = client.watched  # type: ignore[attr-defined] # it is a FoxgloveClient
+                if names:
+                    self._tell(client, names)
 
-    def _tell(self, client: Any, watched: frozenset[str]) -> None:
+    def _tell(self, client: Any, names: frozenset[str]) -> None:
         try:
-            values = encoded([one for one in self._parameters.read(()) if one["name"] in watched])
+            values = encoded([one for one in self._parameters.read(()) if one["name"] in names])
         except Exception as error:  # a property may be code of the user
             self._complaints.service_failed("a parameter", error)
         else:

@@ -84,10 +84,10 @@ class _Parameter:
             PropertyError: it has another type.
         """
         kind = value["type"]
-        given: Any = value[VALUES[kind]] if kind in VALUES else None
-        given = given.tolist() if hasattr(given, "tolist") else given
+        content: Any = value[VALUES[kind]] if kind in VALUES else None
+        content = content.tolist() if hasattr(content, "tolist") else content
         if kind == self.type or (kind, self.type) in ((_INTEGER, _DOUBLE), (7, 8)):
-            return from_json(given) if kind == _STRING and not isinstance(self.present, str) else given
+            return from_json(content) if kind == _STRING and not isinstance(self.present, str) else content
         names = [_WORDS.get(one, "list") for one in (kind, self.type)]
         raise PropertyError(f"the value is a {names[0]}, expected a {names[1]}")
 
@@ -100,12 +100,12 @@ class _Parameter:
         words = [one.doc, f"unit: {one.unit}" if one.unit else ""]
         bounds = [f"{sign} {limit:g}" for sign, limit in ((">=", one.low), ("<=", one.high)) if limit is not None]
         limits = ["one of " + ", ".join(map(str, one.choices))] if one.choices else bounds
-        described = {"description": "; ".join(filter(None, words)), "additional_constraints": " and ".join(limits)}
+        entry = {"description": "; ".join(filter(None, words)), "additional_constraints": " and ".join(limits)}
         ranges: RosMessage = {}
         if one.low is not None and one.high is not None and self.type in (_INTEGER, _DOUBLE) and not one.allow:
             cast, key = (int, "integer_range") if self.type == _INTEGER else (float, "floating_point_range")
             ranges[key] = [{"from_value": cast(one.low), "to_value": cast(one.high)}]
-        return {"name": name, "type": self.type, "read_only": False, **described, **ranges}
+        return {"name": name, "type": self.type, "read_only": False, **entry, **ranges}
 
 
 class Parameters(Served):
@@ -172,17 +172,17 @@ class Parameters(Served):
 
     # -- setting -----------------------------------------------------------------------------
 
-    def _checked(self, given: RosMessage) -> tuple[str, str, Any] | str:
+    def _checked(self, entry: RosMessage) -> tuple[str, str, Any] | str:
         """Component, property and value; or why a parameter is refused."""
-        name = given["name"]
+        name = entry["name"]
         one = self._parameter(name)
         if one is None:
             return f"there is no parameter {shown(name)}{nearest(name, self._names())}"
         if one.declaration is None:
-            fits = given["value"]["type"] == _BOOL and given["value"]["bool_value"]
+            fits = entry["value"]["type"] == _BOOL and entry["value"]["bool_value"]
             return "" if fits else f"{_TIME} is always true: the clock of this node is that of the simulation"
         try:
-            value = one.taken(given["value"])
+            value = one.taken(entry["value"])
             checked_property(one.component, one.declaration.name, value)
         except (PropertyError, ValueError) as error:
             return f"{name}: {error}"
@@ -200,7 +200,7 @@ class Parameters(Served):
 
     def _set(self, request: RosMessage, reply: Reply) -> None:
         parameters = request["parameters"]
-        results = [self._done(self._checked(given)) for given in parameters[:MOST]]
+        results = [self._done(self._checked(entry)) for entry in parameters[:MOST]]
         reply({"results": results + [{"successful": False, "reason": _TOO_MANY}] * (len(parameters) - len(results))})
 
     def _set_together(self, request: RosMessage, reply: Reply) -> None:
@@ -208,7 +208,7 @@ class Parameters(Served):
         if len(parameters) > MOST:
             reply({"result": {"successful": False, "reason": _TOO_MANY}})
             return
-        changes = [self._checked(given) for given in parameters]
+        changes = [self._checked(entry) for entry in parameters]
         wrong = [change for change in changes if isinstance(change, str) and change]
         results = [{"successful": False, "reason": wrong[0]}] if wrong else [self._done(change) for change in changes]
         bad = [result for result in results if not result["successful"]]

@@ -56,7 +56,7 @@ class WebRequestManager(RequestManager):
         self.paths: dict[str, tuple[str, str]] = {}
         self._inbox: Turns[HubClient, tuple[object, str, bytes]] = Turns()
         self._share = TimeShare(context.time_shares)
-        self._gone: deque[HubClient] = deque()
+        self._leavers: deque[HubClient] = deque()
         self._cancelled: deque[tuple[HubClient, Any]] = deque()
         self._outbox: list[_Answer] = []
         self._calls: dict[uuid.UUID, tuple[HubClient, Any]] = {}
@@ -86,7 +86,7 @@ class WebRequestManager(RequestManager):
     def unregister(self, component_name: str) -> None:
         """See `RequestManager.unregister`."""
         super().unregister(component_name)
-        self.paths = {path: known for path, known in self.paths.items() if known[0] != component_name}
+        self.paths = {path: entry for path, entry in self.paths.items() if entry[0] != component_name}
         self._context.network.post(self._tell_changed)
 
     # -- in the network thread ---------------------------------------------------------------
@@ -125,7 +125,7 @@ class WebRequestManager(RequestManager):
 
     def gone(self, client: HubClient) -> None:
         """Remove a disconnected client."""
-        self._gone.append(client)
+        self._leavers.append(client)
 
     @staticmethod
     def _deliver(answers: list[_Answer]) -> None:
@@ -144,18 +144,18 @@ class WebRequestManager(RequestManager):
     def main(self) -> None:
         """Process the received requests within the time share of a tick."""
         if self._inbox and self._share.begin():
-            while (taken := self._inbox.next()) is not None:
-                client, request = taken
+            while (item := self._inbox.next()) is not None:
+                client, request = item
                 self._handle(client, *request)
                 self._inbox.served(client, self._share.spend())
                 if self._share.is_used():
                     break
         while self._cancelled:
-            client, wanted = self._cancelled.popleft()
-            for number in list(self._numbers.get((client, wanted), ())):
+            client, id_ = self._cancelled.popleft()
+            for number in list(self._numbers.get((client, id_), ())):
                 self.abort_request(number)
-        while self._gone:
-            client = self._gone.popleft()
+        while self._leavers:
+            client = self._leavers.popleft()
             self._inbox.forget(client, with_requests=False)
             for number, (caller, _) in list(self._calls.items()):
                 if caller is client:
@@ -167,13 +167,13 @@ class WebRequestManager(RequestManager):
             if not service:
                 raise MorseMethodNotFoundError(f"there is no service {short(path)}{nearest(path, self.paths)}")
             values = self._listed(component, service, _decoded(arguments))
-            done, outcome = self.on_incoming_request(component, service, values)
+            is_complete, outcome = self.on_incoming_request(component, service, values)
         except MorseError as error:
             self._outbox.append((client, call, str(error), b""))
         except Exception as error:  # the service may be user code
             self._outbox.append((client, call, self._complaints.service_failed(f"the service {path}", error), b""))
         else:
-            if done:
+            if is_complete:
                 self._answer(client, call, outcome)
             else:
                 self._calls[outcome] = (client, call)
@@ -187,9 +187,9 @@ class WebRequestManager(RequestManager):
             return arguments
         if not isinstance(arguments, dict):
             raise MorseRPCNbArgsError(f"{service}: arguments are a list, or an object with their names")
-        offered = self.find(component, service)
-        assert offered is not None
-        parameters = signature_of(offered.callback).parameters
+        entry = self.find(component, service)
+        assert entry is not None
+        parameters = signature_of(entry.callback).parameters
         for name in arguments:
             if name not in parameters:
                 raise MorseRPCNbArgsError(f"{service} has no argument {short(name)}{nearest(name, parameters)}")

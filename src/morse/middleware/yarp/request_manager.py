@@ -41,7 +41,7 @@ class YarpRequestManager(AnsweredRequests):
         self._ports: Ports | None = None
         self._requests: dict[str, Port] = {}
         self._replies: dict[str, Port] = {}
-        self._arrived: WaitingBottles[tuple[str, list[object]]] = WaitingBottles(
+        self._inbox: WaitingBottles[tuple[str, list[object]]] = WaitingBottles(
             _MOST_WAITING, self._complaints, "yarp: service calls"
         )
         self._share = TimeShare(context.time_shares)
@@ -73,7 +73,7 @@ class YarpRequestManager(AnsweredRequests):
 
     def _taker(self, component: str) -> Callable[[list[object], int], object]:
         def take(values: list[object], count: int) -> None:
-            self._arrived.append((component, values), count)
+            self._inbox.append((component, values), count)
             self._context.wake()
 
         return take
@@ -94,14 +94,14 @@ class YarpRequestManager(AnsweredRequests):
     def main(self) -> None:
         """See `RequestManager.main`."""
         share = self._share
-        if not self._arrived or not share.begin():
+        if not self._inbox or not share.begin():
             return
-        for _ in range(min(len(self._arrived), _EACH_TICK)):
-            component, values = self._arrived.popleft()
+        for _ in range(min(len(self._inbox), _EACH_TICK)):
+            component, values = self._inbox.popleft()
             self._handle(component, values)
             if share.end_request():
                 return
-        if self._arrived:
+        if self._inbox:
             self._context.wake()
 
     def _handle(self, place: str, values: list[object]) -> None:

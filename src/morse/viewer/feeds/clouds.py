@@ -27,7 +27,7 @@ class ViewClouds:
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._sent: Fields = {}
+        self._last_clouds: Fields = {}
         self._components: list[Object] = []
         self.restarted()
 
@@ -37,16 +37,16 @@ class ViewClouds:
 
     def update(self) -> None:
         """Send the clouds measured since the last call."""
-        wished = self._server.wishes.overlays
+        wishes = self._server.wishes.overlays
         for component in self._components:
             name = component.name()
-            if name not in wished:
-                self._sent.pop(name, None)
+            if name not in wishes:
+                self._last_clouds.pop(name, None)
                 continue
             points = component.local_data.get("points")
-            if points is self._sent.get(name):
+            if points is self._last_clouds.get(name):
                 continue
-            self._sent[name] = points
+            self._last_clouds[name] = points
             self._server.send(Cloud(in_world(component, points).tobytes(), name))
 
 

@@ -49,21 +49,21 @@ class PicturesFeed:
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._sent: Fields = {}
+        self._last_pictures: Fields = {}
 
     def update(self) -> None:
         """Send the images captured since the last call."""
-        wished = self._server.wishes.images
-        for name in self._sent.keys() - wished:
-            del self._sent[name]
+        wishes = self._server.wishes.images
+        for name in self._last_pictures.keys() - wishes:
+            del self._last_pictures[name]
             self._watch(name, False)
-        for name in sorted(wished):
+        for name in sorted(wishes):
             component = self._context.components.get(name)
             self._watch(name, True)
             shot = None if component is None else self.shot(name, component)
-            if shot is None or shot.source is self._sent.get(name):
+            if shot is None or shot.source is self._last_pictures.get(name):
                 continue
-            self._sent[name] = shot.source
+            self._last_pictures[name] = shot.source
             self._server.send(picture_of(name, component, shot))
 
     def _watch(self, name: str, on: bool) -> None:
@@ -71,12 +71,12 @@ class PicturesFeed:
         component: Any = self._context.components.get(name)
         if hasattr(component, "shown"):
             component.watched = on
-            self._sent.setdefault(name, None)
+            self._last_pictures.setdefault(name, None)
 
     def shot(self, _name: str, component: Any) -> Shot | None:
         """The last image of a camera."""
-        shown = getattr(component, "shown", None)
-        return shot_of(component, component.local_data if shown is None else shown())
+        show = getattr(component, "shown", None)
+        return shot_of(component, component.local_data if show is None else show())
 
 
 def shot_of(component: object, data: Mapping[str, object]) -> Shot | None:

@@ -81,9 +81,9 @@ class Rewinder(Generic[_S]):
         self._rest_until = -math.inf
         self._is_warned = False
         self._server = server
-        self._kept: list[_Kept[_S]] = []
+        self._moments: list[_Kept[_S]] = []
         self._bytes = 0
-        self._told: list[float] = []
+        self._last_times: list[float] = []
         #: the time of the present state of the simulation
         self._at = -1.0
 
@@ -93,11 +93,11 @@ class Rewinder(Generic[_S]):
         if now == self._at:
             return
         self._at = now
-        if self._kept and self._kept[-1].time >= now:
+        if self._moments and self._moments[-1].time >= now:
             # time continues from an earlier state: the states after it are invalid
-            self._cut(bisect.bisect_left(self._kept, now, key=_time_of))
+            self._cut(bisect.bisect_left(self._moments, now, key=_time_of))
             self.tell()
-        if paused or not self._kept or (now - self._kept[-1].time >= _EVERY - _ROUNDING and self._may_save()):
+        if paused or not self._moments or (now - self._moments[-1].time >= _EVERY - _ROUNDING and self._may_save()):
             self._save(now)
             self.tell()
 
@@ -119,37 +119,39 @@ class Rewinder(Generic[_S]):
         self._rest_until = end + (end - begin) * (1.0 / _SHARE - 1.0)
 
     def _add(self, entry: _Kept[_S]) -> None:
-        self._kept.append(entry)
+        self._moments.append(entry)
         self._bytes += entry.size
         first = 0
-        while first < len(self._kept) - 1 and (self._bytes > _MOST_BYTES or self._is_old(self._kept[first], entry)):
-            self._bytes -= self._kept[first].size
+        while first < len(self._moments) - 1 and (
+            self._bytes > _MOST_BYTES or self._is_old(self._moments[first], entry)
+        ):
+            self._bytes -= self._moments[first].size
             first += 1
-        del self._kept[:first]
+        del self._moments[:first]
 
     @staticmethod
     def _is_old(entry: _Kept[_S], newest: _Kept[_S]) -> bool:
         return entry.time < newest.time - _SPAN and entry.wall < newest.wall - _SPAN
 
     def _cut(self, length: int) -> None:
-        del self._kept[length:]
-        self._bytes = sum(entry.size for entry in self._kept)
+        del self._moments[length:]
+        self._bytes = sum(entry.size for entry in self._moments)
 
     def rewind(self, time: float) -> None:
         """Restore the state saved for that time, or the last one before it, and pause."""
-        if self._kept:
-            self._go(max(bisect.bisect_right(self._kept, time + _ROUNDING, key=_time_of) - 1, 0))
+        if self._moments:
+            self._go(max(bisect.bisect_right(self._moments, time + _ROUNDING, key=_time_of) - 1, 0))
 
     def step_back(self) -> None:
         """Restore the last state saved before the present time, and pause."""
-        i = bisect.bisect_left(self._kept, self._now() - _ROUNDING, key=_time_of) - 1
+        i = bisect.bisect_left(self._moments, self._now() - _ROUNDING, key=_time_of) - 1
         if i >= 0:
             self._go(i)
 
     def _go(self, index: int) -> None:
         self._simulation.pause()
         try:
-            self._simulation.restore(self._kept[index].state)
+            self._simulation.restore(self._moments[index].state)
         except MorseError as error:  # e.g. robots were added or removed since
             self._server.send(Refused("rewind", str(error)))
         self._at = self._now()
@@ -162,9 +164,9 @@ class Rewinder(Generic[_S]):
 
     def tell(self) -> None:
         """Tell the pages the times of the saved states."""
-        times = [entry.time for entry in self._kept]
-        if times != self._told:
-            self._told = times
+        times = [entry.time for entry in self._moments]
+        if times != self._last_times:
+            self._last_times = times
             self._server.send(History(times))
 
 

@@ -43,9 +43,9 @@ def definitions(text: bytes, name: str) -> list[Definition]:
         SyntaxError: the text is not valid Python.
     """
     tree = ast.parse(text, name)
-    imported = dict(_imported(tree))
+    imports = dict(_imported(tree))
     classes = (statement for statement in tree.body if isinstance(statement, ast.ClassDef))
-    return [_definition(cls, imported) for cls in classes if not cls.name.startswith("_")]
+    return [_definition(cls, imports) for cls in classes if not cls.name.startswith("_")]
 
 
 def _imported(tree: ast.Module) -> Iterator[tuple[str, str]]:
@@ -64,16 +64,16 @@ def _imported(tree: ast.Module) -> Iterator[tuple[str, str]]:
                 )
 
 
-def _base(base: ast.expr, imported: Mapping[str, str]) -> str:
+def _base(base: ast.expr, imports: Mapping[str, str]) -> str:
     first, dot, rest = ast.unparse(base).partition(".")
-    return f"{imported.get(first, f'.{first}')}{dot}{rest}"
+    return f"{imports.get(first, f'.{first}')}{dot}{rest}"
 
 
-def _definition(cls: ast.ClassDef, imported: Mapping[str, str]) -> Definition:
+def _definition(cls: ast.ClassDef, imports: Mapping[str, str]) -> Definition:
     return Definition(
         cls.name,
         ast.get_docstring(cls),
-        tuple(_base(base, imported) for base in cls.bases),
+        tuple(_base(base, imports) for base in cls.bases),
         _literals(_assignments(cls)),
         {name: list(_declared_defaults(cls, name)) for name in ("_builder", "_products")},
     )

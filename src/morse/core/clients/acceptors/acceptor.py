@@ -209,8 +209,8 @@ class Acceptor:
             return self.make_room()
         if DESCRIPTORS.has_room():
             return True
-        crowded = self._acceptors.most_dispensable()
-        return crowded is not None and crowded.make_room()
+        fullest = self._acceptors.most_dispensable()
+        return fullest is not None and fullest.make_room()
 
     def _refuse(self, sock: socket.socket) -> None:
         why = f"all {len(self.connections)} connections are in use"

@@ -140,29 +140,29 @@ def checked(state: object) -> SavedAutopilot:
         StateError: it is damaged.
     """
     try:
-        saved = msgspec.convert(state, SavedAutopilot)
+        values = msgspec.convert(state, SavedAutopilot)
     except msgspec.ValidationError as error:
         raise StateError(f"mavlink: the saved state of an autopilot is damaged: {error}") from None
-    modes = [saved.flight.mode, *([] if saved.failsafe._instead is None else [saved.failsafe._instead])]
-    items, index = saved.mission.items, saved.mission.current
-    if not (all(map(mode_of_custom, modes)) and 0 <= index < max(1, len(items)) and _is_possible(saved)):
+    modes = [values.flight.mode, *([] if values.failsafe._instead is None else [values.failsafe._instead])]
+    items, index = values.mission.items, values.mission.current
+    if not (all(map(mode_of_custom, modes)) and 0 <= index < max(1, len(items)) and _is_possible(values)):
         raise StateError("mavlink: the saved state of an autopilot is damaged: it has no such mode, item or number")
-    return saved
+    return values
 
 
-def restore(saved: SavedAutopilot, flight: Flight, parameters: Parameters, gimbal: Gimbal) -> None:
+def restore(values: SavedAutopilot, flight: Flight, parameters: Parameters, gimbal: Gimbal) -> None:
     """Restore a state; the fence first, because nothing else depends on what it refuses."""
-    flight.fence.replace(saved.fence)
-    for name, value in saved.parameters.items():
+    flight.fence.replace(values.fence)
+    for name, value in values.parameters.items():
         if name in parameters._values:
             parameters.set(name, value)
-    _write(saved.flight, flight, mode=mode_of_custom(saved.flight.mode))
-    _write(saved.mission, flight.mission, _jumps=dict(saved.mission._jumps))
-    instead = saved.failsafe._instead
-    _write(saved.failsafe, flight.failsafe, _instead=None if instead is None else mode_of_custom(instead))
-    _write(saved.follow, flight.follow)
-    _write(saved.gimbal, gimbal)
-    for one, helm in zip(saved.helms, flight.helms, strict=False):
+    _write(values.flight, flight, mode=mode_of_custom(values.flight.mode))
+    _write(values.mission, flight.mission, _jumps=dict(values.mission._jumps))
+    instead = values.failsafe._instead
+    _write(values.failsafe, flight.failsafe, _instead=None if instead is None else mode_of_custom(instead))
+    _write(values.follow, flight.follow)
+    _write(values.gimbal, gimbal)
+    for one, helm in zip(values.helms, flight.helms, strict=False):
         _write(one, helm)
 
 
@@ -171,10 +171,10 @@ def _read(cls: type[Any], owner: object, **others: object) -> Any:
     return cls(**{name: getattr(owner, name) for name in names}, **others)
 
 
-def _write(saved: msgspec.Struct, owner: object, **others: object) -> None:
-    for name in saved.__struct_fields__:
+def _write(values: msgspec.Struct, owner: object, **others: object) -> None:
+    for name in values.__struct_fields__:
         if hasattr(owner, name):
-            setattr(owner, name, others.get(name, getattr(saved, name)))
+            setattr(owner, name, others.get(name, getattr(values, name)))
 
 
 def _plain(slots: Fields) -> _Slots:
@@ -184,11 +184,11 @@ def _plain(slots: Fields) -> _Slots:
     }
 
 
-def _is_possible(saved: SavedAutopilot) -> bool:
+def _is_possible(values: SavedAutopilot) -> bool:
     """Whether what the autopilot steers by are finite numbers, and places of a world."""
-    flight = saved.flight
-    places = [flight.home, flight._goal, saved.mission._goal, saved.mission._from, saved.follow._target]
-    places += [saved.gimbal._place, *(helm._goal for helm in saved.helms)]
+    flight = values.flight
+    places = [flight.home, flight._goal, values.mission._goal, values.mission._from, values.follow._target]
+    places += [values.gimbal._place, *(helm._goal for helm in values.helms)]
     numbers = (*(x for place in places if place is not None for x in place), flight._yaw, *flight._sticks)
     # a comparison with NaN is false
     return all(abs(number) <= _FARTHEST for number in numbers) and math.isfinite(flight._lowest)

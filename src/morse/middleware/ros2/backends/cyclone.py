@@ -93,30 +93,30 @@ def _join(domain: int, interface: str) -> tuple[DomainParticipant, str]:
     try:
         if not settings:
             return DomainParticipant(domain), place
-        known = _domains.get(domain)
-        if known is not None and known.settings != settings:
+        former = _domains.get(domain)
+        if former is not None and former.settings != settings:
             raise MorseMiddlewareError(
                 f"ros2: another simulation of this process uses the domain {domain} on another interface; "
                 "set another domain_id for this one"
             )
         with confined() if settings == _LOOPBACK else nullcontext(Confined()) as sockets:
-            joined = known or _Joined(Domain(domain, settings), settings)
+            share = former or _Joined(Domain(domain, settings), settings)
             participant = DomainParticipant(domain)
     except DDSException as error:
         present = ", ".join(name for _, name in socket.if_nameindex())
         raise MorseMiddlewareError(
             f"ros2: Cyclone DDS cannot join the domain {domain} on {place} (interfaces: {present}): {error}"
         ) from None
-    joined.participants += 1
-    _domains[domain] = joined
+    share.participants += 1
+    _domains[domain] = share
     return participant, described(sockets) if settings == _LOOPBACK else f"on {place}"
 
 
 def _leave(domain: int) -> None:
-    joined = _domains.get(domain)
-    if joined is not None:
-        joined.participants -= 1
-        if not joined.participants:
+    share = _domains.get(domain)
+    if share is not None:
+        share.participants -= 1
+        if not share.participants:
             del _domains[domain]
 
 
