@@ -60,3 +60,16 @@ def test_a_robot_on_the_floor_or_beside_a_step_stays(tmp_path: Path, caplog: pyt
         sim.step(60)
         assert sim.robot.pose.get()["z"] == pytest.approx(LEG, abs=0.03)
     assert "put on it" not in caplog.text
+
+
+@pytest.mark.parametrize("floor", ["", '<geom type="plane" size="5 5 0.1"/>'], ids=["no_floor", "floor"])
+def test_an_mjcf_file_with_a_floor_places_its_robot(tmp_path: Path, floor: str) -> None:
+    (tmp_path / "post.xml").write_text(
+        f'<mujoco><worldbody>{floor}<body name="post" pos="0 0 0.2"><freejoint/><geom type="cylinder" size="0.3 0.5"/>'
+        "</body></worldbody></mujoco>"
+    )
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE.format(file=str(tmp_path / "post.xml"), height=0.0))
+    with morse.load(script) as sim:
+        start = float(sim.world.data.qpos[2])
+    assert start == pytest.approx(0.2 if floor else 0.5, abs=0.02)

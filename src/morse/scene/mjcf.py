@@ -92,6 +92,7 @@ class MjcfModel:
         ground: friction (3), ``solref`` (2), ``solimp`` (5), ``solmix``, ``margin``, ``gap``, ``condim`` and
             ``priority`` of the plane that is the floor of the file, or of a plane without settings.
         is_joined: whether a constraint of the file joins it with another part.
+        has_floor: whether the file has a plane that is the floor, on which its robot is placed.
     """
 
     file: MjcfFile
@@ -103,6 +104,7 @@ class MjcfModel:
     motors: dict[str, str] = field(default_factory=dict)
     ground: tuple[float, ...] = DEFAULT_CONTACT
     is_joined: bool = False
+    has_floor: bool = False
 
 
 def name_all(spec: Any) -> None:

@@ -89,7 +89,10 @@ def test_renamed_attributes_keep_their_meaning(tmp_path: Path) -> None:
 )
 def test_what_is_left_out_does_not_make_the_rest_unreadable(tmp_path: Path, asset: str, body: str, lost: str) -> None:
     path = tmp_path / "model.xml"
-    extra = '<keyframe><key qpos="0 1 2 3 4 5 6 7 8 9 10 11 12"/></keyframe>' if lost == "flexcomp" else ""
+    extra = ""
+    if lost == "flexcomp":
+        extra = '<keyframe><key qpos="0 1 2 3 4 5 6 7 8 9 10 11 12"/></keyframe>'
+        extra += '<equality><connect body1="f_0" body2="b" anchor="0 0 0"/></equality>'
     path.write_text(
         f'<mujoco><asset>{asset}</asset>{BODY.replace("</worldbody>", "")}<body name="b" pos="1 0 1">{body}<geom '
         f'size="0.1"/></body></worldbody>{extra}</mujoco>'

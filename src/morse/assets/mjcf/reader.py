@@ -60,6 +60,7 @@ class _Reader:
         self._images = TextureImages(source.textures)
         self._names: set[str] = set()
         self._ground: tuple[float, ...] = DEFAULT_CONTACT
+        self._has_floor = False
         #: name of the node of a shape to the number of the geom
         self._shape_of: dict[str, int] = {}
 
@@ -183,6 +184,7 @@ class _Reader:
             motors={} if bones is None else bones.motors,
             ground=self._ground,
             is_joined=any((one in own) != (other in own) for one, other in model.joined if one and other),
+            has_floor=self._has_floor,
         )
 
     def _link(self, name: str, body: BodyData) -> Node:
@@ -211,6 +213,7 @@ class _Reader:
         ]
         for number in floors:
             self.model.bodies[0].geoms.remove(number)
+        self._has_floor = bool(floors)
         return self.model.geoms[floors[0]].contact if floors else DEFAULT_CONTACT
 
     def _add_shapes(self, node: Node, body: BodyData) -> None:

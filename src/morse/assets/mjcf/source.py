@@ -225,6 +225,8 @@ class Source:
                 if _is_left_out(child) or child in made:
                     parent.remove(child)
         _remove_shapes(root, "mesh", {_asset_name(mesh) for mesh in made})
+        if {"composite", "flexcomp"} & set(unsupported):
+            _remove_links(root)
         for compiler in root.iter("compiler"):
             folder = compiler.get("assetdir") or ""
             self._folder = compiler.get("meshdir") or folder or self._folder
@@ -381,6 +383,15 @@ def _asset_name(asset: ElementTree.Element) -> str:
     """The name of an asset, which is by default that of its file."""
     file = asset.get("file")
     return asset.get("name") or (Path(file.replace("\\", "/")).stem if file else "")
+
+
+def _remove_links(root: ElementTree.Element) -> None:
+    """Remove the constraints and exclusions that name bodies which are left out."""
+    names = {body.get("name") for body in root.iter("body")} | {"world", None, ""}
+    for parent in [*root.iter("equality"), *root.iter("contact")]:
+        for child in list(parent):
+            if not {child.get("body1"), child.get("body2")} <= names:
+                parent.remove(child)
 
 
 def _rename(root: ElementTree.Element, attribute: str, name: str, other: str) -> None:

@@ -111,5 +111,7 @@ def _stands(state: EngineState, index: int) -> bool:
 
 
 def _is_of_file(frame: Frame) -> bool:
-    """Whether a body is a robot from a URDF, MJCF or SDF file."""
-    return frame.robot is not None and frame.node.articulation is not None
+    """Whether a body is a robot from a URDF, MJCF or SDF file without a floor, to which its pose would refer."""
+    settings = frame.node.articulation
+    has_floor = settings is not None and settings.model is not None and settings.model.has_floor
+    return frame.robot is not None and settings is not None and not has_floor
