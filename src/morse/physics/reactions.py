@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeAlias, TypeVar
 
 import mujoco
 import numpy as np
@@ -12,20 +12,21 @@ from morse.physics.contact_points import ContactPoints
 from morse.physics.model.layout import Motion
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Sequence
+    from collections.abc import Callable, Collection, Iterable, Sequence
 
     from numpy.typing import NDArray
 
     from morse.physics.gliding.gliding import Gliding
     from morse.physics.model.slot import Slot
-    from morse.physics.objects.gameobject import GameObject
-    from morse.physics.objects.object_world import ObjectWorld
     from morse.physics.objects.posed import Posed
+    from morse.physics.state.engine_state import EngineState
     from morse.scene import Node
 
 _Vector = tuple[float, float, float]
 _Loads: TypeAlias = "tuple[NDArray[np.float64], NDArray[np.float64]]"
 
+#: objects of the world
+_B = TypeVar("_B")
 
 _PYRAMID = int(mujoco.mjtCone.mjCONE_PYRAMIDAL)
 _NONE = (0.0, 0.0, 0.0)
@@ -70,7 +71,7 @@ class _Solved:
         return wrench[:3]
 
 
-class ContactMoment(NamedTuple):
+class ContactMoment(NamedTuple, Generic[_B]):
     """The contacts of objects at one moment.
 
     Attributes:
@@ -78,7 +79,7 @@ class ContactMoment(NamedTuple):
         asleep: slots of the objects that slept.
         shapes: (G,) masks of the shapes of objects by name, which are filled on demand.
         nodes: [G] nodes of the shapes.
-        world: finds the objects of nodes.
+        find: the object of a node, or None if it is gone.
     """
 
     solved: _Solved
@@ -86,12 +87,12 @@ class ContactMoment(NamedTuple):
     asleep: Collection[int]
     shapes: dict[str, NDArray[np.bool_]]
     nodes: Sequence[Node]
-    world: ObjectWorld
+    find: Callable[[Node], _B | None]
 
-    def forces(self, obj: Posed) -> list[tuple[GameObject, _Vector]]:
+    def forces(self, obj: Posed) -> list[tuple[_B, _Vector]]:
         """See `morse.core.world.Body.contact_forces`."""
         solved = self.resting if self.resting is not None and obj.slot in self.asleep else self.solved
-        pairs = [(self.world.find_object(node), force) for node, force in solved.on(self._own(obj), self.nodes)]
+        pairs = [(self.find(node), force) for node, force in solved.on(self._own(obj), self.nodes)]
         return [(other, force) for other, force in pairs if other is not None]
 
     def _own(self, obj: Posed) -> NDArray[np.bool_]:
@@ -133,20 +134,23 @@ class JointMoment(NamedTuple):
         return (fx, fy, fz), (tx + y * fz - z * fy, ty + z * fx - x * fz, tz + x * fy - y * fx)
 
 
-class Reactions:
+class Reactions(Generic[_B]):
     """Computes forces of the last step of the engine; those of sleeping bodies from a copy of the state.
 
     The forces of a moment are copied once for all who ask in a tick.
+
+    Args:
+        find: returns the object of a node, or None if it is gone.
     """
 
     #: created from the scene, without a state
     is_apparatus = True
 
-    def __init__(self, world: ObjectWorld) -> None:
-        self._world = world
+    def __init__(self, world: EngineState, find: Callable[[Node], _B | None]) -> None:
+        self._world, self._find = world, find
         self._model: mujoco.MjModel | None = None
 
-    def take(self, gliding: Gliding) -> Reactions:
+    def take(self, gliding: Gliding) -> Reactions[_B]:
         """Look up the shapes again after objects were added or removed."""
         world = self._world
         if self._model is not world.model:
@@ -171,7 +175,7 @@ class Reactions:
         slots = {obj.slot: int(world.model.body_treeid[world.slots[obj.slot].body]) for obj in objects}
         return {slot for slot, tree in slots.items() if tree >= 0 and world.data.tree_asleep[tree] >= 0}
 
-    def contact_moment(self, objects: Iterable[Posed]) -> ContactMoment:
+    def contact_moment(self, objects: Iterable[Posed]) -> ContactMoment[_B]:
         """Return the present contacts of objects; those between the parts of an object are left out."""
         world, asleep, resting = self._world, self._sleeping(objects), None
         if asleep:
@@ -179,7 +183,7 @@ class Reactions:
                 resting = _Solved(world.model, copy)
         if self._solved is None:
             self._solved = _Solved(world.model, world.data)
-        return ContactMoment(self._solved, resting, asleep, self._shapes, world.geom_node, world)
+        return ContactMoment(self._solved, resting, asleep, self._shapes, world.geom_node, self._find)
 
     def joint_moment(self, objects: Iterable[Posed]) -> JointMoment:
         """Return what loads the joints that carry objects."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import mujoco
@@ -30,11 +29,10 @@ from morse.physics.objects.gameobject import GameObject
 from morse.physics.objects.linkage import Linkage
 from morse.physics.objects.locks import Locks
 from morse.physics.objects.object_list import ObjectList
-from morse.physics.objects.object_world import ObjectWorld
 from morse.physics.poses import kinematics
 from morse.physics.poses.moving_poses import MovingPoses
 from morse.physics.poses.snapshot import Snapshots
-from morse.physics.rays import Rays
+from morse.physics.ray_world import RayWorld
 from morse.physics.rescue import Recovery, Rescue
 from morse.physics.separation import Separation
 from morse.physics.state import saved
@@ -59,7 +57,7 @@ if TYPE_CHECKING:
     from morse.scene import Bone, ComponentDeclaration, Node, Scene, Zone
 
 
-class World(ObjectWorld):
+class World(RayWorld):
     """A compiled scene and its state; every node of the scene has a `GameObject`.
 
     Args:
@@ -391,11 +389,6 @@ class World(ObjectWorld):
         kinematics.sync(self)
 
     # -- queries -----------------------------------------------------------------------------
-
-    @cached_property
-    def rays(self) -> Rays:
-        """The ray caster, created on demand."""
-        return Rays(self)
 
     def is_fixed(self, slot: int) -> bool:
         """Whether a slot is static, apart from explicit calls."""

@@ -19,7 +19,6 @@ from morse.physics.objects.properties import are_changed, plain_properties, scen
 from morse.physics.objects.wheel import Wheel
 from morse.physics.poses import rigid
 from morse.physics.poses.convert import demand_rotation, floats3
-from morse.physics.single_ray import cast_ray
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -451,7 +450,7 @@ class GameObject(LegacyNames):
     ) -> tuple[GameObject | None, Vector | None, Vector | None]:
         """See `morse.core.world.Body.rayCast`."""
         start = self.world_pose()[0] if objfrom is None else _point(objfrom)
-        return cast_ray(self._world, start, _point(objto), dist, prop, bool(xray), self)
+        return self._world.cast(start, _point(objto), dist, prop, bool(xray), self)
 
     def rayCastTo(  # noqa: N802
         self, other: Posed | Sequence[float], dist: float = 0.0, prop: str = ""

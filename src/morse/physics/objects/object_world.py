@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from morse.mathutils import Vector
     from morse.physics.bodies import Bodies
     from morse.physics.driving.drives import Drives
     from morse.physics.gliding.gliding import Gliding
     from morse.physics.objects.attachments import Attachments
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.posed import Posed
-    from morse.physics.rays import Rays
     from morse.physics.reactions import ContactMoment, JointMoment
     from morse.scene import Node
 
@@ -41,16 +41,11 @@ class ObjectWorld(EngineState):
     attachments: Attachments
     gliding: Gliding
 
-    @property
-    @abstractmethod
-    def rays(self) -> Rays:
-        """The ray caster, created on demand."""
-
     @cached_property
-    def _reactions(self) -> Reactions:
-        return Reactions(self)
+    def _reactions(self) -> Reactions[GameObject]:
+        return Reactions(self, self.find_object)
 
-    def contact_moment(self, objects: Sequence[Posed]) -> ContactMoment:
+    def contact_moment(self, objects: Sequence[Posed]) -> ContactMoment[GameObject]:
         """See `morse.core.world.World.contact_moment`."""
         return self._reactions.take(self.gliding).contact_moment(objects)
 
@@ -74,6 +69,18 @@ class ObjectWorld(EngineState):
     def slot_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, which must be read immediately."""
         return self.positions.array, self.rotations.array.reshape(-1, 3, 3)
+
+    @abstractmethod
+    def cast(
+        self,
+        start: Sequence[float],
+        target: Sequence[float],
+        distance: float,
+        prop: str,
+        xray: bool,
+        exclude: GameObject,
+    ) -> tuple[GameObject | None, Vector | None, Vector | None]:
+        """See `GameObject.rayCast`; the ray ignores the body of ``exclude``."""
 
     @abstractmethod
     def note_displaced(self, obj: GameObject) -> None:

@@ -131,7 +131,7 @@ class Backend(ABC):
     def close(self) -> None:
         """Leave the domain."""
 
-    def tell_graph(self) -> None:  # noqa: B027: most backends have nothing to tell
+    def tell_graph(self) -> None:  # most backends have nothing to tell
         """Tell other nodes which topics were opened and closed; called at the end of each tick."""
 
     def service(self, name: str, type_name: str) -> ServiceServer | None:
