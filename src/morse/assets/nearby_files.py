@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: files that mark the folder of a package
 _MARKS = ("package.xml", "model.config", "manifest.xml")
+#: the model of a folder of Gazebo, which may have no other mark
+_MODEL = "model.sdf"
 #: variables of ROS and Gazebo that list folders of packages and models
 _VARIABLES = ("ROS_PACKAGE_PATH", *search.MODEL_PATHS)
 #: files that mark the folder of a project whose models share meshes
@@ -204,7 +206,7 @@ def _candidates(name: str, model: Path) -> Iterator[tuple[Path, Owners]]:
     for folder in list(model.absolute().parents)[:_LEVELS]:
         if folder.name == package and folder in above:
             yield folder / inside, (folder,)
-        if folder in above or _is_marked(folder / package):
+        if folder in above or _is_marked(folder / package) or (folder / package / _MODEL).is_file():
             yield folder / package / inside, (folder / package,)
             if scheme == "model":
                 yield folder / "models" / package / inside, (folder / "models" / package,)

@@ -108,7 +108,7 @@ def _run(study: Study, folder: Path, workers: int | None, ray: str | None) -> Ta
     try:
         if ray is not None:
             executor = RayExecutor(ray, workers)
-        return study.run(folder, workers=workers, executor=executor, progress=_tell)
+        return study.run(folder, workers=workers, executor=executor, progress=_Teller())
     except KeyboardInterrupt:
         complain("Stopped. The same command continues.")
         raise typer.Exit(130) from None
@@ -120,11 +120,17 @@ def _run(study: Study, folder: Path, workers: int | None, ray: str | None) -> Ta
             executor.shutdown()
 
 
-def _tell(text: str) -> None:
-    if sys.stderr.isatty():
-        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
-    else:
-        print(text, file=sys.stderr, flush=True)
+class _Teller:
+    """Prints the progress on one line of a terminal; elsewhere a line whenever it has changed."""
+
+    _last = ""
+
+    def __call__(self, text: str) -> None:
+        if sys.stderr.isatty():
+            print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+        elif text != self._last:
+            print(text, file=sys.stderr, flush=True)
+        self._last = text
 
 
 def _end_line() -> None:
@@ -153,6 +159,7 @@ def _watch(folder: str) -> int:
     from morse.many.progress import Progress
 
     progress: Progress | None = None
+    tell = _Teller()
     try:
         while True:
             try:
@@ -163,7 +170,7 @@ def _watch(folder: str) -> int:
             if progress is None:
                 progress = Progress(total, len(table), len(table.failures))
             progress.done, progress.failed = len(table), len(table.failures)
-            _tell(str(progress))
+            tell(str(progress))
             if len(table) >= total:
                 return 0
             time.sleep(1.0)

@@ -64,7 +64,7 @@ class Driver:
         self, study: Runs, ledger: Ledger, workers: int, report: Callable[[str], object] | None, attempts: int
     ) -> None:
         self._study, self._ledger, self._workers = study, ledger, workers
-        self._report, self._attempts, self._told = report, attempts, ""
+        self._report, self._attempts = report, attempts
         self.runs: dict[str, Run] = {run.name: run for run in study.runs()}
         self._waiting: deque[Task] = deque()
         self._trials: Counter[str] = Counter()
@@ -155,10 +155,8 @@ class Driver:
                 self._waiting.append(Task(run, str(self._ledger.folder / "recordings" / f"{run.name}.mcap")))
 
     def _tell(self) -> None:
-        text = str(self.progress)
-        if self._report is not None and text != self._told:
-            self._told = text
-            self._report(text)
+        if self._report is not None:
+            self._report(str(self.progress))
 
     def table(self) -> Table:
         """The rows of the runs of the study that are done."""

@@ -66,8 +66,10 @@ class _Solved:
         if size == 1 or self._frictions is None:
             wrench[:size] = self._forces[first : first + size]
         else:
-            edges = self._forces[first : first + 2 * (size - 1)]
-            mujoco.mju_decodePyramid(wrench[:size], edges, self._frictions[index, : size - 1])
+            # two edges for each tangential direction; `mju_decodePyramid` of Python leaves out the last two
+            edges = self._forces[first : first + 2 * (size - 1)].reshape(-1, 2)
+            wrench[0] = edges.sum()
+            wrench[1:size] = (edges[:, 0] - edges[:, 1]) * self._frictions[index, : size - 1]
         return wrench[:3]
 
 

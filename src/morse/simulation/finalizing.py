@@ -10,7 +10,7 @@ from morse.core.reports.faults import name_of
 from morse.simulation.loader import Loaded
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from morse.core.context import Context
     from morse.core.observer import Observer
@@ -47,7 +47,7 @@ class Finalizing:
         self.ending.rest()
 
     def _finalize(self, part: Any) -> None:
-        if getattr(type(part), "finalize", None) not in _NOTHING or "finalize" in getattr(part, "__dict__", ()):
+        if getattr(type(part), "finalize", None) not in _NOTHING or "finalize" in _attributes(part):
             self._end_part(part, name_of(part), lambda: part.finalize())
 
     def _end_part(self, part: object, who: str, end: Callable[[], object]) -> None:
@@ -65,3 +65,12 @@ class Finalizing:
         for observer in list(self.observers):
             self._end_part(observer, type(observer).__name__, observer.close)
         self.ending.rest()
+
+
+def _attributes(part: object) -> Mapping[str, object]:
+    """The attributes of a part, whatever its class does when an attribute is read."""
+    try:
+        attributes: Mapping[str, object] = object.__getattribute__(part, "__dict__")
+    except AttributeError:
+        return {}
+    return attributes

@@ -37,14 +37,14 @@ class JointHandle:
         self._state = state
         self._name = armature.name
         self._model: mujoco.MjModel | None = None
-        self._order: tuple[str, ...] = ()
+        self._order: tuple[str, ...] | None = None
 
     @property
     def _slots(self) -> dict[str, JointSlot]:
         """The joints by name, looked up again after objects were added or removed."""
         state = self._state
         if self._model is not state.model:
-            self._model, self._order = state.model, ()
+            self._model, self._order = state.model, None
             self._joints = next(slots for node, slots in state.joints.items() if node.name == self._name)
         return self._joints
 

@@ -154,7 +154,8 @@ class Leaping:
         # by identity: a component may refuse to be compared
         skips = Counter(id(entry) for entries in due[:count] for entry in entries)
         skips.subtract(map(id, measuring))
-        asking = [sensor for entry in measuring for sensor in getattr(entry, "members", (entry,)) if sensor.requests]
+        sensors = [sensor for entry in measuring for sensor in (entry.members if is_a(entry, SensorRows) else (entry,))]
+        asking = self._context.guard.those(sensors, _requests, _nothing)
         return Leap(count, measuring, asking, [(scan, skips[id(scan)]) for scan in self._scans if skips[id(scan)]])
 
     def run(self, ticks: int, observers: Sequence[Observer]) -> None:
@@ -187,6 +188,10 @@ def _remembers(entry: object) -> bool:
 
 def _rests(component: object) -> bool:
     return is_a(component, (Sensor, Actuator)) and component.rests()  # type: ignore[attr-defined]
+
+
+def _requests(sensor: Sensor) -> object:
+    return sensor.requests
 
 
 def _nothing(_component: object, _error: BaseException) -> None:
