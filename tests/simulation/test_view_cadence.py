@@ -14,6 +14,7 @@ from morse.viewer.view_messages import Rays
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from morse.simulation.simulation import Simulation
     from morse.viewer.snapshot import Snapshot
@@ -106,3 +107,15 @@ def test_rays_are_shown_of_the_sensors_that_there_are(watched: Watched) -> None:
         assert len(rays) >= 3  # of ten scans a second
         watched.simulation.restart()
         watched.server.said.clear()
+
+
+def test_sensors_of_which_no_page_shows_data_measure_when_they_are_read(
+    load: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    poses = 'for number in range(3):\n    robot = ATRV(f"robot{number}")\n    robot.append(Pose("pose"))\n'
+    watched = Watched(load(poses + 'env = Environment("empty", fastmode=True)\n'), monkeypatch)
+    with watched.simulation.record(tmp_path / "run.mcap"):
+        watched.run(0.1)
+    sensors = [watched.simulation.context.components[f"robot{number}.pose"] for number in range(3)]
+    # the first access to the data creates the attribute
+    assert not any("local_data" in vars(sensor) for sensor in sensors)

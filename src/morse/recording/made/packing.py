@@ -13,6 +13,7 @@ import numpy as np
 from morse.core.classes.classpath import load_class
 from morse.core.declarations import fields_of_component
 from morse.core.exceptions import MorseError
+from morse.core.rows.unread import present_data
 from morse.recording.made import form
 from morse.scene.settings import Settings
 
@@ -202,12 +203,14 @@ def _panel(component: Object) -> form.PanelForm | None:
     cls = type(component)
     if f"{cls.__module__}.".startswith(OWN):
         return None
+    # nobody keeps them: the sensor goes on to measure when it is read
+    data = present_data(component)
     fields = [
         form.FieldForm(
             name, str(field.type), field.doc, field.unit, _bound(field.low), _bound(field.high), _plain(field.default)
         )
         for name, field in fields_of_component(component).items()
-        if name in component.local_data
+        if name in data
     ]
     return form.PanelForm(str(getattr(cls, "_name", cls.__name__)), str(getattr(cls, "_short_desc", "")), fields)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.actuator import Actuator
 from morse.core.declarations import fields_of_component, properties
+from morse.core.rows.unread import present_data
 from morse.core.services import signature_of
 from morse.viewer.component_description import (
     ArgumentDescription,
@@ -60,7 +61,8 @@ def _pseudo_components(context: Context) -> list[ComponentDescription]:
 
 
 def _component(component: Component, kind: str, robot: str) -> ComponentDescription:
-    cls = type(component)
+    # nobody keeps them: the sensor goes on to measure when it is read
+    cls, data = type(component), present_data(component)
     return ComponentDescription(
         name=component.name(),
         kind=kind,
@@ -73,7 +75,7 @@ def _component(component: Component, kind: str, robot: str) -> ComponentDescript
         data=[
             FieldDescription(name, field.type, field.doc, field.unit, *_bounds(field))
             for name, field in fields_of_component(component).items()
-            if name in component.local_data
+            if name in data
         ],
         properties=[
             PropertyDescription(
