@@ -69,9 +69,10 @@ def test_models_are_included_from_folders_beside_the_world(tmp_path) -> None:
 def test_models_are_found_in_the_folders_of_the_user(tmp_path, monkeypatch, variable) -> None:
     model(tmp_path / "elsewhere", "crate", CRATE, config=False)
     monkeypatch.setenv(variable, str(tmp_path / "elsewhere"))
-    path = world(tmp_path, "<include><uri>model://crate</uri></include>")
-    assert load(path).warnings == []
-    assert places(load(path)) == {"crate": [0, 0, 0.5]}
+    for uri in ("model://crate", "crate"):
+        path = world(tmp_path, f"<include><uri>{uri}</uri></include>")
+        assert load(path).warnings == []
+        assert places(load(path)) == {"crate": [0, 0, 0.5]}
 
 
 def test_the_newest_version_of_a_model_is_used(tmp_path) -> None:
@@ -146,6 +147,27 @@ def test_a_world_stands_still(tmp_path) -> None:
         # 5 m above the plane, and above a stack of three crates
         assert simulation.over_0.laser.get()["distance"] == pytest.approx(5.0, abs=1e-3)
         assert simulation.over_2.laser.get()["distance"] == pytest.approx(2.0, abs=2e-3)
+
+
+def test_models_hang_from_the_world_by_its_joints(tmp_path) -> None:
+    model(tmp_path, "crate", CRATE)
+    crates = "".join(
+        f"<include><uri>model://crate</uri><name>{name}</name><pose>{x} 0 4 0 0 0</pose></include>"
+        for name, x in (("welded", 0), ("hinged", 4))
+    )
+    joints = """<joint name="weld" type="fixed"><parent>world</parent><child>welded</child></joint>
+      <joint name="hinge" type="revolute"><pose>1 0 0 0 0 0</pose><parent>world</parent><child>hinged::link</child>
+      <axis><xyz>0 1 0</xyz></axis></joint>"""
+    path = world(tmp_path, crates + joints)
+    assert load(path).warnings == []
+    (tmp_path / "scene.py").write_text(f"from morse.builder import *\nEnvironment({str(path)!r})\n")
+    with morse.load(tmp_path / "scene.py") as simulation:
+        simulation.step(6)
+        objects = simulation.world.objects_by_name
+        welded, hinged = (objects[name].worldPosition for name in ("link", "hinged::link"))
+    assert list(welded) == pytest.approx([0, 0, 4], abs=1e-9)
+    # a compound pendulum from rest: its centre is 1 m beside the hinge
+    assert 4 - hinged.z == pytest.approx(0.5 * 9.81 * 10 / (1.7 + 10) * 0.1**2, rel=0.05)
 
 
 def test_colours_pictures_and_scripts(tmp_path) -> None:

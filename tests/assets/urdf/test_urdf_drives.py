@@ -218,6 +218,8 @@ def test_what_is_not_understood_is_one_line(file) -> None:
         CART + plugin("a", "libfoo.so", "") + plugin("b", "libbar.so", "") + plugin("c", "libgazebo_ros_control.so", "")
     )
     assert read_urdf(file(text)).warnings == ["plugins that MORSE does not have are left out: a, b"]
+    own_sensors = plugin("i", "libgazebo_ros_imu.so", "") + plugin("g", "libhector_gazebo_ros_gps.so", "")
+    assert read_urdf(file(CART + own_sensors)).warnings == ["plugins that MORSE does not have are left out: i, g"]
 
 
 CONTROL = """<ros2_control name="x" type="system"><joint name="left_j"><command_interface name="velocity"/></joint>

@@ -22,6 +22,8 @@ _USUAL = (
     "ray_sensor", "openni", "kinect", "depth", "ros_control", "ros2_control", "ros_init",
     "gazebo_ros_api", "mimic",
 )  # fmt: skip
+#: plugins that are sensors themselves, and do not send what a sensor of the file measures
+_SENSORS = ("gazebo_ros_imu.so", "hector_gazebo_ros_")
 
 
 def read_plugins(plugins: Plugins, elements: Iterable[tuple[Element, str]]) -> None:
@@ -36,7 +38,7 @@ def read_plugins(plugins: Plugins, elements: Iterable[tuple[Element, str]]) -> N
         word = _word(element)
         convert = next((method for key, method in _METHODS.items() if key in word), None)
         if convert is None:
-            if not any(usual in word for usual in _USUAL):
+            if not _is_usual(word):
                 unknown.append(_name(element))
             continue
         try:
@@ -49,7 +51,11 @@ def read_plugins(plugins: Plugins, elements: Iterable[tuple[Element, str]]) -> N
 
 def unknown_plugins(elements: Iterable[Element]) -> list[str]:
     """The names of plugins whose work MORSE does not do by itself."""
-    return [_name(one) for one in elements if not any(usual in _word(one) for usual in _USUAL)]
+    return [_name(one) for one in elements if not _is_usual(_word(one))]
+
+
+def _is_usual(word: str) -> bool:
+    return any(usual in word for usual in _USUAL) and not any(sensor in word for sensor in _SENSORS)
 
 
 def _word(element: Element) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,6 +35,9 @@ def find_model(uri: str, model: Path) -> Path:
     try:
         folder = find_near(f"{stem}/{CONFIG}", model).parent
     except FileRefusedError:
+        if "://" not in stem:
+            with contextlib.suppress(FileRefusedError):
+                return find_model(f"model://{stem}", model)  # the name of a model, without a scheme
         return find_near(f"{stem}/model.sdf", model)
     file = model_file(folder)
     if file is None:

@@ -13,6 +13,7 @@ from morse.assets.sdf.includes import Includes
 from morse.assets.sdf.materials import Materials
 from morse.assets.sdf.robots import Models
 from morse.assets.sdf.scope import FrameMistakeError
+from morse.assets.sdf.world_joints import move_into_models
 from morse.assets.sdf.worlds import add_world
 from morse.scene import Library
 
@@ -48,6 +49,7 @@ def _read(path: Path, includes: Includes) -> Library:
     library = Library(str(path), warnings=includes.warnings, has_free_joints=True)
     world = root.find("world")
     scope = includes.world(world if world is not None else _as_world(root), path, version_of(root))
+    move_into_models(scope)
     main = _robot_of(scope)
     for model in scope.models.values():
         try:
