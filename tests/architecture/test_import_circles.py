@@ -6,10 +6,14 @@ import ast
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pytest
+
 import morse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
+
+pytestmark = pytest.mark.quick
 
 ROOT = Path(morse.__file__).parent
 
