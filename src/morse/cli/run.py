@@ -168,9 +168,21 @@ def command(
         say("The live view is a page in your browser: -g/--geometry has no effect on it.")
     words = list(scene or [])
     positionals = words[: len(words) - len(resolved.arguments)]
-    check_arguments(positionals, resolved.arguments, resolved.script, resolved.source_paths, _options(context))
+    right = check_arguments(positionals, resolved.arguments, resolved.script, resolved.source_paths, _options(context))
+    if right is not None:
+        return _run_again(context, right)
     log.setup(colors=color_scheme(context.obj))
     return _simulate(options)
+
+
+def _run_again(context: typer.Context, words: list[str]) -> int:
+    """Run with the options of other words, and with those of this command line that the words do not have."""
+    with context.command.make_context("run", words, parent=context.parent) as again:
+        for name, value in context.params.items():
+            source = again.get_parameter_source(name)
+            if source is None or source.name == "DEFAULT":
+                again.params[name] = value
+        return int(context.command.invoke(again))
 
 
 def _workers(place: str | None) -> int | str | None:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import ast
-import shlex
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.names.project_files import project_files
-from morse.cli.messages import CommandError, warn
+from morse.cli.messages import warn
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -22,8 +21,10 @@ _READERS = frozenset(
 
 def check_arguments(
     scene: Sequence[str], arguments: Sequence[str], script: Path, source_paths: Iterable[str], parameters: Iterable[Any]
-) -> None:
-    """Raise an error for options of ``morse run`` after the scene, unless the script may read them itself.
+) -> list[str] | None:
+    """Return the words of a command line with options of ``morse run`` after the scene in their right order.
+
+    They are options of the script instead, with a warning, if the script may read them itself.
 
     Args:
         scene: the words that name the scene.
@@ -32,8 +33,8 @@ def check_arguments(
         source_paths: directories of the packages of its project.
         parameters: parameters of ``morse run``.
 
-    Raises:
-        CommandError: the script does not read its arguments, so that the options would have no effect.
+    Returns:
+        None if the order is right, or the options are those of the script.
     """
     takes_value = {name: not parameter.is_flag for parameter in parameters for name in _options_of(parameter)}
     options = [word for word in arguments if word.startswith("-")]
@@ -44,16 +45,12 @@ def check_arguments(
                 f"{', '.join(own)}: arguments after the scene are passed to the script; options of `morse run` have "
                 "to be before the scene."
             )
-        return
+        return None
     if own:
         before, after = _sorted(arguments, takes_value)
-        right = shlex.join(["morse", "run", *before, *scene, *after])
-        raise CommandError(
-            f"{', '.join(own)}: options of `morse run` have to be before the scene; after it they are passed to the "
-            f"script, which does not read its arguments. Write: {right}",
-            status=2,
-        )
+        return [*before, *scene, *after]
     warn(f"{', '.join(options)}: the script does not read its arguments, so this has no effect.")
+    return None
 
 
 def _options_of(parameter: Any) -> list[str]:
