@@ -43,6 +43,7 @@ def release(folder: Path) -> int:
 
 def rehearse(folder: Path) -> int:
     """Build, verify, install from a local index, run, document; the result is the status of the process."""
+    folder = folder.resolve()  # the steps run in another folder
     if release(folder):
         return 1
     with tempfile.TemporaryDirectory() as temporary, index(folder) as address:
