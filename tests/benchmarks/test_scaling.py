@@ -2,6 +2,9 @@
 
 import pytest
 
+pytest.importorskip("gymnasium")
+
+
 from benchmarks.programs.scaling import Costs, lines
 
 

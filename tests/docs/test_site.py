@@ -8,11 +8,12 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from typing import TYPE_CHECKING
 
-import jinja2
 import pytest
 from doc_pages import DOCS
 
 from tools.release import site
+
+jinja2 = pytest.importorskip("jinja2")
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+
+pytest.importorskip("gymnasium")
+
 from gym_tasks import LookAround
 
 import morse.gym

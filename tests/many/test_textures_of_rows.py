@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+
+pytest.importorskip("gymnasium")
+
 from PIL import Image
 
 import morse

@@ -11,6 +11,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+
+pytest.importorskip("pymavlink")
+
 from ground_station import free_ports
 
 import morse
