@@ -8,7 +8,7 @@ from morse.core.world.body_names import BodyNames
 from morse.core.world.joints import Joints
 from morse.core.world.linkage import Hanging, Linkage
 from morse.core.world.poses import WorldPoses
-from morse.core.world.rays import RayBundle, Rays
+from morse.core.world.rays import RayBundle, Rays, Sight
 from morse.core.world.snapshots import Fleet, PoseTable, Snapshot, Snapshots
 from morse.core.world.world import World
 
@@ -24,6 +24,7 @@ __all__ = [
     "PoseTable",
     "RayBundle",
     "Rays",
+    "Sight",
     "Snapshot",
     "Snapshots",
     "Wheel",

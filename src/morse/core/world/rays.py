@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Sight(Protocol):
-    """The results of one cast; they do not change."""
+    """The results of a cast."""
 
     @property
     def distances(self) -> NDArray[np.float64]:
@@ -29,10 +29,10 @@ class Sight(Protocol):
 
     @property
     def hit(self) -> NDArray[np.int64]:
-        """(N,) number of the solid at each hit; -1 for no hit."""
+        """(N,) number of the solid at each hit; -1 for no hit; see `RayBundle.object_of`."""
 
 
-class RayBundle(Protocol):
+class RayBundle(Sight, Protocol):
     """The rays of a sensor, and what they hit.
 
     Attributes:
@@ -58,22 +58,6 @@ class RayBundle(Protocol):
 
     def refresh(self) -> None:
         """Cast the rays now, unless no object has moved since the last cast."""
-
-    @property
-    def distances(self) -> NDArray[np.float64]:
-        """(N,) distance of each hit, m; infinite for no hit."""
-
-    @property
-    def ranges(self) -> NDArray[np.float64]:
-        """(N,) distance of each hit, m; the reach for no hit."""
-
-    @property
-    def points(self) -> NDArray[np.float64]:
-        """(N, 3) hit points in the frame of the sensor, m; [0, 0, 0] for no hit."""
-
-    @property
-    def hit(self) -> NDArray[np.int64]:
-        """(N,) number of the solid at each hit, see `object_of`; -1 for no hit."""
 
     @property
     def remissions(self) -> NDArray[np.float64]:
