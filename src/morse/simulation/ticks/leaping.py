@@ -15,6 +15,7 @@ from morse.core.actuator import Actuator
 from morse.core.guard import after_tick
 from morse.core.reports.faults import is_a
 from morse.core.rows.actuator_rows import ActuatorRows
+from morse.core.rows.rows import Rows
 from morse.core.rows.sensor_rows import SensorRows
 from morse.core.sensor import Sensor
 
@@ -65,7 +66,7 @@ class Leaping:
         for entry in actuators:
             drives = is_a(entry, ActuatorRows)
             self.is_possible &= (drives or is_a(entry, Actuator)) and entry.frequency >= frequency
-            self.is_possible &= not any(member.requests for member in getattr(entry, "members", (entry,)))
+            self.is_possible &= not self._asking([entry])
             (self._drives if drives else self._holding).append(entry)
         #: the other sensors, and whether none of them has anything to do before somebody outside of the ticks reads it
         self._others: list[Any] = []
@@ -154,9 +155,13 @@ class Leaping:
         # by identity: a component may refuse to be compared
         skips = Counter(id(entry) for entries in due[:count] for entry in entries)
         skips.subtract(map(id, measuring))
-        sensors = [sensor for entry in measuring for sensor in (entry.members if is_a(entry, SensorRows) else (entry,))]
-        asking = self._context.guard.those(sensors, _requests, _nothing)
-        return Leap(count, measuring, asking, [(scan, skips[id(scan)]) for scan in self._scans if skips[id(scan)]])
+        skipped = [(scan, skips[id(scan)]) for scan in self._scans if skips[id(scan)]]
+        return Leap(count, measuring, self._asking(measuring), skipped)
+
+    def _asking(self, entries: Sequence[Any]) -> list[Any]:
+        """The components with requests."""
+        members = [member for entry in entries for member in (entry.members if is_a(entry, Rows) else (entry,))]
+        return self._context.guard.those(members, _requests, _nothing)
 
     def run(self, ticks: int, observers: Sequence[Observer]) -> None:
         """Run the physics of ticks.
@@ -190,8 +195,8 @@ def _rests(component: object) -> bool:
     return is_a(component, (Sensor, Actuator)) and component.rests()  # type: ignore[attr-defined]
 
 
-def _requests(sensor: Sensor) -> object:
-    return sensor.requests
+def _requests(component: Any) -> object:
+    return component.requests
 
 
 def _nothing(_component: object, _error: BaseException) -> None:
