@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from morse.cli.sweep import ProgressLine
 from morse.many import Study, Table, choice, loguniform, normal, uniform
 from morse.many.executors import pack_size
 
@@ -137,11 +138,9 @@ def run(sim, number):
 study = Study(scene, run, number=range(3))
 """
     )
-    told = []
-    table = study_of(tmp_path, text).run(tmp_path / "r", workers=workers, progress=told.append)
+    table = study_of(tmp_path, text).run(tmp_path / "r", workers=workers)
     assert table["value"] == [0, None, 2]
     assert table[1]["error"] == "SystemExit: enough"
-    assert len(told) == len(set(told)), "the same line twice"
 
 
 def test_a_killed_worker_loses_nothing(tmp_path, pids):
@@ -310,6 +309,13 @@ study = Study(scene, run, kind=["object", "name", "good"])
     assert "a result cannot be called 'hash'" in table[1]["error"]
     assert table[2]["result"] == 3
     assert table.to_dict()["kind"] == ["object", "name", "good"]
+
+
+def test_a_line_of_progress_is_printed_once_where_lines_stay(capsys):
+    show = ProgressLine()
+    for line in ("0 of 2", "0 of 2", "1 of 2", "1 of 2", "2 of 2"):
+        show(line)
+    assert capsys.readouterr().err.splitlines() == ["0 of 2", "1 of 2", "2 of 2"]
 
 
 def test_the_command(tmp_path, pids):

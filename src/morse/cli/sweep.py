@@ -108,7 +108,7 @@ def _run(study: Study, folder: Path, workers: int | None, ray: str | None) -> Ta
     try:
         if ray is not None:
             executor = RayExecutor(ray, workers)
-        return study.run(folder, workers=workers, executor=executor, progress=_Teller())
+        return study.run(folder, workers=workers, executor=executor, progress=ProgressLine())
     except KeyboardInterrupt:
         complain("Stopped. The same command continues.")
         raise typer.Exit(130) from None
@@ -120,12 +120,13 @@ def _run(study: Study, folder: Path, workers: int | None, ray: str | None) -> Ta
             executor.shutdown()
 
 
-class _Teller:
+class ProgressLine:
     """Prints the progress on one line of a terminal; elsewhere a line whenever it has changed."""
 
     _last = ""
 
     def __call__(self, text: str) -> None:
+        """Show how far the study is."""
         if sys.stderr.isatty():
             print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
         elif text != self._last:
@@ -159,7 +160,7 @@ def _watch(folder: str) -> int:
     from morse.many.progress import Progress
 
     progress: Progress | None = None
-    tell = _Teller()
+    tell = ProgressLine()
     try:
         while True:
             try:
