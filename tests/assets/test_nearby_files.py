@@ -31,6 +31,9 @@ def model(tmp_path: Path) -> Path:
     [
         ("d.stl", "ws/rover/urdf/d.stl"),
         ("../meshes/a.stl", "ws/rover/meshes/a.stl"),
+        # from the package, and from a file of macros in a folder that is one deeper
+        ("meshes/a.stl", "ws/rover/meshes/a.stl"),
+        ("../../meshes/a.stl", "ws/rover/meshes/a.stl"),
         ("package://rover/meshes/a.stl", "ws/rover/meshes/a.stl"),
         ("package://other/meshes/b.stl", "ws/other/meshes/b.stl"),
     ],

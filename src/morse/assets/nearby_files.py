@@ -46,11 +46,12 @@ def find_near(name: str, model: Path) -> Path:
 
     A package is a folder above the model, a folder beside one of these folders, or a folder in ROS_PACKAGE_PATH,
     GZ_SIM_RESOURCE_PATH and the like, or directly below one of them. If no package has that name, the file is searched
-    in the folders above the model: the package was renamed. After symbolic links are resolved, a file must be in the
-    package of the model, or in a folder of these variables, of MORSE_RESOURCE_PATH or of the project. If no file marks
-    the package of the model, the folder of the model and its parent are used, the folder above one such as ``urdf``,
-    and the Python package or the repository that contains them. The models of a world may also be in a folder
-    ``models`` beside its own. A file whose name differs in capitals is used if there is no other.
+    in the folders above the model: the package was renamed. A relative path that does not exist is searched there, too.
+    After symbolic links are resolved, a file must be in the package of the model, or in a folder of these variables, of
+    MORSE_RESOURCE_PATH or of the project. If no file marks the package of the model, the folder of the model and its
+    parent are used, the folder above one such as ``urdf``, and the Python package or the repository that contains them.
+    The models of a world may also be in a folder ``models`` beside its own. A file whose name differs in capitals is
+    used if there is no other.
 
     Raises:
         FileRefusedError: the file does not exist, or is in another folder.
@@ -192,6 +193,10 @@ def _candidates(name: str, model: Path) -> Iterator[tuple[Path, Owners]]:
         plain = name.replace("\\", "/")
         yield model.parent / plain, ()
         yield model.parent / plain.lstrip("/"), ()
+        # Macros of another folder write paths from their own file, and some files write them from the package.
+        inside = re.sub(r"^(?:\.{0,2}/)+", "", plain)
+        for folder in folders_above(model)[1:_LEVELS]:
+            yield folder / inside, ()
         return
     if scheme == "file":
         yield Path(rest), ()

@@ -239,7 +239,6 @@ ENDS = '<parent link="a"/><child link="b"/>'
         ("<robot><link/></robot>", "a <link> has no 'name'"),
         (f"<robot>{LINKS}</robot>", "2 links without a parent: a, b"),
         (f'<robot>{LINKS}<joint name="j" type="turning">{ENDS}</joint></robot>', "'turning'.*revolute"),
-        (f'<robot>{LINKS}<joint name="j" type="revolute">{ENDS}<axis xyz="0 0 0"/></joint></robot>', "length 0"),
         (f'<robot>{LINKS}<joint name="j" type="revolute">{ENDS}<axis xyz="0 nan 1"/></joint></robot>', "3 numbers"),
         (
             '<robot><link name="a"/><joint name="j" type="fixed"><parent link="a"/><child link="c"/></joint></robot>',
@@ -271,6 +270,17 @@ def test_a_joint_that_cannot_follow_another_moves_by_itself(tmp_path: Path) -> N
     assert "cannot follow 'k'" in library.warnings[0]
     bone = library.roots[0].children[0].bones[0]
     assert (bone.kind, bone.leader) == (JointKind.PRISMATIC, -1)
+
+
+def test_a_joint_with_an_axis_of_length_0_is_fixed(tmp_path: Path) -> None:
+    file = tmp_path / "stiff.urdf"
+    file.write_text(
+        f'<robot name="stiff">{LINKS}<joint name="j" type="revolute">{ENDS}<axis xyz="0 0 0"/>'
+        '<limit lower="-1" upper="1" effort="2" velocity="3"/></joint></robot>'
+    )
+    library = read_urdf(file)
+    assert any("'j' has an axis of length 0 (line 1): it is fixed" in warning for warning in library.warnings)
+    assert library.roots[0].children[0].bones[0].kind == JointKind.FIXED
 
 
 def test_limits_the_wrong_way_round_are_none(tmp_path: Path) -> None:

@@ -158,7 +158,9 @@ class _Parser:
         x, y, z = self.numbers(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
         length = math.sqrt(x * x + y * y + z * z)
         if length < 1e-9 and kind not in ("fixed", "floating", "spherical"):
-            raise self.fail(f"the joint '{name}' has an axis of length 0", element)
+            # other readers load such a file, and nothing says where the joint would go
+            self.warnings.append(f"the joint '{name}' has an axis of length 0{line_of(element)}: it is fixed")
+            kind = "fixed"
         limit, dynamics = element.find("limit"), element.find("dynamics")
         (low,), (high,) = (self.limit(limit, name) for name in ("lower", "upper"))
         if kind in LOOSE:
