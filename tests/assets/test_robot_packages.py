@@ -46,8 +46,8 @@ arm.control('position')
 robot.append(arm)
 joints = ArmaturePose()
 arm.append(joints)
-place = Pose()
-robot.append(place)
+pose = Pose()
+robot.append(pose)
 env = Environment('empty')
 """
 
@@ -71,7 +71,7 @@ def test_it_stands_and_its_joints_answer(tmp_path: Path, name: str) -> None:
         for joint in names:
             assert values[joint] == pytest.approx(start[joint], abs=0.1), joint
         assert max(map(abs, arm.joints.get_velocities().result().values())) < 0.1
-        place = sim.robot.place.get()
+        place = sim.robot.pose.get()
         assert all(math.isfinite(place[axis]) for axis in "xyz")
         before = values[names[0]]
         low, high = arm.get_IK_limits(names[0]).result()

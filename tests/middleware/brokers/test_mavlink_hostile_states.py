@@ -63,7 +63,7 @@ def test_any_value_in_a_state_is_refused_or_harmless(
                 try:
                     for name in way:
                         inner = inner[name]
-                    inner[last] = value
+                    inner[last] = copy.deepcopy(value)  # a later change may be inside it
                 except (TypeError, IndexError, KeyError):
                     pass  # another change has removed it
 

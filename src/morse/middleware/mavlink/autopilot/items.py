@@ -70,21 +70,27 @@ def item_of(message: MavlinkMessage, others: Sequence[int] = ()) -> Item | int:
         if has_place and not (abs(x * scale) < 1 << 31 and abs(y * scale) < 1 << 31):
             return INVALID_Y if abs(x * scale) < 1 << 31 else INVALID_X
         x, y = (round(v * scale) if abs(v * scale) < 1 << 31 else 0 for v in (x, y))
-    if message.command not in (others or SUPPORTED):
+    item = Item(message.frame, message.command, message.autocontinue, params, x, y, message.z)
+    return fault_of(item, others) or item
+
+
+def fault_of(item: Item, others: Sequence[int] = ()) -> int:
+    """MAV_MISSION_RESULT of an item that is not valid or not supported, else 0; see `item_of`."""
+    if item.command not in (others or SUPPORTED):
         return UNSUPPORTED
-    if has_place:
-        if message.frame not in (*_SEA, *_HOME, *(() if others else _LOCAL)):
+    if item.command in (others or (*PLACES, HOME)):
+        if item.frame not in (*_SEA, *_HOME, *(() if others else _LOCAL)):
             return BAD_FRAME
-        if message.frame not in _LOCAL and not (abs(x) <= 900_000_000 and abs(y) <= 1_800_000_000):
-            return INVALID_Y if abs(x) <= 900_000_000 else INVALID_X
-        if not abs(message.z) < _HIGHEST:
+        if item.frame not in _LOCAL and not (abs(item.x) <= 900_000_000 and abs(item.y) <= 1_800_000_000):
+            return INVALID_Y if abs(item.x) <= 900_000_000 else INVALID_X
+        if not abs(item.z) < _HIGHEST:
             return INVALID_Z
-    for number, value in enumerate(params):
+    for number, value in enumerate(item.params):
         if math.isinf(value) or abs(value) > 1e9:
             return INVALID_PARAM[number]
-    if message.command == JUMP and math.isnan(params[0] + params[1]):
+    if item.command == JUMP and math.isnan(item.params[0] + item.params[1]):
         return INVALID_PARAM[0]
-    return Item(message.frame, message.command, message.autocontinue, params, x, y, message.z)
+    return ACCEPTED
 
 
 def destination(item: Item, place: Place, home: Triple, here: Triple) -> Triple:

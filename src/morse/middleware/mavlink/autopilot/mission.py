@@ -213,7 +213,9 @@ class Mission:
             self._goal = flight.now.position
             angle = math.radians(item.params[0]) if math.isfinite(item.params[0]) else 0.0
             heading = (
-                flight.place.heading(flight.now.yaw) + angle * (item.params[2] or 1.0) if item.params[3] else angle
+                flight.place.heading(flight.now.yaw) + (-angle if item.params[2] < 0.0 else angle)
+                if item.params[3]
+                else angle
             )
             self._yaw = flight.place.heading(math.remainder(heading, math.tau))
         error = math.remainder(flight.now.yaw - (self._yaw or 0.0), math.tau)

@@ -5,17 +5,18 @@ Photos, rates of messages and uploads that have not ended are not saved.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 
 from morse.core.state import StateError
-from morse.middleware.mavlink.autopilot.items import Item  # noqa: TC001  msgspec reads it
+from morse.middleware.mavlink.autopilot.items import Item, fault_of
 from morse.middleware.mavlink.autopilot.modes import mode_of_custom
 from morse.middleware.mavlink.autopilot.setpoints import Setpoint  # noqa: TC001  msgspec reads it
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.values import Fields
     from morse.middleware.mavlink.autopilot.flight import Flight
     from morse.middleware.mavlink.autopilot.gimbal import Gimbal
@@ -186,9 +187,16 @@ def _plain(slots: Fields) -> _Slots:
 
 def _is_possible(values: SavedAutopilot) -> bool:
     """Whether what the autopilot steers by are finite numbers, and places of a world."""
-    flight = values.flight
-    places = [flight.home, flight._goal, values.mission._goal, values.mission._from, values.follow._target]
-    places += [values.gimbal._place, *(helm._goal for helm in values.helms)]
-    numbers = (*(x for place in places if place is not None for x in place), flight._yaw, *flight._sticks)
+    flight, mission, follow = values.flight, values.mission, values.follow
+    vectors: list[Sequence[float | None] | None] = [flight.home, flight._goal, flight._sticks, follow._target]
+    vectors += [mission._goal, mission._from, values.gimbal._place, *(helm._goal for helm in values.helms)]
+    numbers: list[float | None] = [flight._yaw, flight._lowest, flight.speed, mission._yaw, follow._course]
+    numbers += [helm._yaw for helm in values.helms]
+    if flight.setpoint is not None:
+        vectors += [flight.setpoint.position, flight.setpoint.velocity]
+        numbers += [flight.setpoint.yaw, flight.setpoint.rate]
+    numbers += [number for vector in vectors for number in vector or ()]
     # a comparison with NaN is false
-    return all(abs(number) <= _FARTHEST for number in numbers) and math.isfinite(flight._lowest)
+    return all(number is None or abs(number) <= _FARTHEST for number in numbers) and not any(
+        map(fault_of, mission.items)
+    )
