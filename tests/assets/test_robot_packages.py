@@ -37,6 +37,8 @@ FILES = [
 ]  # fmt: skip
 #: their files have motors that are too weak, or a damping that is too strong, to move the first joint by 0.1 in 3 s
 SLOW = ("point", "pendulum", "quadruped", "reach")
+#: largest speed at rest, rad/s: weak motors of files may alternate between their limits, by less than 1 mrad
+AT_REST = {"dm_control/suite/hopper.xml": 0.2}
 SCENE = """
 from morse.builder import *
 robot = Robot({file!r})
@@ -60,7 +62,8 @@ def test_it_stands_and_its_joints_answer(tmp_path: Path, name: str) -> None:
     assert spec.submodule_search_locations
     file = Path(next(iter(spec.submodule_search_locations))) / inside
     armature = next(node for node in load(file).nodes() if node.bones)
-    start = {bone.name: bone.value for bone in armature.bones}
+    # the engine moves joints that begin outside of their limits to these limits
+    start = {bone.name: min(max(bone.value, bone.low), bone.high) for bone in armature.bones}
     script = tmp_path / "scene.py"
     script.write_text(SCENE.format(file=str(file), height=0.5, armature=armature.name))
     with morse.load(script) as sim:
@@ -70,7 +73,7 @@ def test_it_stands_and_its_joints_answer(tmp_path: Path, name: str) -> None:
         assert names
         for joint in names:
             assert values[joint] == pytest.approx(start[joint], abs=0.1), joint
-        assert max(map(abs, arm.joints.get_velocities().result().values())) < 0.1
+        assert max(map(abs, arm.joints.get_velocities().result().values())) < AT_REST.get(name, 0.1)
         place = sim.robot.pose.get()
         assert all(math.isfinite(place[axis]) for axis in "xyz")
         before = values[names[0]]

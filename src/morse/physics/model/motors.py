@@ -7,7 +7,8 @@ A motor for positions is a spring and a damper between the joint and its setpoin
 and a motor for velocities is a damper, effort = d (setpoint - q'). If the file does not contain k and d, they are
 computed from the largest load of the motor:
 
-* from the moment of inertia I of the load, with all other joints stretched: k = I w^2 with w = 50 rad/s;
+* from the moment of inertia I of the load, with all other joints stretched, and of the rotor of the file: k = I w^2
+  with w = 50 rad/s;
 * from the moment m g l of the weight of the load: k = m g l / 2 mrad, so that joints do not sag;
 * in the leg of a robot that is not fixed, from the robot that stands on the leg: k = 10 m g l, with which it does not
   topple over its ankle (an inverted pendulum needs m g l);
@@ -124,13 +125,14 @@ class Motor:
         dynamics, load, step = self.dynamics, self.load, self.step
         own = dynamics.control is control or (dynamics.control is None and control is Control.POSITION)
         gain = dynamics.gain if own else None
-        inertia, rotor = max(load.inertia, 1e-6), dynamics.inertia
+        rotor = dynamics.inertia
+        inertia = max(load.inertia + rotor, 1e-6)
         if control is Control.EFFORT:
             return Setting(1.0, 0.0, 0.0, rotor)
         if control is Control.VELOCITY:
             if gain is None and math.isfinite(self.effort):
                 gain = max(inertia / step, self.effort / _LAG[load.slides])
-                rotor = max(rotor, gain * step - inertia)
+                rotor = max(rotor, gain * step - load.inertia)
             elif gain is None:
                 rotor = max(rotor, inertia)
                 gain = _GRIP * max(inertia, load.body) / step
@@ -145,7 +147,7 @@ class Motor:
             rotor = max(rotor, 0.5 * usual * step)
         elif slowing is None:
             slowing = 2.0 * math.sqrt(gain * inertia)
-        if not (own and dynamics.gain) and gain * step * step > _STIFF * (rotor + inertia):
+        if not (own and dynamics.gain) and gain * step * step > _STIFF * (rotor + load.inertia):
             slowing += 0.5 * gain * step
         return Setting(gain, gain, slowing, rotor)
 
