@@ -13,8 +13,10 @@ from collections import deque
 from concurrent.futures import Future, wait
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from morse.core.reports.faults import summary
+from morse.rendering.picture import Picture
 from morse.rendering.workers.easel import Job
 from morse.rendering.workers.process import WorkerProcess
 
@@ -23,7 +25,6 @@ if TYPE_CHECKING:
 
     from morse.rendering.orders import Order
     from morse.rendering.painter import Instant, Painter
-    from morse.rendering.picture import Picture
     from morse.rendering.shot import Shot
     from morse.rendering.stage import Stage
 
@@ -149,7 +150,7 @@ class _Desk:
         self._worker: Worker | None = None
         #: the scenes that the worker has received
         self._scenes: set[int] = set()
-        with contextlib.suppress(OSError):  # the first image tells
+        with contextlib.suppress(Exception):  # the first image tells
             self._occupy()
 
     def _occupy(self) -> Worker:
@@ -172,18 +173,26 @@ class _Desk:
             painter = None if wish.scene in self._scenes else pickle.dumps(wish.painter, protocol=5)
             gone = frozenset(self._scenes - scenes)
             job = Job(wish.scene, gone, painter, wish.instant, wish.camera, wish.order)
+            message = pickle.dumps(job, protocol=5)
             try:
-                answer = pickle.loads(self._occupy().ask(pickle.dumps(job, protocol=5)))
-            except (EOFError, OSError) as error:
+                answer = _image(self._occupy().ask(message))
+            # what a process has answered that is broken, or not ours, fails in any way when it is read
+            except Exception as error:
                 problem = error
-                logger.warning("a process that renders images has ended or does not answer; another one replaces it")
+                logger.warning(
+                    "a process that renders images has ended or does not answer as it should (%s); "
+                    "another one replaces it",
+                    summary(error),
+                )
                 self.dismiss()
                 continue
             self._scenes = self._scenes - gone | {wish.scene}
             if isinstance(answer, str):
                 raise RuntimeError(f"in a process that renders images: {answer}")
-            return cast("Picture", answer)
-        raise RuntimeError(f"{_ATTEMPTS} processes that render images have died over one image {problem}")
+            return answer
+        raise RuntimeError(
+            f"{_ATTEMPTS} processes that render images have failed over one image: {summary(problem)}"
+        ) from problem
 
     def dismiss(self) -> None:
         """End the worker, which may have died."""
@@ -192,6 +201,18 @@ class _Desk:
             self._workers.discard(self._worker)
             self._worker.close()
             self._worker = None
+
+
+def _image(answer: bytes | bytearray) -> Picture | str:
+    """Read the answer of a worker: an image, or why there is none.
+
+    Raises:
+        Exception: of any class, because it is no answer.
+    """
+    image = pickle.loads(answer)
+    if not isinstance(image, Picture | str):
+        raise TypeError(f"an image was expected, not {type(image).__name__}")
+    return image
 
 
 class Crews:

@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from typing import IO
 
 _LENGTH = struct.Struct("<Q")
+#: bytes of the largest message; a length beyond it is no length, but something else that was written into the pipe
+_MOST = 1 << 32
 
 
 def send(pipe: IO[bytes], message: bytes) -> None:
@@ -28,9 +30,11 @@ def receive(pipe: IO[bytes]) -> bytearray:
     """Read a message.
 
     Raises:
-        EOFError: the other end is closed.
+        EOFError: the other end is closed, or writes something else.
     """
     (length,) = _LENGTH.unpack(_read(pipe, _LENGTH.size))
+    if length > _MOST:
+        raise EOFError(f"a message of {length} bytes is announced")
     return _read(pipe, length)
 
 
