@@ -144,6 +144,17 @@ def test_the_copy_is_mended_and_the_original_stays(check, morse: Terminal) -> No
     assert (morse.directory / "old_fixed_2.py").exists()
 
 
+@pytest.mark.parametrize("declared", ["# -*- coding: latin-1 -*-\n", ""])
+def test_the_copy_of_a_script_in_latin_1_keeps_its_letters(morse: Terminal, declared: str) -> None:
+    """Python 2 took the letters of a script without a declaration as they were."""
+    old = f"{declared}# café\n{HEAD}print 'café'\nrobot = ATRV()\n{END}"
+    (morse.directory / "old.py").write_bytes(old.encode("latin-1"))
+    morse("check", "old.py", "--fix")
+    copy = (morse.directory / "old_fixed.py").read_bytes().decode("latin-1" if declared else "utf-8")
+    assert "# café\n" in copy
+    assert "print('café')" in copy
+
+
 def test_a_script_with_tabs_and_spaces(check, morse: Terminal) -> None:
     answer = check(f"{HEAD}for i in range(2):\n\trobot = ATRV()\n        robot.translate(x=i)\n{END}", "--fix")
     assert "spaces" in lines_of(answer.out)[4]

@@ -113,7 +113,10 @@ def build(
         except ScriptError as error:
             error.script = error.script or script
             raise
-        except Exception as error:
+        except (KeyboardInterrupt, SystemExit):
+            raise
+        # a script may raise errors of any class
+        except BaseException as error:
             raise explain(error, script) from error
         finally:
             _loading = before

@@ -10,6 +10,7 @@ from morse.cli.messages import say
 from morse.cli.scenes import resolve
 from morse.core.exceptions import MorseError
 from morse.system.free_names import free_path
+from morse.system.source_text import encoded_source
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -85,7 +86,7 @@ def _fix(result: Survey, script: Path, options: RunOptions) -> None:
         say("Nothing can be mended automatically: no copy is written.")
         return
     copy = free_path(script.with_name(f"{script.stem}_fixed.py"))
-    copy.write_text(text, encoding="utf-8")
+    copy.write_bytes(encoded_source(text))
     rest = _surveyed(options, text)
     say(f"Mended copy: {copy}, which {'does not run' if rest.stops else 'runs'}.")
     if rest.findings:

@@ -196,7 +196,7 @@ def _leave(status: int) -> None:
     """End the process at once, without waiting for threads that do not end."""
     logging.shutdown()
     for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(OSError, ValueError):
+        with contextlib.suppress(OSError, ValueError, AttributeError):
             stream.flush()
     os._exit(status)
 

@@ -10,7 +10,6 @@ import platform
 import signal
 import sys
 import threading
-import traceback
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -250,8 +249,7 @@ def _loop(simulation: Simulation, leave: Leave = None) -> int:
         logger.warning("the program ends the simulation: %s", describe(leaving))
         raise
     except Exception:
-        logger.error("[ERROR][MORSE] Uncaught exception, quit.")
-        traceback.print_exc(file=sys.stdout)
+        logger.error("[ERROR][MORSE] Uncaught exception, quit.", exc_info=True)
         _keep_last(simulation, "uncaught exception")
         return 1
     finally:
@@ -295,5 +293,5 @@ def _finish(simulation: Simulation | None, *, for_another: bool = False) -> None
         gc.unfreeze()
         return
     section("EXITING SIMULATION")
-    if sys.stdout is not None:  # a component may have put anything there
+    with contextlib.suppress(OSError, ValueError, AttributeError):  # a script may have put anything there, or closed it
         sys.stdout.flush()

@@ -18,6 +18,8 @@ from morse.builder.legacy import language
 from morse.builder.names import frames
 from morse.builder.names.catalog import KINDS
 from morse.core.exceptions import MorseError
+from morse.core.reports.faults import message as message_of
+from morse.core.reports.faults import summary
 from morse.scene import SourceLine
 
 if TYPE_CHECKING:
@@ -67,18 +69,20 @@ def _describe(error: BaseException, by_us: bool, frame: FrameType | None) -> tup
             return _name_error(error.name, frame)
         case ModuleNotFoundError() if error.name is not None:
             return _no_module(error.name)
-        case ImportError() if (match := _IMPORTED.match(str(error))) is not None:
+        case ImportError() if (match := _IMPORTED.match(message_of(error))) is not None:
             return _no_member(match[1], error)
         case AttributeError() if not by_us and error.name is not None and error.obj is not None:
             near = checks.closest(error.name, dir(error.obj))
-            return str(error), f"Did you mean '{near}'?" if near and near != error.name else ""
-        case TypeError() if (call := _CALL.match(str(error))) is not None:
+            return message_of(error), f"Did you mean '{near}'?" if near and near != error.name else ""
+        case TypeError() if (call := _CALL.match(message_of(error))) is not None:
             return _bad_call(call[1], call[2])
         case KeyError() if by_us and error.args:
             return str(error.args[0]), ""
-        case _ if (by_us and isinstance(error, _OURS)) or isinstance(error, MorseError):
+        case _ if by_us and isinstance(error, _OURS):
             return str(error), ""
-    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__, ""
+        case MorseError():
+            return message_of(error), ""
+    return summary(error), ""
 
 
 def _name_error(name: str, frame: FrameType | None) -> tuple[str, str]:

@@ -158,13 +158,15 @@ class _ConsoleHandler(logging.StreamHandler[TextIO]):
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (the name is logging's)
         error = sys.exc_info()[1]
         # the reader of a pipe (`morse run | head`) may exit, which must not affect the simulation
-        if isinstance(error, (BrokenPipeError, ValueError)):
+        if isinstance(error, BrokenPipeError):
             return
-        if not isinstance(error, OSError):
+        is_closed = getattr(sys.stdout, "closed", False)
+        if not isinstance(error, OSError) and not is_closed:
             super().handleError(record)
         elif not self._has_complained:
             self._has_complained = True
-            complain(f"the log can no longer be written: {error.strerror or error}")
+            why = "the standard output was closed" if is_closed else getattr(error, "strerror", None) or error
+            complain(f"the log can no longer be written: {why}")
 
 
 def complain(text: str) -> None:

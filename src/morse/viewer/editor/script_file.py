@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import difflib
 import os
 import tempfile
@@ -12,6 +13,8 @@ from morse.builder.editing.changes import Changes, UnwritableError
 from morse.builder.editing.writing import changed_script
 from morse.system.free_names import free_path
 from morse.system.python_text import quoted
+from morse.system.regular_files import read_regular
+from morse.system.source_text import encoded_source, source_text
 
 _PACKAGE = Path(morse.__file__).parent
 
@@ -31,18 +34,27 @@ class ScriptFile:
     def __init__(self, script: str) -> None:
         self.path: Path | None = None
         self.text = ""
+        self._problem = "a program describes this scene: there is no script in which it could be saved"
+        self._has_mark = False
+        self._content: bytes | None = None
         if not script:
             return
         own = Path(script).absolute()
+        content = b""
         if own.suffix == ".py":
-            with open(own, encoding="utf-8", newline="") as file:
-                self.text = file.read()
+            try:
+                content = read_regular(own)
+                self.text, self._has_mark = source_text(content), content.startswith(codecs.BOM_UTF8)
+            except (OSError, SyntaxError) as error:  # it may have changed since it was run
+                self._problem = f"{own.name} cannot be read: {error}"
+                return
         else:
             self.text = f"from morse.builder import *\n\nenv = Environment({quoted(own.as_posix())})\n"
+        self._saved = self.text
         belongs = own.suffix == ".py" and not own.is_relative_to(_PACKAGE)
         stem = own.parent.name if own.stem in ("scene", "default") else own.stem
         self.path = own if belongs else free_path(Path.cwd() / f"{stem}.py")
-        self._content = self.text if belongs else None
+        self._content = content if belongs else None
 
     def changed(self, changes: Changes) -> str:
         """Return the script with changes.
@@ -51,12 +63,12 @@ class ScriptFile:
             UnwritableError: they cannot be written.
         """
         if self.path is None:
-            raise UnwritableError("a program describes this scene: there is no script in which it could be saved")
+            raise UnwritableError(self._problem)
         return changed_script(self.text, changes, self.path.name)
 
     def difference(self, text: str) -> str:
         """The lines that a save changes, as a unified diff without its head."""
-        lines = difflib.unified_diff((self._content or self.text).splitlines(), text.splitlines(), lineterm="", n=2)
+        lines = difflib.unified_diff(self._saved.splitlines(), text.splitlines(), lineterm="", n=2)
         return "\n".join([*lines][2:])
 
     def save(self, text: str) -> None:
@@ -67,16 +79,15 @@ class ScriptFile:
             OSError: it cannot be written.
         """
         assert self.path is not None
-        present = None
-        if self.path.exists():
-            with open(self.path, encoding="utf-8", newline="") as file:
-                present = file.read()
+        try:
+            content = (codecs.BOM_UTF8 if self._has_mark else b"") + encoded_source(text)
+        except SyntaxError as error:
+            raise UnwritableError(f"{self.path.name} cannot be written: {error}") from None
+        present = read_regular(self.path) if self.path.exists() else None
         if present != self._content:
             raise UnwritableError(f"{self.path.name} was changed since the scene was loaded: reload it first (F11)")
-        with tempfile.NamedTemporaryFile(
-            "w", encoding="utf-8", newline="", dir=self.path.parent, prefix=".", suffix=".tmp", delete=False
-        ) as copy:
-            copy.write(text)
+        with tempfile.NamedTemporaryFile(dir=self.path.parent, prefix=".", suffix=".tmp", delete=False) as copy:
+            copy.write(content)
         os.chmod(copy.name, 0o644 if present is None else self.path.stat().st_mode)
         os.replace(copy.name, self.path)
-        self._content = text
+        self._content, self._saved = content, text

@@ -17,6 +17,8 @@ from morse.builder.legacy.check.finding import Edit, Finding, sentence
 from morse.builder.legacy.check.silence import Silence
 from morse.builder.legacy.check.syntax import parsed
 from morse.builder.script import load_scene
+from morse.system.regular_files import read_regular
+from morse.system.source_text import source_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,7 +66,7 @@ def survey(options: RunOptions, text: str | None = None) -> Survey:
         text: another text for the script.
     """
     script = Path(options.script).absolute()
-    content = script.read_text(encoding="utf-8-sig", errors="replace") if text is None else text
+    content = _text_of(script) if text is None else text
     result = Survey(content)
     try:
         _valid, tree, errors = parsed(content, str(script))
@@ -84,6 +86,16 @@ def survey(options: RunOptions, text: str | None = None) -> Survey:
             if not _leave_out(error, script, silence, result):
                 break
     return result
+
+
+def _text_of(script: Path) -> str:
+    """The text of a script; Python 2 accepted bytes of any encoding, which was mostly this one."""
+    source = read_regular(script)
+    try:
+        text = source_text(source)
+    except SyntaxError:
+        text = source.decode("latin-1")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _leave_out(error: ScriptError, script: Path, silence: Silence, result: Survey) -> bool:
