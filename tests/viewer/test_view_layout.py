@@ -18,6 +18,7 @@ from morse.viewer.view_messages import (
     Recordings,
     SoundState,
     Tree,
+    Values,
 )
 
 if TYPE_CHECKING:
@@ -181,6 +182,9 @@ SMALL = """[...document.querySelectorAll(".image button, .recording button, .pop
     .filter((e) => e.checkVisibility()).map((e) => [e.ariaLabel, e.getBoundingClientRect()])
     .filter(([, box]) => box.width < 43.5 || box.height < 43.5).map(([name]) => name)"""
 
+CUT_TEXTS = """[...document.querySelectorAll(".popup button")].filter((e) => e.checkVisibility())
+    .filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.textContent)"""
+
 
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (780, 360)])
 def test_on_a_telephone_nothing_lies_over_what_a_thumb_needs(served, open_page, width, height) -> None:
@@ -205,7 +209,40 @@ def test_on_a_telephone_nothing_lies_over_what_a_thumb_needs(served, open_page, 
     assert header_end - 1 <= top
     assert bottom <= height
     assert page.evaluate(SMALL) == []
+    assert page.evaluate(CUT_TEXTS) == []
     page.evaluate("document.querySelector('.more').click()")
     until(lambda: page.locator(".extra").is_visible())
     assert header_end - 1 <= page.evaluate(EDGES, ".extra")[1]
     assert page.evaluate(SMALL) == []
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 780), (780, 360)])
+def test_on_a_telephone_plots_are_below_the_world_with_their_times(served, open_page, width, height) -> None:
+    server, url = served
+    server.set_scene(*playground())
+    server.send(Listening(["robot0"]))
+    values = [FieldDescription(name, "float") for name in ("x", "y", "z")]
+    pose = ComponentDescription("robot0.pose", "sensor", "robot0", data=values)
+    server.send(Tree([ComponentDescription("robot0", "robot", "robot0"), pose]))
+    page = open_page(url, width=width, height=height, has_touch=True, is_mobile=True)
+    until(lambda: page.evaluate("morse.components.all.value.length > 1"))
+    page.evaluate("for (const field of ['x', 'y', 'z']) morse.panels.plots.plot('robot0.pose', field)")
+    until(lambda: page.locator(".bottom").is_visible())
+    for _ in range(2):
+        server.send(Values("robot0.pose", 1.0, {"x": 1.0, "y": 2.0, "z": 3.0}))
+    until(lambda: page.locator(".plot canvas").count() == 3)
+    # the world is above, in its whole height, and the pad can be reached
+    _, view_top, _, view_bottom = page.evaluate(EDGES, ".view > canvas")
+    _, bottom_top, _, bottom_end = page.evaluate(EDGES, ".bottom")
+    assert view_bottom <= bottom_top + 1
+    assert view_bottom - view_top >= 100
+    assert bottom_end <= height + 1
+    assert page.evaluate(EDGES, ".touchpad")[3] <= bottom_top
+    # the lower edge of a chart has the times
+    cut = """[...document.querySelectorAll(".plot .canvas")].map((box) => [box.scrollHeight, box.clientHeight])
+        .filter(([whole, seen]) => whole > seen + 1)"""
+    until(lambda: page.evaluate(cut) == [], "whole charts")
+    # the latest plot is in sight
+    left, _, right, _ = page.evaluate(EDGES, ".plot:nth-of-type(3)")
+    assert left >= -1
+    assert right <= page.evaluate(EDGES, ".plots")[2] + 1

@@ -107,3 +107,17 @@ def test_a_saved_script_is_announced_and_a_mistake_stays_until_it_is_mended(edit
         assert "ATRV" in mistake["text"]  # the nearest word
         edited.script.write_text(SCENE)
         page.expect("saved_files", mistakes=[])
+
+
+def test_what_the_page_itself_saves_is_not_offered_again(edited: Edited) -> None:
+    with Client(edited.url) as page:
+        page.expect("seat", pages=1)
+        page.send("teleport", request=2, node="rover", position=[4.0, 0.0, 0.1], quaternion=[1, 0, 0, 0], first=True)
+        page.expect("scene_changes", count=1)
+        page.send("save_scene", request=1, write=True)
+        assert page.expect("answer", request=1)["ok"]
+        assert "robot.translate(START + 3.0" in edited.script.read_text()
+        # a mistake of somebody else comes after it, and is told: nothing was told in between
+        edited.script.write_text(edited.script.read_text().replace("ATRV(", "ATRV(("))
+        assert page.expect("saved_files")["waiting"] == []
+    assert "was saved: it is read again" not in edited.log()

@@ -5,6 +5,11 @@ import { h } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { draggable } from "./dragging";
 
+const TOUCH = matchMedia("(pointer: coarse)").matches;
+const HINT = TOUCH
+  ? "Tap a model to put it in the middle of the view, or drag it sideways into the world; a sensor onto a robot."
+  : "Drag into the world, or press to put it in the middle of the view; a sensor onto a robot.";
+
 /** A name that may be broken between its words: Localized·PR2, Depth·Camera. */
 function inParts(name: string): (string | HTMLElement)[] {
   return name.split(/(?<=[a-z])(?=[A-Z])|(?<=_)/).flatMap((part, i) => (i > 0 ? [h("wbr", {}), part] : [part]));
@@ -32,7 +37,7 @@ export class AddPanel {
     private readonly connection: Connection,
     private readonly placing: Placing,
   ) {
-    const hint = h("p", { class: "quiet" }, "Drag into the world; a sensor onto a robot.");
+    const hint = h("p", { class: "quiet" }, HINT);
     this.element = h("section", { class: "panel add-panel", "aria-label": "add to the scene", hidden: true }, this.filter, hint, this.list);
     document.body.append(this.ghost);
     this.filter.addEventListener("input", () => this.render());
@@ -53,7 +58,7 @@ export class AddPanel {
     if (!this.asked) this.connection.send({ type: "list_models" });
     this.asked = true;
     this.render();
-    this.filter.focus();
+    if (!TOUCH) this.filter.focus(); // a keyboard on the screen would cover the models
   }
 
   close(): void {

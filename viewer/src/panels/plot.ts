@@ -148,6 +148,7 @@ export class Plot {
 
   private build(): void {
     this.chart?.destroy();
+    this.label(-1); // first: the chart gets the height that the legend leaves
     const style = getComputedStyle(document.documentElement);
     const ink = style.getPropertyValue("--quiet");
     const grid = { stroke: style.getPropertyValue("--line"), width: 1 };
@@ -181,7 +182,6 @@ export class Plot {
       [this.times, ...this.values] as uPlot.AlignedData,
       this.canvas,
     );
-    this.label(-1);
   }
 
   /** The legend: curves by component and field, with their values at an index. */
@@ -212,6 +212,6 @@ export class Plot {
   }
 
   private size(): { width: number; height: number } {
-    return { width: Math.max(this.canvas.clientWidth, 160), height: Math.max(this.canvas.clientHeight, 80) };
+    return { width: Math.max(this.canvas.clientWidth, 160), height: Math.max(this.canvas.clientHeight, 40) };
   }
 }

@@ -80,6 +80,7 @@ export class PlotsPanel {
     else for (const curve of curves) plot.add(curve);
     this.ask();
     this.onFirst();
+    plot.element.scrollIntoView({ block: "nearest", inline: "nearest" });
     return plot;
   }
 

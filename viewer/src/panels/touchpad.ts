@@ -3,6 +3,8 @@ import { h } from "../ui/dom";
 import type { Signal } from "../ui/signal";
 
 const KEYS = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"] as const;
+/** Directions of the keys on the pad, degrees clockwise from its upper edge. */
+const TURNS = [0, 180, 270, 90];
 /** Dead zone as a share of the radius. */
 const DEAD = 0.3;
 /** Share of the deflection from which an axis is active: diagonals press two keys at once. */
@@ -19,7 +21,7 @@ export class TouchPad {
     drives: Signal<boolean>,
     robots: Signal<string[]>,
   ) {
-    this.element = h("div", { class: "touchpad", role: "group", "aria-label": "drive", hidden: true }, this.knob);
+    this.element = h("div", { class: "touchpad", role: "group", "aria-label": "drive", hidden: true }, ...TURNS.map((turn) => h("span", { class: "direction", style: `--turn: ${turn}deg` })), this.knob);
     const show = (): void => {
       this.element.hidden = !drives.value || robots.value.length === 0;
       if (this.element.hidden) this.release();

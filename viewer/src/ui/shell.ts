@@ -49,8 +49,11 @@ export class Shell {
 
   /** Whether there is content for the right panel; without content, the view uses its area. */
   fill(something: boolean): void {
-    if (this.narrow) this.set("right", something && !this.right.hidden);
-    else this.set("right", something && this.wanted);
+    if (this.narrow) {
+      this.set("right", something && !this.right.hidden);
+      if (something) this.flag("right", "info");
+      else delete this.toggles.right.dataset["news"];
+    } else this.set("right", something && this.wanted);
   }
 
   /** Open a panel without making it a choice of the user. */

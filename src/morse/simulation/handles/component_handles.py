@@ -264,7 +264,7 @@ class ComponentHandle:
 
     def __repr__(self) -> str:
         try:
-            names = ", ".join([*self.parts, *self._services()])
+            names = ", ".join([*self.parts] or [*self.component.local_data] or self._services())
             return f"<{type(self.component).__name__} {self.fqn}: {names}>"
         except (LookupError, RuntimeError):
             return f"<{self.fqn}, which is not there any more>"

@@ -132,7 +132,7 @@ class Handles(Arranging):
             raise AttributeError(f"a simulation has no attribute '{name}'")
         handles = self._all_handles()
         if name not in handles:
-            raise AttributeError(_no_robot(name, list(handles)))
+            raise AttributeError(_no_attribute(name, list(handles), dir(type(self))))
         return handles[name]
 
     def __dir__(self) -> list[str]:
@@ -215,3 +215,11 @@ def _no_robot(name: str, names: list[str]) -> str:
     from morse.core.reports.hints import nearest
 
     return f"no robot '{name}' in the simulation{nearest(name, names)}"
+
+
+def _no_attribute(name: str, robots: list[str], members: list[str]) -> str:
+    from morse.core.reports.hints import closest, nearest
+
+    near = closest(name, [*robots, *(member for member in members if not member.startswith("_"))])
+    hint = nearest(name, [near] if near else robots)
+    return f"a simulation has no attribute '{name}', and there is no robot '{name}' in it{hint}"

@@ -34,6 +34,15 @@ class Edits:
     def __init__(self) -> None:
         self.mistakes: dict[str, Mistake] = {}
         self.waiting: dict[str, None] = {}
+        self._own: dict[str, bytes] = {}
+
+    def write(self, path: str, content: bytes) -> None:
+        """The simulation itself has saved a file, which describes what it already shows."""
+        self._own[path] = content
+
+    def in_use(self, path: str, content: bytes) -> bool:
+        """Whether a file contains what the simulation itself has saved, so that it need not be read again."""
+        return self._own.get(path) == content
 
     def refuse(self, path: str, reason: str) -> None:
         """A saved file has an error."""

@@ -115,12 +115,15 @@ class Watch(Observer):
     def _script_saved(self) -> None:
         """A syntax error is told at once, others when the script is executed."""
         try:
-            compile(Path(self._script).read_bytes(), self._script, "exec", dont_inherit=True)
+            content = Path(self._script).read_bytes()
+            compile(content, self._script, "exec", dont_inherit=True)
         except (SyntaxError, ValueError, OSError) as error:
             self._refuse(self._script, _syntax(error, self._script))
             return
-        self._simulation.edits.take(self._script, waits=True)
-        logger.info("%s was saved: %s", self._script, _AT_START)
+        waits = not self._simulation.edits.in_use(self._script, content)
+        self._simulation.edits.take(self._script, waits=waits)
+        if waits:
+            logger.info("%s was saved: %s", self._script, _AT_START)
 
     def _show(self, edit: models.ModelEdit) -> None:
         simulation = self._simulation

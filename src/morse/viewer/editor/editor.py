@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -222,9 +223,15 @@ class Editor:
         text = self._file.changed(Changes([*self._additions.values()], [*self._moves.values()], self._deletions))
         difference = self._file.difference(text)
         if write:
+            if not self._waiting():
+                self._simulation.edits.write(os.path.abspath(str(self._file.path)), text.encode())
             self._file.save(text)
             self._saved = self._state()
         return {"path": str(self._file.path), "difference": difference}
+
+    def _waiting(self) -> list[str]:
+        """The sensors that appear when the scene is loaded again."""
+        return [f"{one.robot}.{one.name}" for one in self._additions.values() if one.robot]
 
     def _state(self) -> str:
         """All changes, to compare them with those that were saved."""
@@ -252,12 +259,11 @@ class Editor:
     def update(self) -> None:
         """Tell the pages what has changed."""
         self._catalog.update()
-        waiting = [f"{one.robot}.{one.name}" for one in self._additions.values() if one.robot]
         count = len(self._additions) + len(self._moves) + len(self._deletions)
         # without the changes that were saved, the file is to be written again
         count = 0 if self._state() == self._saved else max(count, 1)
         last = self._undos[-1][0] if self._undos else ""
-        message = SceneChanges(count, last, waiting, "" if self._file.path is None else self._file.path.name)
+        message = SceneChanges(count, last, self._waiting(), "" if self._file.path is None else self._file.path.name)
         if message != self._last_message:
             self._last_message = message
             self._server.send(message)
