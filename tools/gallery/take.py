@@ -73,7 +73,7 @@ def take(browser: Browser, shot: Shot, folder: Path) -> None:
     """Run the scene and save the picture."""
     log = folder / f"{shot.name}.txt"
     with log.open("w") as out, tempfile.TemporaryDirectory() as empty:
-        command = [sys.executable, "-u", "-c", START, "run", "--view-port", "18800", str(HERE / f"{shot.scene}.py")]
+        command = [sys.executable, "-u", "-c", START, "run", "--view-port", "0", str(HERE / f"{shot.scene}.py")]
         process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, cwd=empty)
         try:
             page = browser.new_page(
@@ -90,6 +90,7 @@ def take(browser: Browser, shot: Shot, folder: Path) -> None:
                     page.evaluate(step)
             page.evaluate("morse.connection.send({type: 'pause'})")
             until(page, "!morse.poses.value.running")
+            page.evaluate("document.querySelector('.history').style.display = 'none'")  # covers the scene
             page.screenshot(path=folder / f"{shot.name}.png", timeout=120_000)
             page.close()
         finally:
