@@ -113,7 +113,7 @@ class Stand:
 
     def compare(self):
         for movers in self.movers:
-            movers.update(self.poses)
+            movers.update(self.poses, self.cameras)
         made = self.drawer.draw(self.cameras.copy(), self.poses, self.light, self.samples, self.kept)
         self.drawn.append(self.drawer.drawn_tiles)
         wanted = self.other.draw(self.cameras.copy(), self.poses, self.light, self.samples)

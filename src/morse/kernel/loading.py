@@ -13,7 +13,7 @@ from morse.system import variables
 logger = logging.getLogger(__name__)
 
 #: the version of structures and signatures that Python expects; see ``c/processor.c``
-INTERFACE = 25
+INTERFACE = 26
 VARIABLE = "MORSE_KERNEL"
 _SOURCES = Path(__file__).parent / "c"
 

@@ -129,7 +129,7 @@ class Painter:
         cameras = cameras_of(orders, time)
         light = self._light
         if cameras["color"].any():
-            light = self._lit(instant, poses)
+            light = self._lit(instant, poses, cameras)
         images = self._drawer.draw(cameras, poses, light, self._samples, kept_of(orders))
         rows = iter(cameras)
         pictures = []
@@ -149,7 +149,7 @@ class Painter:
             )
         return pictures
 
-    def _lit(self, instant: Instant, poses: Poses) -> Light:
+    def _lit(self, instant: Instant, poses: Poses, cameras: NDArray[np.void]) -> Light:
         """The lamps of a tick, with the shadows of the sun and of a spot lamp."""
         lamps, sky = instant.lamps, instant.sky
         assert lamps is not None
@@ -162,5 +162,5 @@ class Painter:
             self._shadows = Shadows(self._scenery, self._drawer, lamps.sunny, self._light)
         self._shadows.light = self._shadows.light._replace(lamps=lamps.lamps, sky=sky)
         light = self._spot_shadows.update(self._shadows.light, lamps.spot, poses, self._drawer)
-        self._shadows.update(poses)
+        self._shadows.update(poses, cameras)
         return light

@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     class Movers(Protocol):
         """The shadows of parts that may move."""
 
-        touched: NDArray[np.int32]
+        extents: NDArray[np.int32]
 
-        def update(self, poses: Poses, left_out: NDArray[np.bool_] | None = None) -> None:
-            """Draw the shadows of parts that have moved again."""
+        def update(self, poses: Poses, cameras: NDArray[np.void], left_out: NDArray[np.bool_] | None = None) -> None:
+            """Draw the shadows of parts that have moved again, if a camera may see them."""
 
 
 #: minimum size of a texel, m
@@ -86,19 +86,23 @@ class Shadows:
                 near_changes=finer.shadow_changes,
             )
 
-    def update(self, poses: Poses) -> None:
-        """Update the shadows of moved objects."""
+    def update(self, poses: Poses, cameras: NDArray[np.void]) -> None:
+        """Update the shadows of moved objects.
+
+        Args:
+            cameras: (K,) `CAMERA`, those for which the maps are used.
+        """
         stands = poses.models[self._still]
         if not np.array_equal(stands, self._stood):
             self._stood = stands
             for shadow_map in self._maps:
                 shadow_map.begin(poses)
         if len(self._maps) == 1:
-            self._maps[0].update(poses)
+            self._maps[0].update(poses, cameras)
             return
         fine, coarse = self._maps
-        fine.update(poses)
-        coarse.update(poses, fine.covers(coarse.light.sun[12] / fine.light.sun[12]))
+        fine.update(poses, cameras)
+        coarse.update(poses, cameras, fine.covers(coarse.light.sun[12] / fine.light.sun[12]))
 
 
 class ShadowMap:
@@ -138,7 +142,7 @@ class ShadowMap:
         # a point at the border is shifted by 1.3 texels of the other map, and read from 4 x 4 of them
         margin = _BORDER + 5.0 * ratio
         assert self._moving is not None
-        rows = self._moving.touched
+        rows = self._moving.extents
         return np.asarray(
             (rows[:, :2] > margin).all(axis=1) & (rows[:, 2] < wide - margin) & (rows[:, 3] < high - margin)
         )
@@ -152,16 +156,17 @@ class ShadowMap:
         self._drawer.bound_shadows(self.light)
         self._moving = self._drawer.moving_shadows(self._movers, self.light)
 
-    def update(self, poses: Poses, left_out: NDArray[np.bool_] | None = None) -> None:
+    def update(self, poses: Poses, cameras: NDArray[np.void], left_out: NDArray[np.bool_] | None = None) -> None:
         """Update the shadows of moved objects.
 
         Args:
+            cameras: (K,) `CAMERA`.
             left_out: (M,) the moving parts whose shadows are not needed.
         """
         if self._moving is None:
             self.begin(poses)
         assert self._moving is not None
-        self._moving.update(poses, left_out)
+        self._moving.update(poses, cameras, left_out)
 
 
 def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,6 +5,7 @@
 
 #include "draw_bounds.h"
 #include "draw_kept.h"
+#include "draw_sight.h"
 #include "drawing.h"
 #include "export.h"
 #include "simd.h"
@@ -21,6 +22,7 @@ typedef struct {
     const float *base;        // the map without them
     float (*models)[12];      // their models in the map
     int32_t (*touched)[4];    // the texels that each of them may fill
+    int32_t (*extents)[4];    // the same for parts out of sight, which are not in the map
     uint8_t *again;           // whether each of them is drawn again: STOOD or MOVED
     int32_t (*changed)[4];    // room for two rectangles of each
     uint8_t *stale;  // whether the bounds of each block are computed again; 0 between calls; null without bounds
@@ -90,26 +92,48 @@ static inline void fill(const Frame *f, const float *q[3], float hidden) {
     }
 }
 
-// Draws a part into the shadow map; `rectangle` receives the texels that it may fill: x0, y0, x1, y1, one past the end.
-static void cast(const Frame *f, const Part *part, int32_t *rectangle) {
-    const Cluster *c = f->clusters + part->cluster;
-    const float *m = f->models[part->instance], *s = f->sun;
-    const float size[2] = {(float)f->shadow_width, (float)f->shadow_height};
-    const float (*points)[3] = (const float (*)[3])(f->points + c->vertex);
-    F4 seen[MOST_VERTICES], a[4], low = {1e9f, 1e9f, 1e9f, 1e9f}, high = -low;
+// Mesh to texels and distance, in columns.
+static inline void into_map(const Frame *f, const float *m, F4 *a) {
+    const float *s = f->sun;
     EACH(n, 4)
     EACH(i, 4)
     a[n][i] =
         i == 3 ? 0 : s[4 * i] * m[n] + s[4 * i + 1] * m[4 + n] + s[4 * i + 2] * m[8 + n] + (n == 3 ? s[4 * i + 3] : 0);
+}
+
+// The texels between the lowest and the highest coordinates: x0, y0, x1, y1, one past the end.
+static inline void texels_between(const Frame *f, F4 low, F4 high, int32_t *rectangle) {
+    const float size[2] = {(float)f->shadow_width, (float)f->shadow_height};
+    EACH(i, 2) {
+        rectangle[i] = (int)most(least(low[i], size[i]), 0);
+        rectangle[2 + i] = (int)most(least(high[i] + 1, size[i]), 0);
+    }
+}
+
+// The texels that a part in a box may fill.
+static void surround(const Frame *f, const float *m, const float *box, int32_t *rectangle) {
+    F4 a[4];
+    into_map(f, m, a);
+    F4 low = a[3], high = low;
+    EACH(i, 3) {
+        const F4 one = a[i] * box[i], other = a[i] * box[i + 3];
+        low += either(one < other, one, other), high += either(one < other, other, one);
+    }
+    texels_between(f, low, high, rectangle);
+}
+
+// Draws a part into the shadow map; `rectangle` receives the texels that it may fill: x0, y0, x1, y1, one past the end.
+static void cast(const Frame *f, const Part *part, int32_t *rectangle) {
+    const Cluster *c = f->clusters + part->cluster;
+    const float (*points)[3] = (const float (*)[3])(f->points + c->vertex);
+    F4 seen[MOST_VERTICES], a[4], low = {1e9f, 1e9f, 1e9f, 1e9f}, high = -low;
+    into_map(f, f->models[part->instance], a);
     EACH(v, f->point_counts[part->cluster]) {
         const float *p = points[v];
         const F4 at = a[0] * p[0] + a[1] * p[1] + a[2] * p[2] + a[3];
         seen[v] = at, low = either(low < at, low, at), high = either(high > at, high, at);
     }
-    EACH(i, 2) {
-        rectangle[i] = (int)most(least(low[i], size[i]), 0);
-        rectangle[2 + i] = (int)most(least(high[i] + 1, size[i]), 0);
-    }
+    texels_between(f, low, high, rectangle);
     // the back faces of closed parts are farther from the sun than their front faces
     const float back = part->flags & MIRRORED ? 1.0f : -1.0f;
     for (int t = c->triangle; t < c->triangle + c->triangles; t++) {
@@ -130,16 +154,28 @@ static inline int meets(const int32_t *a, const int32_t *b) {
     return a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
 }
 
+// The model of a part that is not in the map.
+static const float NOWHERE[12];
+
+static inline int differ(const float *model, const float *other) { return memcmp(model, other, sizeof NOWHERE) != 0; }
+
 // Marks the parts that have moved, and sets their present models: zeros if they are left out. `changed` receives what
-// they have filled before.
+// they have filled before. The shadow of a part that stands remains in the map while it is out of sight: other cameras
+// may see it.
 static int find_moved(const Frame *f, Movers *m) {
-    static const float nowhere[12];
+    View views[MOST_VIEWS];
+    const int count = views_of(f, views);
     int moved = 0;
     EACH(i, m->count) {
-        const float *now = m->left_out[i] ? nowhere : f->models[f->parts[m->parts[i]].instance];
-        m->again[i] = memcmp(now, m->models[i], sizeof nowhere) ? MOVED : 0;
+        const Part *part = f->parts + m->parts[i];
+        const float *now = m->left_out[i] ? NOWHERE : f->models[part->instance];
+        if (differ(now, m->models[i]) && is_out_of_sight(views, count, now, f->boxes[part->cluster])) {
+            surround(f, now, f->boxes[part->cluster], m->extents[i]);
+            now = NOWHERE;
+        }
+        m->again[i] = differ(now, m->models[i]) ? MOVED : 0;
         if (!m->again[i]) continue;
-        memcpy(m->models[i], now, sizeof nowhere);
+        memcpy(m->models[i], now, sizeof NOWHERE);
         memcpy(m->changed[moved++], m->touched[i], sizeof *m->changed);
     }
     return moved;
@@ -197,7 +233,10 @@ void morse_draw_movers(Frame *f, Movers *m) {
     EACH(i, m->count) {
         if (!m->again[i]) continue;
         memset(m->touched[i], 0, sizeof *m->touched);
-        if (!m->left_out[i]) cast(f, f->parts + m->parts[i], m->touched[i]);
+        if (differ(m->models[i], NOWHERE)) {
+            cast(f, f->parts + m->parts[i], m->touched[i]);
+            memcpy(m->extents[i], m->touched[i], sizeof *m->extents);
+        }
         if (m->again[i] == MOVED) memcpy(m->changed[changed++], m->touched[i], sizeof *m->changed);
     }
     if (m->stale) bound_changed(f, m, changed);

@@ -23,7 +23,19 @@ class _Movers(ctypes.Structure):
         *[
             (name, ctypes.c_void_p)
             for name in (
-                *("parts", "left_out", "base", "models", "touched", "again", "changed", "stale", "bounds", "changes"),
+                *(
+                    "parts",
+                    "left_out",
+                    "base",
+                    "models",
+                    "touched",
+                    "extents",
+                    "again",
+                    "changed",
+                    "stale",
+                    "bounds",
+                    "changes",
+                ),
             )
         ],
         ("count", ctypes.c_int32),
@@ -39,7 +51,9 @@ class NativeMovers:
         light: with the map, which has the shadows of all other parts already.
 
     Attributes:
-        touched: (M, 4) int32, the texels that each part may fill: x0, y0, x1, y1, one past the end.
+        touched: (M, 4) int32, the texels that each part may fill: x0, y0, x1, y1, one past the end; zeros if the map
+            does not show it.
+        extents: (M, 4) the same; not zeros for parts whose shadows no camera sees.
     """
 
     def __init__(self, library: ctypes.CDLL, frame: FrameStructure, parts: NDArray[np.integer], light: Light) -> None:
@@ -49,6 +63,7 @@ class NativeMovers:
         count = len(parts)
         self.touched = np.zeros((count, 4), np.int32)
         # one more than needed: an empty array has no address
+        self.extents = np.zeros((count, 4), np.int32)
         self._left_out = np.zeros(count + 1, np.uint8)
         self._arrays: dict[str, NDArray[np.generic] | None] = {
             "parts": np.append(parts, 0).astype(np.int32),
@@ -56,6 +71,7 @@ class NativeMovers:
             "base": shadow.copy(),
             "models": np.zeros((count + 1, 12), np.float32),
             "touched": self.touched,
+            "extents": self.extents,
             "again": np.zeros(count + 1, np.uint8),
             "changed": np.zeros((2 * count + 1, 4), np.int32),
             "stale": None if bounds is None else np.zeros(bounds.shape[:2], np.uint8),
@@ -64,15 +80,18 @@ class NativeMovers:
         }
         self._movers = _Movers(**{name: address(array) for name, array in self._arrays.items()}, count=count)
 
-    def update(self, poses: Poses, left_out: NDArray[np.bool_] | None = None) -> None:
-        """Draw the shadows of parts that have moved again.
+    def update(self, poses: Poses, cameras: NDArray[np.void], left_out: NDArray[np.bool_] | None = None) -> None:
+        """Draw the shadows of parts that have moved again, if a camera may see them.
 
         Args:
+            cameras: (K,) `CAMERA`.
             left_out: (M,) the parts whose shadows are not needed.
         """
         frame, light = self._frame, self._light
         assert light.shadow is not None
         self._left_out[:-1] = False if left_out is None else left_out
-        frame.point(shadow=light.shadow, sun=light.sun, models=poses.models)
+        frame.point(shadow=light.shadow, sun=light.sun, models=poses.models, cameras=cameras)
+        frame.camera_count = len(cameras)
         frame.shadow_height, frame.shadow_width = light.shadow.shape
         self._function(ctypes.byref(frame), ctypes.byref(self._movers))
+        frame.forget("cameras")

@@ -56,7 +56,7 @@ class ReferenceMovers:
         light: with the map, which has the shadows of all other parts already.
 
     Attributes:
-        touched: (M, 4) int32, the texels that each part may fill: x0, y0, x1, y1, one past the end.
+        touched, extents: (M, 4) int32, the texels that each part may fill: x0, y0, x1, y1, one past the end.
     """
 
     def __init__(self, drawing: Drawing, parts: NDArray[np.integer], light: Light) -> None:
@@ -64,12 +64,13 @@ class ReferenceMovers:
         self._drawing, self._parts, self._light = drawing, np.asarray(parts), light
         self._base = light.shadow.copy()
         self._models = np.zeros((len(parts), 12), np.float32)
-        self.touched = np.zeros((len(parts), 4), np.int32)
+        self.touched = self.extents = np.zeros((len(parts), 4), np.int32)
 
-    def update(self, poses: Poses, left_out: NDArray[np.bool_] | None = None) -> None:
+    def update(self, poses: Poses, cameras: NDArray[np.void], left_out: NDArray[np.bool_] | None = None) -> None:
         """Draw the shadows of parts that have moved again.
 
         Args:
+            cameras: (K,) `CAMERA`; all shadows are drawn, whether a camera sees them or not.
             left_out: (M,) the parts whose shadows are not needed.
         """
         shadow = self._light.shadow
