@@ -48,9 +48,12 @@ static inline V3 ray_of(const Camera *k, F8 x, F8 y) {
     return (V3){r[0] * cx + r[3] * cy + r[6], r[1] * cx + r[4] * cy + r[7], r[2] * cx + r[5] * cy + r[8]};
 }
 
-// The light of the sky in eight samples, 0 to 1.
-static __attribute__((noinline)) V3 shade_sky(const Frame *f, const Camera *k, F8 x, F8 y) {
-    return visible(tone(scaled(sky_in(f->sky, unit(ray_of(k, x, y))), splat(k->exposure))));
+// The light of the sky in groups of eight samples, 0 to 1: step by step, because each step waits for the one before.
+static __attribute__((noinline)) void shade_sky(const Frame *f, const Camera *k, const Looks *l, int groups,
+                                                V3 *light) {
+    EACH(g, groups) light[g] = unit(ray_of(k, l[g].x, l[g].y));
+    EACH(g, groups) light[g] = sky_in(f->sky, light[g]);
+    EACH(g, groups) light[g] = visible(tone(scaled(light[g], splat(k->exposure))));
 }
 
 // The textures of eight samples, and where they are.
@@ -137,7 +140,7 @@ static void finish(const Frame *f, const Camera *k, Work *w, int kind) {
         for (int n = i; n < q->count && groups < MOST_GROUPS; n += LANES)
             look_at_waiting(f, &w->shown, q, n, lanes_left(q->count, n), kind, w->looks + groups++);
         if (kind == NO_SURFACES)
-            EACH(g, groups) light[g] = shade_sky(f, k, w->looks[g].x, w->looks[g].y);
+            shade_sky(f, k, w->looks, groups, light);
         else
             shade_groups(f, k, w->looks, groups, light);
         EACH(g, groups) {
@@ -210,27 +213,31 @@ static inline void write_row(const Frame *f, const Camera *k, const Row *row, V3
     write_colours(f, light, count, f->rgba + (k->pixel + (int64_t)row->y * k->width + row->x));
 }
 
-// Rows that show only one triangle each.
-static void draw_same(const Frame *f, const Camera *k, Work *w) {
+static void finish_rows(const Frame *f, const Camera *k, Work *w, const Row *const *rows, int groups, int is_sky) {
     V3 light[MOST_GROUPS];
+    if (is_sky)
+        shade_sky(f, k, w->looks, groups, light);
+    else
+        shade_groups(f, k, w->looks, groups, light);
+    EACH(g, groups) write_row(f, k, rows[g], light[g]);
+}
+
+// Rows that show only one triangle each, or only the sky.
+static void draw_same(const Frame *f, const Camera *k, Work *w, int is_sky) {
     const Row *rows[MOST_GROUPS];
     int groups = 0;
     EACH(i, w->row_count) {
         const Row *row = w->rows + i;
+        if ((row->who < 0) != is_sky) continue;
         Looks *l = w->looks + groups;
         l->x = STEPS + ((float)row->x + 0.5f + f->samples[0]), l->y = splat((float)row->y + 0.5f + f->samples[1]);
-        if (row->who < 0) {
-            write_row(f, k, row, shade_sky(f, k, l->x, l->y));
-        } else {
-            look_at_triangle(l, w->shown.planes + row->place, f->materials + w->shown.material[row->place]);
-            rows[groups++] = row;
-        }
-        if (groups == MOST_GROUPS || i == w->row_count - 1) {
-            shade_groups(f, k, w->looks, groups, light);
-            EACH(g, groups) write_row(f, k, rows[g], light[g]);
-            groups = 0;
-        }
+        if (!is_sky) look_at_triangle(l, w->shown.planes + row->place, f->materials + w->shown.material[row->place]);
+        rows[groups++] = row;
+        if (groups < MOST_GROUPS) continue;
+        finish_rows(f, k, w, rows, groups, is_sky);
+        groups = 0;
     }
+    finish_rows(f, k, w, rows, groups, is_sky);
 }
 
 // Eight pixels of different triangles, from their light.
@@ -253,7 +260,7 @@ static void draw_colours(const Frame *f, const Camera *k, Work *w) {
         if (row->who >= 0) row->place = place_of(f, &w->shown, row->who);
     }
     complete(f, &w->shown);
-    draw_same(f, k, w);
+    draw_same(f, k, w, 0), draw_same(f, k, w, 1);
     EACH(i, KINDS) finish(f, k, w, i);
     EACH(i, w->mixed_count) write_mixed(f, k, w, w->mixed + i);
 }
