@@ -111,3 +111,14 @@ def test_forces_that_are_none_are_refused(simulate, wrong):
         sim.robot.motion.publish({"force": wrong})
     sim.step(10)
     assert body(sim).worldLinearVelocity.length == 0.0
+
+
+@pytest.mark.parametrize(("frequency", "ticks"), [(60, 60), (20, 60), (60, 240)])
+def test_a_force_pulls_all_the_time_whatever_the_frequency_of_its_actuator(simulate, frequency, ticks):
+    more = f"motion = ForceTorque()\nmotion.frequency({frequency})\nrobot.append(motion)"
+    sim = simulate(
+        SCENE.format(more=more) + f"env = Environment('empty')\nenv.simulator_frequency({ticks})", sockets=False
+    )
+    sim.robot.motion.publish({"force": [0.6, 0.0, 0.0]})
+    sim.step(ticks)
+    assert body(sim).worldLinearVelocity[0] == pytest.approx(0.6, abs=0.02)

@@ -15,6 +15,7 @@ class Drag(Actuator):
     speed at most to 0.
     """
 
+    applies_forces = True
     _name = "Drag"
     _short_desc = "Applies the resistance of air or water to the robot"
     _source = "quadratic drag, F = 1/2 ρ v² c A, with C = 1/2 ρ c A"

@@ -8,6 +8,7 @@ from morse.helpers.components import add_data, add_kind
 class ExternalForce(Actuator):
     """Applies a force and a torque, along the axes of the world, to the centre of mass of the robot."""
 
+    applies_forces = True
     _name = "External Force"
     _short_desc = "Applies forces of the surroundings, such as wind, to the robot"
 

@@ -22,6 +22,7 @@ class ForceTorque(Actuator):
     robot, and act at its origin. As in MORSE 1.4, a force at the origin of the robot is applied at its centre of mass.
     """
 
+    applies_forces = True
     _name = "Force/Torque Motion Controller"
     _short_desc = "Motion controller using force and torque to move a robot"
 

@@ -55,6 +55,7 @@ class Hydrodynamics(Actuator):
     The weight of a robot without gravity, such as the Submarine, acts as well: above the water the robot falls.
     """
 
+    applies_forces = True
     _name = "Hydrodynamics"
     _source = (
         "Archimedes; waves by JONSWAP, 1973; added mass of plates by DNV-RP-N103; damping of heave by T. I. Fossen, "

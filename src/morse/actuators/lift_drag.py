@@ -33,6 +33,7 @@ class LiftDrag(Actuator):
     J. D. Anderson, Fundamentals of Aerodynamics, McGraw-Hill, chapter 4.
     """
 
+    applies_forces = True
     _name = "Lift and drag"
     _short_desc = "Lift, drag and moment of a wing that moves through air or water"
 

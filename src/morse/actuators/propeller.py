@@ -32,6 +32,7 @@ class Propeller(Actuator):
     Robot Operating System (ROS), Springer, 2016, equations 1 to 6.
     """
 
+    applies_forces = True
     _name = "Propeller"
     _short_desc = "Thrust and torque of a propeller at a commanded speed"
 

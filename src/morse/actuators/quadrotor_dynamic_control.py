@@ -26,6 +26,7 @@ class QuadrotorDynamicControl(Actuator):
     N m.
     """
 
+    applies_forces = True
     _name = "Quadrotor dynamic control"
     _short_desc = "Motion controller using the speeds of the rotors of a quadrotor"
     _source = "thrust and drag of a rotor are proportional to the square of its speed (momentum theory)"

@@ -34,6 +34,8 @@ class Rotorcraft(Actuator):
     with the moment of inertia I about that axis, the error e of its angle, and the factor s, a share of the thrust.
     """
 
+    applies_forces = True
+
     add_state(
         "_errors",
         tuple | None,

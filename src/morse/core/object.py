@@ -83,7 +83,8 @@ class Object(Requesting, AbstractObject):
         self.clock = self.context.clock
         self._active = True
         self._offered: list[ServiceDeclaration] = []
-        self.frequency = float(obj.get("frequency", self.clock.frequency))
+        ticks = self.clock.frequency
+        self.frequency = ticks if self.applies_forces else float(obj.get("frequency", ticks))
         self.level = self._chosen_level(obj.get("abstraction_level"))
         for name, field in data_fields(type(self)).items():
             if field.level == "all" or self.level is None or self.level in _as_tuple(field.level):
@@ -129,6 +130,8 @@ class Object(Requesting, AbstractObject):
     capturing: bool | None = None
     #: whether components on it may move
     moves_parts: bool = True
+    #: whether it applies forces, which last for a tick: it acts in each tick, so that it pulls all the time
+    applies_forces: ClassVar[bool] = False
 
     def frame_owner(self) -> Object | None:
         """Return the component in whose frame its data are; None for itself."""
