@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import socket
 import threading
 from itertools import pairwise
@@ -11,6 +12,7 @@ import pytest
 
 pytest.importorskip("pymavlink")
 
+from hil_controller import Controller
 from pymavlink.dialects.v20 import common
 
 import morse
@@ -38,6 +40,16 @@ env.simulator_frequency(250)
 env.properties(longitude=8.5456, latitude=47.3977, altitude=0.0)
 env.configure_stream_manager("mavlink", device="tcpin:127.0.0.1:{port}", hil=True, world="enu")
 """
+
+
+#: in the order of the bits of fields_updated
+FIELDS = ("xacc", "yacc", "zacc", "xgyro", "ygyro", "zgyro", "xmag", "ymag", "zmag", "abs_pressure")
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 class Autopilot(threading.Thread):
@@ -70,9 +82,7 @@ class Autopilot(threading.Thread):
 @pytest.mark.peer("pymavlink", does="lockstep of an autopilot in the loop, by the rules of PX4")
 def test_px4_takes_every_measurement_and_is_kept_in_step(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     (tmp_path / "scene.py").write_text(SCENE.format(port=port))
     with morse.load(tmp_path / "scene.py", sockets=True) as sim:
         autopilot = Autopilot(port, 500)
@@ -103,3 +113,54 @@ def test_px4_takes_every_measurement_and_is_kept_in_step(tmp_path: Path, monkeyp
     assert fix.fix_type == 3
     assert fix.eph < 300, "PX4 waits for less than 3 (EKF2_REQ_EPH)"
     assert fix.satellites_visible >= 6, "EKF2_REQ_NSATS"
+
+
+FLIGHT = """
+from morse.builder import *
+robot = Quadrotor(); robot.translate(z=0.2)
+imu = IMU(); robot.append(imu)
+baro = Barometer(); robot.append(baro)
+gps = GPS(); gps.level("raw"); robot.append(gps)
+motors = QuadrotorDynamicControl(); motors.properties(Configuration="x"); robot.append(motors)
+for part, rate in ((imu, 250), (baro, 50), (gps, 10)):
+    part.add_stream("mavlink")
+    part.frequency(rate)
+motors.add_stream("mavlink", full=1200.0)
+env = Environment("empty", fastmode=True)
+env.simulator_frequency(250)
+env.properties(longitude=8.5456, latitude=47.3977, altitude=488.0)
+env.configure_stream_manager("mavlink", device="tcpin:127.0.0.1:{port}", hil=True, world="enu")
+"""
+
+
+@pytest.mark.peer("pymavlink", does="an estimator and a controller fly a quadrotor by HIL messages only")
+def test_a_quadrotor_is_flown_by_what_hil_messages_say(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    port = free_port()
+    (tmp_path / "scene.py").write_text(FLIGHT.format(port=port))
+    with morse.load(tmp_path / "scene.py", sockets=True) as sim:
+        body = sim.world.game_object("robot")
+        start = [float(v) for v in body.world_pose()[0]]
+        pilot = Controller(port, height=2.0, count=12 * 250)
+        pilot.start()
+        track = []
+        while pilot.is_alive():
+            sim.step()
+            track.append([float(v) for v in body.world_pose()[0]])
+        pilot.join()
+    for x, y, z in track[9 * 250 :]:
+        assert math.hypot(x - start[0], y - start[1]) < 0.5
+        assert z - start[2] == pytest.approx(2.0, abs=0.25)
+    # PX4 takes a sensor for broken whose values do not change by 1e-6 for 100 measurements, also on the ground
+    for names in (("xacc", "yacc", "zacc"), ("xgyro", "ygyro", "zgyro"), ("xmag", "ymag", "zmag"), ("abs_pressure",)):
+        bit = 1 << FIELDS.index(names[0])
+        values = [[getattr(one, name) for name in names] for one in pilot.sensors if one.fields_updated & bit]
+        same = [all(abs(p - q) < 1e-6 for p, q in zip(a, b, strict=True)) for a, b in pairwise(values)]
+        assert not any(all(same[k : k + 3]) for k in range(len(same) - 3)), names
+    # the truth that it has asked for, in the first tick of 4 ms that is 5 ms after the last one
+    truth = pilot.states[-1]
+    assert {b.time_usec - a.time_usec for a, b in pairwise(pilot.states)} == {8000}
+    assert truth.alt * 1e-3 - pilot.states[0].alt * 1e-3 == pytest.approx(track[-1][2] - start[2], abs=0.02)
+    assert math.hypot(*truth.attitude_quaternion) == pytest.approx(1.0, abs=1e-5)
+    acks = [one for one in pilot.others if one.get_type() == "COMMAND_ACK"]
+    assert [(one.command, one.result) for one in acks] == [(511, 0)]

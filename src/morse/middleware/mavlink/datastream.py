@@ -25,6 +25,7 @@ from morse.middleware.mavlink.commands import COMMANDS, CommandKinds
 from morse.middleware.mavlink.framing import Framer
 from morse.middleware.mavlink.intake import Intake
 from morse.middleware.mavlink.links import open_link
+from morse.middleware.mavlink.loop import Loop
 from morse.middleware.mavlink.mapping import INSTALL, MANAGER_OPTIONS
 from morse.middleware.mavlink.telemetry import Telemetry
 from morse.middleware.mavlink.vehicle import Vehicle
@@ -112,10 +113,12 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         options = self.options
         vehicle = Vehicle(self._dialect, system, self._links[device], options["hil"])
         vehicle.robot, vehicle.kind = body, options["vehicle"]
-        if not options["hil"]:
-            x, y, z = (float(v) for v in body.bge_object.world_pose()[0])
-            world = options["world"]
-            place = Place(self.axes[world], (x, y, z), self.context.scene.properties, _X_AXIS[world])
+        x, y, z = (float(v) for v in body.bge_object.world_pose()[0])
+        world = options["world"]
+        place = Place(self.axes[world], (x, y, z), self.context.scene.properties, _X_AXIS[world])
+        if options["hil"]:
+            vehicle.loop = Loop(vehicle, place)
+        else:
             vehicle.pilot = Autopilot(vehicle, place, self.context)
         self._vehicles[robot, device] = vehicle
         return vehicle
@@ -165,14 +168,14 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
 
     def _keep_step(self) -> None:
         """Wait for the answers of autopilots in the loop to the measurements of the last tick."""
-        late_vehicles = [vehicle for vehicle in self._vehicles.values() if vehicle.is_waiting]
-        if not late_vehicles:
+        loops = [one.loop for one in self._vehicles.values() if one.loop is not None and one.loop.is_waiting]
+        if not loops:
             return
         end = time.monotonic() + _PATIENCE
-        while any(vehicle.is_waiting for vehicle in late_vehicles):
+        while late_loops := [loop for loop in loops if loop.is_waiting]:
             if time.monotonic() > end:
-                for vehicle in late_vehicles:
-                    vehicle.lose_step()
+                for loop in late_loops:
+                    loop.lose_step()
                 return
             time.sleep(_LOOK)
             self._read()
@@ -234,8 +237,8 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
             if at == device and target in (_EVERYBODY, vehicle.system):
                 if vehicle.pilot is not None and vehicle.pilot.take(message):
                     continue
-                if message.get_type() == "HIL_ACTUATOR_CONTROLS":
-                    vehicle.answered(message.flags)
+                if vehicle.loop is not None:
+                    vehicle.loop.take(message)
                 for stream in vehicle.streams if message.get_type() in COMMANDS else ():
                     stream.receive(message)
         return True

@@ -117,14 +117,14 @@ class Telemetry:
             stream.vehicle.sense(abs_pressure=absolute)
         if m.differential is not None:
             stream.vehicle.sense(diff_pressure=differential)
-        if not stream.vehicle.hil:
+        if stream.vehicle.loop is None:
             stream.vehicle.measure("scaled_pressure", boot_ms(m.stamp), absolute, differential, 0)
 
     @maps("temperature")
     def temperature(self, stream: MavlinkStream, m: Message) -> None:
         """SCALED_PRESSURE without a pressure, or a part of HIL_SENSOR."""
         stream.vehicle.sense(temperature=m.temperature)
-        if not stream.vehicle.hil:
+        if stream.vehicle.loop is None:
             centidegrees = _whole(m.temperature * 100.0, -_I16, _I16, 0)
             stream.vehicle.measure("scaled_pressure", boot_ms(m.stamp), _NAN, _NAN, centidegrees)
 
@@ -136,7 +136,7 @@ class Telemetry:
         speed = _U16 if m.velocity is None else _whole(math.hypot(east, north), 0, _U16 - 1, _U16)
         course = _U16 if m.course is None else _whole(m.course * 100.0, 0, 35999, _U16)
         time = m.stamp // 1000
-        if stream.vehicle.hil:
+        if stream.vehicle.loop is not None:
             velocity = (_whole(v, -_I16, _I16, 0) for v in (north, east, -up))
             # PX4 does not use a fix whose accuracy is unknown
             stream.vehicle.measure("hil_gps", time, _FIX_3D, lat, lon, alt, *_ACCURACY, speed, *velocity, course, _SEEN)

@@ -7,6 +7,7 @@ import struct
 from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.clients.complaints import Complaints
+from morse.middleware.mavlink.loop import BITS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.middleware.mavlink.autopilot.place import Place
     from morse.middleware.mavlink.links import Link
+    from morse.middleware.mavlink.loop import Loop
     from morse.middleware.mavlink.messages import MavlinkMessage
     from morse.middleware.mavlink.stream import MavlinkStream
 
@@ -24,21 +26,10 @@ logger = logging.getLogger(__name__)
 _AUTOPILOT = 1
 #: constants of the message HEARTBEAT. MAVSDK and ground stations know the modes of PX4 and ArduPilot only
 _INVALID, _PX4 = 8, 12
-_ACTIVE, _HIL = 4, 32
-_SECOND = 10**9
-#: of HIL_ACTUATOR_CONTROLS
-_LOCKSTEP = 1
-#: International Standard Atmosphere: m, hPa at the sea, exponent
-_STANDARD = (44330.77, 1013.25, 0.190263)
 #: what has no battery does not run out of it
 _NO_BATTERY = (0xFFFF, -1, 100)
 #: number of requested messages that are sent in a tick
 _MOST_REQUESTS = 32
-#: bits of fields_updated
-_BITS = {
-    "xacc": 0, "yacc": 1, "zacc": 2, "xgyro": 3, "ygyro": 4, "zgyro": 5, "xmag": 6, "ymag": 7, "zmag": 8,
-    "abs_pressure": 9, "diff_pressure": 10, "pressure_alt": 11, "temperature": 12,
-}  # fmt: skip
 
 
 class Pilot(Protocol):
@@ -74,10 +65,10 @@ class Vehicle:
     Attributes:
         system: its system id.
         link: where its messages go.
-        hil: whether an autopilot in the loop is the peer.
         robot: the robot; set before the first tick.
         streams: the streams of its actuators.
         pilot: the autopilot; None with an autopilot in the loop.
+        loop: the autopilot in the loop; None if there is none.
         kind: MAV_TYPE.
         autopilot: MAV_AUTOPILOT.
         battery: voltage, mV, current, 0.01 A, and charge, percent, as SYS_STATUS has them.
@@ -89,11 +80,12 @@ class Vehicle:
 
     def __init__(self, dialect: ModuleType, system: int, link: Link, hil: bool) -> None:
         self._dialect = dialect
-        self.system, self.link, self.hil = system, link, hil
+        self.system, self.link = system, link
         #: by the id of the component, each of which counts its messages
         self._senders: dict[int, Any] = {}
         self.streams: list[MavlinkStream] = []
         self.pilot: Pilot | None = None
+        self.loop: Loop | None = None
         self.kind = 0
         self.autopilot = _INVALID if hil else _PX4
         self.battery = _NO_BATTERY
@@ -101,10 +93,6 @@ class Vehicle:
         self.after_tick: list[Callable[[], object]] = []
         self._numbers: dict[str, int] = {}
         self._readings: dict[str, float] = {}
-        self._next_heartbeat = 0
-        self._in_step = False
-        #: whether an autopilot in lockstep has not yet answered the measurements of the last tick
-        self.is_waiting = False
         self._complaints = Complaints(logger)
 
     def number_of(self, name: str) -> int:
@@ -155,24 +143,11 @@ class Vehicle:
         """Add fields to the message that contains all sensors of the tick."""
         self._readings.update(values)
 
-    def answered(self, flags: int) -> None:
-        """An autopilot in the loop has sent controls.
-
-        Args:
-            flags: of the message; the first bit says that the autopilot is in lockstep.
-        """
-        self._in_step, self.is_waiting = bool(flags & _LOCKSTEP), False
-
-    def lose_step(self) -> None:
-        """Do not wait any more, until controls arrive again."""
-        self.complain("lockstep", "the autopilot did not answer a tick; the simulation goes on without it")
-        self._in_step = self.is_waiting = False
-
     def greet(self) -> None:
         """Send the next heartbeat at the end of the tick."""
-        self._next_heartbeat = 0
-        if self.pilot is not None:
-            self.pilot.greet()
+        for one in (self.pilot, self.loop):
+            if one is not None:
+                one.greet()
 
     def tick(self, stamp: int) -> None:
         """The end of a tick: send the sensors of the tick, and what the autopilot reports.
@@ -181,20 +156,13 @@ class Vehicle:
             stamp: simulated time, ns.
         """
         readings, self._readings = self._readings, {}
-        if self.hil and "abs_pressure" in readings:
-            # PX4 takes a pressure only together with its altitude and a temperature
-            altitude = _STANDARD[0] * (1.0 - (max(readings["abs_pressure"], 0.0) / _STANDARD[1]) ** _STANDARD[2])
-            readings = {"pressure_alt": altitude, "temperature": 15.0 - 0.0065 * altitude, **readings}
-        if readings and (self.hil or "xacc" in readings or "xmag" in readings):
-            bits = sum(1 << _BITS[name] for name in readings)
-            values = [readings.get(name, 0.0) for name in _BITS]
-            self.send("hil_sensor" if self.hil else "highres_imu", stamp // 1000, *values, bits)
-        self.is_waiting = bool(readings) and self._in_step
+        if self.loop is not None:
+            self.loop.tick(stamp, readings)
+        elif "xacc" in readings or "xmag" in readings:
+            bits = sum(1 << BITS[name] for name in readings)
+            self.send("highres_imu", stamp // 1000, *(readings.get(name, 0.0) for name in BITS), bits)
         if self.pilot is not None:
             self.pilot.report(stamp)
-        elif stamp >= self._next_heartbeat or stamp < self._next_heartbeat - _SECOND:
-            self._next_heartbeat = stamp + _SECOND
-            self.send("heartbeat", self.kind, self.autopilot, _HIL, 0, _ACTIVE)
         calls, self.after_tick = self.after_tick, []
         for send in calls[:_MOST_REQUESTS]:
             send()
