@@ -153,6 +153,8 @@ def connect(host: str, port: int, timeout: float = TIMEOUT) -> _socket.socket:
     Raises:
         ConnectionError: the message contains the host, the port and the reason.
     """
+    if not (str(port).isascii() and str(port).isdecimal() and 0 < int(port) < 65536):
+        raise ConnectionError(f"there is no port {port!r}: expected a number from 1 to 65535")
     try:
         return _socket.create_connection((host, port), timeout=timeout)
     except _socket.gaierror as error:

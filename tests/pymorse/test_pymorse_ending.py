@@ -288,3 +288,9 @@ def test_other_errors_keep_their_traceback(simulation: ScriptedSimulation) -> No
     )
     _, err = process.communicate(timeout=60)
     assert "of somebody else" in err
+
+
+@pytest.mark.parametrize("port", [-1, 0, 65536, "x"])
+def test_port_that_cannot_exist_is_named(port):
+    with pytest.raises(ConnectionError, match=f"there is no port {port!r}: expected a number from 1 to 65535"):
+        Morse("127.0.0.1", port)

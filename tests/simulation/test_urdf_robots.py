@@ -103,3 +103,33 @@ def test_joints_without_masses_if_the_script_wants_it(rover) -> None:
     sim.step(2)
     assert robot.motors.wheels.get()["left"] == 1.0, "at once, as in MORSE 1.4"
     assert robot.motors.wheels.get_efforts().result() == {}
+
+
+TRANSMISSIONS = "".join(
+    f"<transmission name='{side}'><joint name='{side}'><hardwareInterface>VelocityJointInterface</hardwareInterface>"
+    "</joint></transmission>"
+    for side in ("left", "right")
+)
+
+
+@pytest.mark.parametrize("drive", ["MotionVWDiff", "MotionVW", "MotionXYW"])
+def test_second_drive_is_named_with_the_first_one(tmp_path: Path, caplog, drive):
+    (tmp_path / "rover.urdf").write_text(ROVER.replace("</robot>", TRANSMISSIONS + "</robot>"))
+    script = tmp_path / "scene.py"
+    text = "from morse.builder import *\nrover = Robot('rover.urdf')\n{}\nenv = Environment('empty')\n"
+    script.write_text(text.format(f"rover.append({drive}('drive'))"))
+    with morse.load(script):
+        pass
+    message = next(text for text in caplog.messages if "both set the speed" in text)
+    assert f"'rover.motion' ({script}:2)" in message
+    assert f"'rover.drive' ({script}:3)" in message
+    assert "robot.actuators['motion']" in message
+
+
+def test_one_drive_and_the_keyboard_work_together(tmp_path: Path, caplog):
+    script = tmp_path / "scene.py"
+    drives = "robot = ATRV()\nrobot.append(Keyboard('keys'))\nrobot.append(MotionVW('drive'))\n"
+    script.write_text(f"from morse.builder import *\n{drives}env = Environment('empty')\n")
+    with morse.load(script):
+        pass
+    assert not [text for text in caplog.messages if "both set the speed" in text]

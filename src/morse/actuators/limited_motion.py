@@ -23,6 +23,8 @@ class LimitedMotion(Actuator):
         linear_axes: components of the linear speed.
     """
 
+    commands_speed = True
+
     add_property("_max_v", 0.0, "MaxSpeed", "float", "Largest linear speed; 0: no limit", unit="m/s", low=0.0, high=1e4)
     add_property(
         "_max_a",

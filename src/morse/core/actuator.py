@@ -28,12 +28,14 @@ class Actuator(Object):
         command_end: simulated time at which the present command ends, s; None if it does not end.
         obeys_controls: whether it reads the keys or the gamepad of the live view.
         turns_wheels: whether it drives its robot by the speeds of its wheels; see `morse.core.rows.marks.while_same`.
+        commands_speed: whether it sets the speed of its robot in each tick, also if no command arrives.
     """
 
     robot_parent: Robot
 
     obeys_controls: ClassVar[bool] = False
     turns_wheels: ClassVar[bool] = False
+    commands_speed: ClassVar[bool] = False
     command_end: float | None = None
     #: values of the fields before the first command
     _values_at_first: Mapping[str, object] = MappingProxyType({})

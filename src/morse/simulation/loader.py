@@ -108,7 +108,28 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
             context.components[declaration.name] = component
             (parts.sensors if declaration.kind == "sensor" else parts.actuators).append(component)
             leftovers.add(component)
+    _warn_of_rivals(context, declarations)
     return parts
+
+
+def _warn_of_rivals(context: Context, declarations: Sequence[ComponentDeclaration]) -> None:
+    drives: dict[str, ComponentDeclaration] = {}
+    for declaration in declarations:
+        component = context.components.get(declaration.name)
+        if not isinstance(component, Actuator) or not component.commands_speed:
+            continue
+        rival = drives.setdefault(declaration.robot.name, declaration)
+        if rival is not declaration:
+            mend = (
+                f"use robot.actuators['{rival.name.rpartition('.')[2]}'] of the model file" if rival.is_optional else ""
+            )
+            logger.warning(
+                "%s and %s both set the speed of '%s' in each tick, and work against each other: %s",
+                _where(rival),
+                _where(declaration),
+                declaration.robot.name,
+                mend or "remove one of them",
+            )
 
 
 def _where(declaration: ComponentDeclaration) -> str:
