@@ -62,9 +62,12 @@ def write(folder: Path) -> list[Path]:
 
 
 def without_picture() -> list[str]:
-    """The components and robots for which no picture has been taken yet."""
+    """The components and visible robots for which no picture has been taken yet."""
     names = (name.rpartition("/") for name in page_names())
-    return [name for kind, _, name in names if kind in index_page.KINDS and name != "index" and not pictures.of(name)]
+    others = {"index", *robot_pages.bodiless()}
+    return [
+        name for kind, _, name in names if kind in index_page.KINDS and name not in others and not pictures.of(name)
+    ]
 
 
 def _build(app: Sphinx) -> None:

@@ -47,6 +47,16 @@ def motion_of(builder: type[Robot]) -> str:
     return "MotionVW" if issubclass(builder, GroundRobot) else "Teleport"
 
 
+def bodiless() -> set[str]:
+    """The names of the pages of robots that cannot be seen: no picture shows them."""
+    names = set()
+    for name, builder in robot_classes().items():
+        workspace.reset()
+        if extent(builder().scene_node) is None:
+            names.add(name.lower())
+    return names
+
+
 def _page(name: str, builder: type[Robot]) -> str:
     workspace.reset()
     robot = builder()

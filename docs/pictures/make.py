@@ -113,8 +113,8 @@ def view(journey: Journey) -> None:
         page = studio.page
         page.get_by_role("treeitem", name="pose").click()
         page.locator(".inspector tr.numeric").first.wait_for()
-        for field in ("x", "yaw"):
-            page.locator(".inspector .data th").get_by_text(field, exact=True).press("Enter")
+        # one plot: a second one beside it does not fit next to the log
+        page.locator(".inspector .data th").get_by_text("x", exact=True).press("Enter")
         page.evaluate("document.activeElement.blur()")
         for keys, seconds in ((["ArrowUp"], 1.0), (["ArrowUp", "ArrowLeft"], 3.0), (["ArrowUp"], 0.5)):
             for key in keys:

@@ -41,6 +41,10 @@ _SMALL = 0.4
 _NEAR, _AROUND = 0.35, 2.2
 #: m above the origin of the robot
 _LOWEST = 0.3
+#: smallest size for which the distance of the camera is computed, metres
+_TINY = 0.3
+#: a robot of at most this size is shown whole, metres
+_LARGE = 1.0
 _BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _ENVIRONMENT = "env = Environment('empty')"
 #: objects around the robot, for sensors
@@ -136,13 +140,14 @@ def _view(simulation: Simulation, component: Any) -> dict[str, Any]:
     """A camera that shows the component, or the robot if it has no body, from the front left."""
     robot = next(iter(simulation.context.robots.values()))
     extent = extent_of(robot.bge_object.node) or [0.0, 0.0, 0.0]
-    size = max(1.2, *extent)
+    size = max(_TINY, *extent)
     x, y, z = robot.bge_object.world_pose()[0]
     middle = np.array([x, y, z + 0.35 * extent[2]])
     own = None if component is None else extent_of(component.bge_object.node)
     place = (0.0, 0.0, 0.0) if own is None else component.bge_object.world_pose()[0]
-    # one that is lower is inside of the robot, or below it
-    if own is not None and 0.0 < max(own) < _SMALL * size and place[2] - z > _LOWEST:
+    # one that is lower is inside of the robot, or below it; a small robot is seen with its component in one picture
+    large = size > _LARGE and place[2] - z > _LOWEST
+    if own is not None and large and 0.0 < max(own) < _SMALL * size:
         # a part of the robot shows how large the component is
         middle = np.array(place)
         size = max(_NEAR, _AROUND * max(own))
@@ -207,6 +212,7 @@ def _numbers(data: dict[str, Any]) -> dict[str, float]:
 def main(names: list[str]) -> int:
     """Create the pictures of these components, or those that are missing; return 1 if an example cannot run."""
     failed = 0
+    bodiless = component_library.robot_pages.bodiless()
     pages = {
         **component_library.component_pages.pages("sensors"),
         **component_library.component_pages.pages("actuators"),
@@ -214,7 +220,8 @@ def main(names: list[str]) -> int:
     }
     for page, text in pages.items():
         name = page.rpartition("/")[2]
-        if name not in names if names else component_library.pictures.of(name) or name == "index":
+        # a robot without a body has nothing to show
+        if name in bodiless or (name not in names if names else component_library.pictures.of(name) or name == "index"):
             continue
         try:
             print(*(path.name for path in take(f"/{page}", text)))
