@@ -26,6 +26,9 @@ ERRORS = {
         "class Odd(TypeError):\n    def __str__(self): return 7\nraise Odd()",
         r":5: Odd: \(its message cannot be read\)",
     ),
+    "modifier": ("FakeRobot('x').alter(1.5, 2.5)", r":3: alter\(classpath\) takes a string, got 2.5"),
+    "sensors": ("CompoundSensor(1)", r":3: CompoundSensor\(sensors\) takes a list of sensors, got 1"),
+    "armature": ("Armature({})", r":3: Armature\(name\) takes a string, got {}"),
 }
 
 

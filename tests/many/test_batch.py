@@ -131,6 +131,7 @@ def test_rows_are_numbers_slices_or_masks(many):
         (lambda many: many.place(0, "robot", [1e9, 0, 0]), "within 1e"),
         (lambda many: many.vary("robot"), "mass, friction"),
         (lambda many: many.vary("robot", mass="heavy"), "no array of numbers"),
+        (lambda many: many.vary("robot", mass=10**400), "no array of numbers"),
         (lambda many: many.restore(0, 5), "a state is what save"),
         (lambda many: many.restore(None, [many.save(0)[0], 5, 5]), "a state is what save"),
         (lambda many: many[3], "no row 3"),

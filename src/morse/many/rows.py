@@ -130,5 +130,5 @@ def vectors_of(values: object, rows: Sequence[int], what: str) -> NDArray[np.flo
 def _floats(values: object, what: str) -> NDArray[np.float64]:
     try:
         return np.asarray(values, np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{what}: {values!r:.80} is no array of numbers") from None

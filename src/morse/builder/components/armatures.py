@@ -43,6 +43,9 @@ class Armature(ActuatorCreator):
         self, name: str | None = None, armature_name: str | None = None, model_name: str | None = None
     ) -> None:
         what = type(self).__name__
+        for given, argument in ((name, "name"), (armature_name, "armature_name"), (model_name, "model_name")):
+            if given is not None:
+                checks.text(given, f"{what}({argument})")
         if model_name is not None:
             armature_name = armature_name or self._only_armature(model_name)
             super().__init__(name, self.USE_BLEND, model_name, armature_name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.abstractcomponent import AbstractComponent
@@ -9,8 +10,6 @@ from morse.builder.creator import SensorCreator
 from morse.builder.errors import checks
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from morse.core.values import Options
 
 
@@ -26,6 +25,8 @@ class CompoundSensor(SensorCreator):
             sensors: the other sensors.
         """
         super().__init__(name)
+        if not isinstance(sensors, Iterable):
+            raise TypeError(f"CompoundSensor(sensors) takes a list of sensors, got {checks.shown(sensors)}")
         self.sensors = list(sensors)
         for sensor in self.sensors:
             if not isinstance(sensor, AbstractComponent):

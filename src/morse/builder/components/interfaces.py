@@ -227,6 +227,8 @@ class Interfaces:
             if modifier_name is None:
                 raise TypeError("alter takes the name of a modifier such as 'NED', or the classpath of one")
             classpath = find_modifier(checks.text(modifier_name, "alter(modifier_name)"), self.component_class())
+        else:
+            checks.text(classpath, "alter(classpath)")
         options = modifier_options(classpath, kwargs)
         self._modifiers.append(ModifierDeclaration(classpath, options, frames.source_line(), direction))
 
