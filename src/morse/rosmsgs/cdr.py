@@ -384,22 +384,29 @@ class _Rows:
 
     def _put_column(self, field: MessageField, value: NDArray[np.generic]) -> None:
         dtype = np.dtype("<" + PRIMITIVES[field.type])
-        with np.errstate(all="ignore"):
-            numbers = np.ascontiguousarray(value, dtype=dtype).reshape(self._count, -1)
+        numbers = np.ascontiguousarray(_of_type(dtype, field, value)).reshape(self._count, -1)
         items = numbers.shape[1]
-        if field.size == SINGLE:
-            # as the module struct refuses them
-            exact = np.isfinite(numbers) == np.isfinite(value)[:, None] if dtype.kind == "f" else numbers[:, 0] == value
-            if not exact.all():
-                raise OverflowError(f"field '{field.name}' has a number that does not fit {field.type}")
-        elif field.size == SEQUENCE:
+        if field.size == SEQUENCE:
             _write_count(self._common, items)
-        elif field.size != items:
+        elif field.size not in (SINGLE, items):
             raise ValueError(f"field '{field.name}' has {field.size} items, not {items}")
         if items:
             _align(self._common, dtype.itemsize)
             self._columns.append((len(self._common), numbers.view(np.uint8)))
             self._common += bytes(items * dtype.itemsize)
+
+
+def _of_type(dtype: np.dtype[np.generic], field: MessageField, value: NDArray[np.generic]) -> NDArray[np.generic]:
+    """Numbers of the type of a field; single ones that do not fit it are refused, as by the module struct."""
+    if value.dtype == dtype:  # nothing to convert: true of nearly all columns
+        return value
+    with np.errstate(all="ignore"):
+        numbers = value.astype(dtype)
+    if field.size == SINGLE:
+        exact = np.isfinite(numbers) == np.isfinite(value) if dtype.kind == "f" else numbers == value
+        if not exact.all():
+            raise OverflowError(f"field '{field.name}' has a number that does not fit {field.type}")
+    return numbers
 
 
 # -- reading -----------------------------------------------------------------------------------

@@ -91,9 +91,13 @@ class KeptPoses:
         some = self._rows[:]
         count = bisect_right(some[::_STRIDE], until)
         del self._rows[: _STRIDE * count]
-        columns = (some[k : _STRIDE * count : _STRIDE] for k in range(_STRIDE))
-        for _, group in groupby(zip(*columns, strict=True), key=lambda row: (id(row[1]), len(row[3]))):
-            ticks, worlds, mountings, positions, rotations = zip(*group, strict=True)
-            numbers = np.array(ticks, dtype=np.int64)
+        numbers, *columns = (some[k : _STRIDE * count : _STRIDE] for k in range(_STRIDE))
+        every = np.array(numbers, dtype=np.int64)
+        # compared without a function of Python for each tick: the simulation would wait for it
+        keys = list(zip(map(id, columns[0]), map(len, columns[2]), strict=True))
+        for _, group in groupby(range(count), keys.__getitem__):
+            places = list(group)
+            part = slice(places[0], places[-1] + 1)
+            worlds, mountings, positions, rotations = (column[part] for column in columns)
             poses = PoseRows.of(positions, rotations, mountings)
-            yield from worlds[0].of(numbers, self._clock.stamps_of(numbers), poses)
+            yield from worlds[0].of(every[part], self._clock.stamps_of(every[part]), poses)

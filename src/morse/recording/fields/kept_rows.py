@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from morse.recording.fields.messages import Batch, Line
 
 #: number of values of a row in the flat list
-_STRIDE = 6
+_STRIDE = 5
 #: approximate size of a row without its data, bytes
 _OVERHEAD, _POSE = 600, 96
 
@@ -52,6 +52,7 @@ class _Plan(NamedTuple):
         streams: their streams, and their places among the sensors.
         columns: of their class.
         live: return the values of each of them that do not follow from the fields.
+        rows: what was kept in ticks, one value after the other.
     """
 
     sensors: Sequence[Any]
@@ -59,6 +60,7 @@ class _Plan(NamedTuple):
     streams: Sequence[tuple[RowStream, int]]
     columns: Columns
     live: Sequence[Sequence[Callable[[], Any]]]
+    rows: list[Any]
 
 
 class KeptRows:
@@ -73,8 +75,9 @@ class KeptRows:
         self._context, self._tape = context, tape
         self._streams: dict[Any, RowStream] = {}
         self._plans: WeakKeyDictionary[SensorRows, _Plan | None] = WeakKeyDictionary()
-        # each operation on a list is atomic: the simulation appends, and only the thread of the recording removes
-        self._rows: list[Any] = []
+        #: plans with rows that are not encoded yet, and those in use
+        # each operation on their lists is atomic: the simulation appends, only the thread of the recording removes
+        self._filled: list[_Plan] = []
         context.row_taps.append(self._measured)
         tape.kept.append(self)
 
@@ -102,13 +105,15 @@ class KeptRows:
             if plan is None:
                 return
             self._plans[rows] = plan
+            in_use = set(map(id, self._plans.values()))
+            self._filled = [one for one in [*self._filled, plan] if one.rows or id(one) in in_use]
         keep, arrays = plan.columns.keep, list[Any]()
         size = _OVERHEAD + _POSE * len(plan.sensors)
         if keep is not None:
             arrays = [keep(member.observed) for member in plan.members]
             size += sum([one.nbytes for one in arrays])
         live = [[read() for read in reads] for reads in plan.live]
-        self._rows += (self._context.clock.tick, plan, rows.time, rows.poses, arrays, live)
+        plan.rows.extend((self._context.clock.tick, rows.time, rows.poses, arrays, live))
         self._tape.held += size
 
     def _plan(self, sensors: Sequence[object]) -> _Plan | None:
@@ -119,32 +124,30 @@ class KeptRows:
         assert columns is not None
         lives = [stream.form[1] for stream, _ in streams]
         members = [stream.component_instance for stream, _ in streams]
-        return _Plan(sensors, members, streams, columns, lives if any(lives) else [])
+        return _Plan(sensors, members, streams, columns, lives if any(lives) else [], [])
 
     # -- the thread of the recording ---------------------------------------------------------
 
     def batches(self, until: int, times: Callable[[NDArray[np.int64]], NDArray[np.int64]]) -> Iterator[Batch]:
         """Give the streams what was kept of them; they encode it."""
-        some = self._rows[:]
-        count = _STRIDE * bisect_right(some[::_STRIDE], until)
-        del self._rows[:count]
-        by_plan: dict[int, list[tuple[object, ...]]] = {}
-        for row in zip(*(some[k:count:_STRIDE] for k in range(_STRIDE)), strict=True):
-            by_plan.setdefault(id(row[1]), []).append(row)
-        for each in by_plan.values():
-            self._deal(*zip(*each, strict=True))
+        for plan in self._filled[:]:
+            some = plan.rows[:]
+            count = _STRIDE * bisect_right(some[::_STRIDE], until)
+            if count:
+                del plan.rows[:count]
+                self._deal(plan, *(some[k:count:_STRIDE] for k in range(_STRIDE)))
         return iter(())
 
     @staticmethod
     def _deal(
+        plan: _Plan,
         ticks: Sequence[int],
-        plans: Sequence[_Plan],
         times: Sequence[float],
         poses: Sequence[Any],
         arrays: Sequence[Any],
         lives: Sequence[Any],
     ) -> None:
-        plan, numbers, stamps = plans[0], np.array(ticks, dtype=np.int64), np.array(times)
+        numbers, stamps = np.array(ticks, dtype=np.int64), np.array(times)
         fields = plan.columns.of(poses, arrays)
         for index, (stream, place) in enumerate(plan.streams):
             column = index if plan.columns.keep else place
