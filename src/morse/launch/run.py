@@ -231,9 +231,13 @@ def _follow(simulation: Simulation, options: RunOptions, stamps: Stamps) -> Rere
 
 def _loop(simulation: Simulation, leave: Leave = None) -> int:
     from morse.physics import UnstableError
-    from morse.simulation.ticks.profile_table import LiveProfile
 
-    live = LiveProfile(simulation.profile) if simulation.profile is not None else None
+    live = None
+    if simulation.profile is not None:
+        # rich is needed for the table only: a project may have a file of this name
+        from morse.simulation.ticks.profile_table import LiveProfile
+
+        live = LiveProfile(simulation.profile)
     # present objects live until the end, so they are excluded from garbage collection
     gc.collect()
     gc.freeze()
