@@ -14,7 +14,7 @@ import rclpy
 from rclpy.action import ActionClient
 from simulation_interfaces import srv
 from simulation_interfaces.action import SimulateSteps
-from simulation_interfaces.msg import Result, SimulationState, SimulatorFeatures
+from simulation_interfaces.msg import EntityFilters, EntityInfo, Result, SimulationState, SimulatorFeatures, TagsFilter
 
 _LIMIT = 90.0
 _URDF = (
@@ -59,6 +59,14 @@ def main() -> None:
     said["put"] = call(srv.SetEntityState, entity="third", state=request.state).result.result
     said["place"] = call(srv.GetEntityState, entity="third").state.pose.position.x
     said["kind"] = call(srv.GetEntityInfo, entity="third").info.category.category
+    bounds = call(srv.GetEntityBounds, entity="third").bounds
+    said["size"] = [getattr(bounds.points[0], axis) - getattr(bounds.points[1], axis) for axis in "xyz"]
+    info = EntityInfo(description="mine", tags=["blue"])
+    said["noted"] = call(srv.SetEntityInfo, entity="third", info=info).result.result
+    filters = EntityFilters(tags=TagsFilter(tags=["blue"]), bounds=bounds)
+    said["blue"] = list(call(srv.GetEntities, filters=filters).entities)
+    said["poses"] = [(one.name, one.pose.position.x) for one in call(srv.GetNamedPoses).poses]
+    said["dock"] = [point.x for point in call(srv.GetNamedPoseBounds, name="dock").bounds.points]
     said["deleted"] = call(srv.DeleteEntity, entity="third").result.result
 
     steps = ActionClient(node, SimulateSteps, "/morse/simulate_steps")

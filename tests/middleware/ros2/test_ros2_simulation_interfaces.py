@@ -88,9 +88,9 @@ ALL = {"filter": "", "categories": [], "tags": {"tags": []}, "bounds": {"type": 
 def test_types_and_what_is_advertised(call: Caller) -> None:
     assert call.servers["/morse/spawn_entity"][0] == "simulation_interfaces/srv/SpawnEntity"
     features = call("get_simulator_features")["features"]["features"]
-    # spawning, deleting, state of entities, spawnables, reset, state of the simulation, steps (SimulatorFeatures.msg)
-    assert {0, 1, 8, 9, 10, 11, 12, 14, 20, 24, 25, 26, 31, 32} == set(features)
-    assert {2, 3, 4, 5, 40, 41} & set(features) == set(), "neither named poses, bounds, tags nor worlds"
+    # spawning, deleting, named poses, tags, bounds, entities, spawnables, reset, state, steps (SimulatorFeatures.msg)
+    assert {0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 20, 24, 25, 26, 31, 32} == set(features)
+    assert {7, 40, 41, 42, 43, 44, 45} & set(features) == set(), "neither convex hulls nor worlds"
 
 
 def test_time_is_held_and_stepped(call: Caller) -> None:

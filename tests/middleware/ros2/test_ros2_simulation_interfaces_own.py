@@ -19,6 +19,10 @@ from morse.builder import *
 robot = ATRV()
 robot.append(Pose("pose"))
 robot.add_default_interface("ros2")
+zone = Zone("Charging")
+zone.name = "dock"
+zone.translate(x=3.0)
+zone.size = (1.0, 2.0, 0.5)
 env = Environment("empty", fastmode=True)
 env.add_service("ros2")
 env.configure_stream_manager("ros2", domain_id={domain}, backend="rclpy")
@@ -50,6 +54,10 @@ def test_a_node_spawns_moves_and_steps(tmp_path: Path) -> None:
     assert said["states"]
     assert said["put"] == said["deleted"] == said["paused"] == said["step"] == said["reset"] == OK
     assert said["place"] == pytest.approx(7.0, abs=0.05)
+    assert all(0.19 < length < 0.6 for length in said["size"]), "a box of 0.4 x 0.3 x 0.2 m in any attitude"
+    assert (said["noted"], said["blue"]) == (OK, ["third"])
+    assert said["poses"] == [["dock", 3.0]]
+    assert said["dock"] == [4.0, 2.0]
     assert (said["kind"], said["state"]) == (ROBOT, PAUSED)
     assert said["steps of a running one"] == INCORRECT_STATE
     assert said["steps"] == [SUCCEEDED, OK]

@@ -13,7 +13,10 @@ from typing import TYPE_CHECKING
 from morse.core import status
 from morse.helpers.descriptions import is_description
 from morse.mathutils import Quaternion
+from morse.middleware.ros2.entity_bounds import HULL, bounds, box_of, mistake, overlap
+from morse.middleware.ros2.entity_tags import Notes, chosen
 from morse.middleware.ros2.mapping import NODE
+from morse.middleware.ros2.named_poses import named_poses, pose_bounds
 from morse.middleware.ros2.served import Served
 from morse.middleware.ros2.simulation_steps import action_type
 from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, quaternion, xyz
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
     from morse.core.values import RosMessage
     from morse.middleware.ros2.served import Reply
     from morse.rosmsgs.topics.backend import Backend
+    from morse.scene.node import Node
 
 _UNSUPPORTED, _OK, _NOT_FOUND, _INCORRECT_STATE, _FAILED = 0, 1, 2, 3, 4
 #: constants of SetSimulationState and SpawnEntity
@@ -40,9 +44,10 @@ _ALREADY, _NOT_UNIQUE, _NAME_INVALID, _NO_FORMAT, _NO_RESOURCE, _NO_NAMESPACE, _
     109,
 )
 _STOPPED, _PLAYING, _PAUSED, _QUITTING = 0, 1, 2, 3
-#: spawning, deleting, categories, resource strings, state of entities (get, set), their info, spawnables, reset, state
-#: of the simulation (get, set, pause), steps
-FEATURES = (0, 1, 8, 9, 10, 11, 12, 14, 20, 24, 25, 26, 31, 32)
+#: spawning, deleting, named poses and their bounds, tags, bounds of entities (boxes), categories, resource strings,
+#: state of entities (get, set), their info (get, set), spawnables, reset, state of the simulation (get, set, pause),
+#: steps
+FEATURES = (0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 20, 24, 25, 26, 31, 32)
 #: steps as an action
 _STEPS_ACTION = 33
 #: of resource strings
@@ -70,7 +75,7 @@ class SimulationInterfaces(Served):
     """
 
     def __init__(self, context: Context, backend: Backend, call: Callable[..., object]) -> None:
-        self._context, self._call = context, call
+        self._context, self._call, self._notes = context, call, Notes()
         handlers = {
             "get_simulator_features": ("GetSimulatorFeatures", self._features),
             "get_simulation_state": ("GetSimulationState", self._state),
@@ -82,6 +87,10 @@ class SimulationInterfaces(Served):
             "get_entity_state": ("GetEntityState", self._entity_state),
             "set_entity_state": ("SetEntityState", self._set_entity_state),
             "get_entity_info": ("GetEntityInfo", self._entity_info),
+            "set_entity_info": ("SetEntityInfo", self._set_entity_info),
+            "get_entity_bounds": ("GetEntityBounds", self._entity_bounds),
+            "get_named_poses": ("GetNamedPoses", self._named_poses),
+            "get_named_pose_bounds": ("GetNamedPoseBounds", self._named_pose_bounds),
             "get_spawnables": ("GetSpawnables", self._spawnables),
             "spawn_entity": ("SpawnEntity", self._spawn),
             "delete_entity": ("DeleteEntity", self._delete),
@@ -129,19 +138,45 @@ class SimulationInterfaces(Served):
     # -- entities ----------------------------------------------------------------------------
 
     def _names(self) -> Iterator[str]:
+        return (root.name for root in self._roots())
+
+    def _roots(self) -> Iterator[Node]:
         for root in self._context.scene.roots:
             if root.name in self._context.world.objects_by_name:
-                yield root.name
+                yield root
+
+    def _root(self, name: str, reply: Reply) -> Node | None:
+        """The node of an entity; without one, the call is answered."""
+        for root in self._roots():
+            if root.name == name:
+                return root
+        reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
+        return None
 
     def _chosen(self, request: RosMessage) -> tuple[list[str], RosMessage]:
         filters = request["filters"]
-        pattern = filters["filter"]
         categories = {category["category"] for category in filters["categories"]}
-        names = [name for name in self._names() if not categories or self._category(name) in categories]
-        if len(filters["tags"]["tags"]) or filters["bounds"]["type"]:
-            return [], _result(_UNSUPPORTED, "entities are filtered by their names and categories only")
+        wrong = mistake(filters["bounds"]) if filters["bounds"]["type"] else None
+        if wrong is not None:
+            return [], _result(_UNSUPPORTED if filters["bounds"]["type"] == HULL else _FAILED, wrong)
+        roots, result = self._of_names(filters["filter"])
+        roots = [root for root in roots if not categories or self._info(root)["category"]["category"] in categories]
+        roots = [root for root in roots if chosen(self._info(root)["tags"], filters["tags"])]
+        if filters["bounds"]["type"]:
+            inside, until = [], thread_time() + _LONGEST_SEARCH
+            for root in roots:
+                box = box_of(self._context.world, root)
+                if box is not None and overlap(box, filters["bounds"]):
+                    inside.append(root)
+                if thread_time() > until:
+                    return [], _result(_FAILED, "filters.bounds takes too long: choose entities by their names as well")
+            roots = inside
+        return [root.name for root in roots], result
+
+    def _of_names(self, pattern: str) -> tuple[list[Node], RosMessage]:
+        roots = list(self._roots())
         if not pattern:
-            return names, _result()
+            return roots, _result()
         if len(pattern) > _LONGEST or not _HARMLESS.fullmatch(pattern):
             text = f"a filter has no groups, no + ? {{}} and at most {_MOST_STARS} times *; | is allowed"
             return [], _result(_UNSUPPORTED, text)
@@ -151,9 +186,9 @@ class SimulationInterfaces(Served):
             return [], _result(_FAILED, f"the filter is not a regular expression: {error}")
         # names are chosen by clients as well: some expressions take tens of milliseconds for some names
         matches, until = [], thread_time() + _LONGEST_SEARCH
-        for name in names:
-            if expression.search(name):
-                matches.append(name)
+        for root in roots:
+            if expression.search(root.name):
+                matches.append(root)
             if thread_time() > until:
                 return [], _result(_FAILED, "the filter takes too long: use fewer *")
         return matches, _result()
@@ -173,18 +208,39 @@ class SimulationInterfaces(Served):
         else:
             reply({"result": _result(), "state": self._state_of(name)})
 
-    def _category(self, name: str) -> int:
-        return _ROBOT if name in self._context.robots else _OBJECT
+    def _info(self, root: Node) -> RosMessage:
+        notes = self._notes.of(root)
+        if notes is not None:
+            return notes
+        robot = self._context.robots.get(root.name)
+        text = f"robot, {type(robot).__name__}" if robot is not None else "object"
+        return {"category": {"category": _OBJECT if robot is None else _ROBOT}, "description": text, "tags": []}
 
     def _entity_info(self, request: RosMessage, reply: Reply) -> None:
-        name = request["entity"]
-        if name not in self._names():
-            reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
-            return
-        robot = self._context.robots.get(name)
-        text = f"robot, {type(robot).__name__}" if robot is not None else "object"
-        info = {"category": {"category": self._category(name)}, "description": text, "tags": []}
-        reply({"result": _result(), "info": info})
+        root = self._root(request["entity"], reply)
+        if root is not None:
+            reply({"result": _result(), "info": self._info(root)})
+
+    def _set_entity_info(self, request: RosMessage, reply: Reply) -> None:
+        root = self._root(request["entity"], reply)
+        if root is not None:
+            wrong = self._notes.set(root, request["info"])
+            reply({"result": _result() if wrong is None else _result(_FAILED, wrong)})
+
+    def _entity_bounds(self, request: RosMessage, reply: Reply) -> None:
+        root = self._root(request["entity"], reply)
+        if root is not None:
+            reply({"result": _result(), "bounds": bounds(box_of(self._context.world, root))})
+
+    def _named_poses(self, request: RosMessage, reply: Reply) -> None:
+        reply({"result": _result(), "poses": named_poses(self._context.scene.zones, request["tags"])})
+
+    def _named_pose_bounds(self, request: RosMessage, reply: Reply) -> None:
+        limits = pose_bounds(self._context.scene.zones, request["name"])
+        if limits is None:
+            reply({"result": _result(_NOT_FOUND, f"there is no zone {request['name']!r:.80}")})
+        else:
+            reply({"result": _result(), "bounds": limits})
 
     def _state_of(self, name: str) -> RosMessage:
         body = self._context.world.objects_by_name[name]
