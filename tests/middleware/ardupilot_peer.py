@@ -1,4 +1,4 @@
-"""Reads and writes the socket as the backend for MORSE of ArduPilot's SITL does: its search for keys, axes and lines."""
+"""Reads and writes the socket as ArduPilot's backend for MORSE does: its search for keys, its axes and lines."""
 
 from __future__ import annotations
 

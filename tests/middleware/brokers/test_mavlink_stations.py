@@ -110,3 +110,22 @@ def test_a_vehicle_that_never_had_a_station_does_not_miss_it(station: Callable[.
     assert ground.command(TAKEOFF, NAN, NAN, NAN, NAN, NAN, NAN, NAN) == ACCEPTED
     ground.step(15 * 60)
     assert ground.last("HEARTBEAT").custom_mode == HOLD
+
+
+@pytest.mark.parametrize(("current", "north"), [(2, 10.0), (3, 0.0)])
+def test_an_item_beside_a_mission_is_a_place_to_go_to(station: Callable[..., Any], current: int, north: float) -> None:
+    """As `simple_goto` of DroneKit sends it, and the change of altitude of older ground stations."""
+    ground = station(drone("RotorcraftWaypoint"))
+    home = ground.last("HOME_POSITION")
+    # a degree of latitude is 111.17 km at Zuerich (WGS84)
+    latitude, longitude = home.latitude * 1e-7 + 10.0 / 111_170.0, home.longitude * 1e-7
+    item = (1, 0, 0, 3, 16, current, 0, 0.0, 0.0, 0.0, 0.0, latitude, longitude, 6.0)
+    ground.send("mission_item", *item)
+    assert ground.last("MISSION_ACK").type != ACCEPTED, "it is not armed"
+    assert ground.command(ARM, 1.0) == ACCEPTED
+    assert ground.command(TAKEOFF, NAN, NAN, NAN, NAN, NAN, NAN, NAN) == ACCEPTED
+    ground.until(lambda: ground.last("EXTENDED_SYS_STATE").landed_state == 2)
+    ground.send("mission_item", *item)
+    assert ground.last("MISSION_ACK").type == ACCEPTED
+    ground.until(lambda: math.dist(place(ground), (north, 0.0, -6.0)) < 1.0)
+    assert ground.last("HEARTBEAT").custom_mode == HOLD

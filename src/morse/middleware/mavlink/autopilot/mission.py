@@ -11,6 +11,7 @@ from morse.middleware.mavlink.autopilot.items import (
     CONDITION_DELAY,
     CONDITION_YAW,
     DELAY,
+    DENIED,
     HOME,
     JUMP,
     LAND,
@@ -89,6 +90,16 @@ class Mission:
         self._enter()
         self.tell()
         return True
+
+    def go_to(self, item: Item, *, only_height: bool) -> int:
+        """Go to the place of an item at once, or to its height, and stay there; MAV_MISSION_RESULT."""
+        flight = self._flight
+        x, y, z = flight.destination(item)
+        goal = (*flight.now.position[:2], z) if only_height else (x, y, z)
+        if flight.helm is None or not flight.is_armed or item.command != WAYPOINT or flight.failsafe.is_outside(goal):
+            return DENIED
+        flight.go(goal)
+        return ACCEPTED
 
     @property
     def state(self) -> int:

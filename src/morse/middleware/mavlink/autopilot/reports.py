@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from morse.core.kinds.turning import quaternion_of
 from morse.mathutils.rotations import turn_back
+from morse.middleware.mavlink.autopilot.fence import NO_BREACH
 from morse.middleware.mavlink.telemetry import boot_ms
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ _LOCAL_NED, _BODY_FRD, _ESTIMATOR_MOCAP = 1, 12, 7
 #: MAV_SYS_STATUS_SENSOR: inertial, magnetic, pressure, satellites; controls of rates, attitude, yaw, height, position;
 #: motors, estimator, battery; may be armed
 _SENSORS = 0b101111 | 0b111111 << 10 | 1 << 21 | 1 << 25 | 1 << 28
+_FENCE = 1 << 20
 #: MAV_PROTOCOL_CAPABILITY: float missions, whole numbers in missions, commands with whole numbers, bytes of parameters,
 #: files, attitudes, positions in the local frame and on the earth, MAVLink 2, fences
 _CAPABILITIES = 1 | 4 | 8 | 16 | 32 | 64 | 128 | 256 | 8192 | 16384
@@ -106,7 +108,9 @@ class Reports:
 
     def _sys_status(self) -> None:
         volts, current, left = self._vehicle.battery
-        self._vehicle.send("sys_status", *[_SENSORS] * 3, 0, volts, current, left, 0, 0, 0, 0, 0, 0)
+        is_fenced, is_inside = bool(self._flight.fence.items), self._flight.failsafe.breach == NO_BREACH
+        bits = _SENSORS | _FENCE, _SENSORS | _FENCE * is_fenced, _SENSORS | _FENCE * is_inside
+        self._vehicle.send("sys_status", *bits, 0, volts, current, left, 0, 0, 0, 0, 0, 0)
 
     def _extended_sys_state(self) -> None:
         self._vehicle.send("extended_sys_state", 0, self._flight.landed)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 #: MAV_MISSION_TYPE
 MISSION, FENCE, _ALL = 0, 1, 255
 _MOST_ITEMS = 5000
+#: ``current`` of an item that is no part of a mission, as ArduPilot reads it: go there at once, or to its height
+_GO, _CLIMB = 2, 3
 #: simulated time, ns: an item that is late is asked for again; an upload without items ends
 _AGAIN, _GIVEN_UP = 500_000_000, 5 * 10**9
 
@@ -40,6 +42,8 @@ class Transfers:
         self._vehicle, self._mission = vehicle, mission
         self._plans: Mapping[int, Mission | Fence] = {MISSION: mission, FENCE: fence}
         self._upload: _Upload | None = None
+        #: the last upload that has ended well: sender, type, count
+        self._ended: tuple[tuple[int, int], int, int] | None = None
         self._stamp = 0
 
     def take(self, message: MavlinkMessage) -> None:
@@ -63,7 +67,7 @@ class Transfers:
         elif kind in ("MISSION_REQUEST_INT", "MISSION_REQUEST") and plan is not None:
             self._send_item(sender, message, plan, type_)
         elif kind == "MISSION_CLEAR_ALL":
-            self._upload = None
+            self._upload = self._ended = None
             for one in self._plans.values() if plan is None else (plan,):
                 one.replace([])
             self._acknowledge(sender, items.ACCEPTED, type_)
@@ -91,6 +95,7 @@ class Transfers:
         self._vehicle.send("mission_ack", *sender, result, type_)
 
     def _begin(self, sender: tuple[int, int], type_: int, count: int) -> None:
+        self._ended = None
         if self._upload is not None and self._upload.sender != sender:
             self._acknowledge(sender, items.DENIED, type_)
         elif count > _MOST_ITEMS:
@@ -109,10 +114,17 @@ class Transfers:
 
     def _item(self, sender: tuple[int, int], message: MavlinkMessage) -> None:
         upload = self._upload
+        if message.current in (_GO, _CLIMB):
+            self._acknowledge(sender, self._go_to(message), MISSION)
+            return
+        type_ = getattr(message, "mission_type", MISSION)
         if upload is None:
-            return  # the repetition of the last item, or what is late
-        if upload.sender != sender or upload.type != getattr(message, "mission_type", MISSION):
-            self._acknowledge(sender, items.DENIED, getattr(message, "mission_type", MISSION))
+            if (sender, type_, message.seq + 1) == self._ended:
+                # the sender repeats the last item: the answer was lost
+                self._acknowledge(sender, items.ACCEPTED, type_)
+            return
+        if upload.sender != sender or upload.type != type_:
+            self._acknowledge(sender, items.DENIED, type_)
             return
         upload.heard = self._stamp
         if message.seq != len(upload.items):
@@ -129,9 +141,15 @@ class Transfers:
         if len(upload.items) < upload.count:
             self._ask(upload)
             return
-        self._upload = None
+        self._upload, self._ended = None, (sender, upload.type, upload.count)
         self._acknowledge(sender, plan.replace(upload.items), upload.type)
         self._mission.tell()
+
+    def _go_to(self, message: MavlinkMessage) -> int:
+        item = self._mission.item_of(message)
+        if not isinstance(item, Item):
+            return item
+        return self._mission.go_to(item, only_height=message.current == _CLIMB)
 
     def _send_item(self, sender: tuple[int, int], message: MavlinkMessage, plan: Mission | Fence, type_: int) -> None:
         if not 0 <= message.seq < len(plan.items):
