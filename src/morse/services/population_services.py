@@ -27,6 +27,9 @@ class Population(Protocol):
     def kinds(self) -> dict[str, str]:
         """Robots and models by name, each with a sentence."""
 
+    def environments(self) -> list[str]:
+        """Environments by name."""
+
 
 class Populated(Protocol):
     """The part of a simulation that the services need."""
@@ -95,6 +98,11 @@ class PopulationServices(AbstractObject):
         Models are those in the folders of the project, of ``MORSE_RESOURCE_PATH`` and of MORSE.
         """
         return self._simulation.population.kinds()
+
+    @service(changes=False)
+    def list_environments(self) -> list[str]:
+        """The environments of MORSE and of the project by name, as scene scripts have them."""
+        return self._simulation.population.environments()
 
     @service
     def restart_robot(self, name: str, seed: int | None = None) -> None:

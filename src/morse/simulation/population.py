@@ -144,6 +144,11 @@ class Population:
             self._kinds = {**robots, **dict.fromkeys(models, "model")}
         return self._kinds
 
+    def environments(self) -> list[str]:
+        """The environments of MORSE and of the project by name."""
+        with project_dirs(self._simulation.scene.resource_paths):
+            return available("environments")
+
     def restart(self, name: str, seed: int | None) -> None:
         """Restart one robot: pose, parts and components as after the launch; the others go on.
 

@@ -43,6 +43,9 @@ class Populated(Holder, Protocol):
     def kinds(self) -> dict[str, str]:
         """See `morse.simulation.population.Population.kinds`."""
 
+    def environments(self) -> list[str]:
+        """See `morse.simulation.population.Population.environments`."""
+
     def restart(self, name: str, seed: int | None) -> None:
         """Restart one robot."""
 

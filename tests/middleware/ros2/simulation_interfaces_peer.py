@@ -67,6 +67,8 @@ def main() -> None:
     said["blue"] = list(call(srv.GetEntities, filters=filters).entities)
     said["poses"] = [(one.name, one.pose.position.x) for one in call(srv.GetNamedPoses).poses]
     said["dock"] = [point.x for point in call(srv.GetNamedPoseBounds, name="dock").bounds.points]
+    said["world"] = call(srv.GetCurrentWorld).world.name
+    said["worlds"] = [one.world_resource.uri for one in call(srv.GetAvailableWorlds).worlds]
     said["deleted"] = call(srv.DeleteEntity, entity="third").result.result
 
     steps = ActionClient(node, SimulateSteps, "/morse/simulate_steps")

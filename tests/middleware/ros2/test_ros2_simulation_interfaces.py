@@ -89,8 +89,8 @@ def test_types_and_what_is_advertised(call: Caller) -> None:
     assert call.servers["/morse/spawn_entity"][0] == "simulation_interfaces/srv/SpawnEntity"
     features = call("get_simulator_features")["features"]["features"]
     # spawning, deleting, named poses, tags, bounds, entities, spawnables, reset, state, steps (SimulatorFeatures.msg)
-    assert {0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 20, 24, 25, 26, 31, 32} == set(features)
-    assert {7, 40, 41, 42, 43, 44, 45} & set(features) == set(), "neither convex hulls nor worlds"
+    assert {0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 20, 24, 25, 26, 31, 32, 44, 45} == set(features)
+    assert {7, 40, 41, 42, 43} & set(features) == set(), "neither convex hulls, nor loading of worlds"
 
 
 def test_time_is_held_and_stepped(call: Caller) -> None:
@@ -144,6 +144,16 @@ def test_the_resource_of_version_2(call: Caller) -> None:
     resource = {"uri": request.pop("uri"), "resource_string": request.pop("resource_string")}
     answer = call("spawn_entity", **request, entity_resource=resource)
     assert (answer["result"]["result"], answer["entity_name"]) == (OK, "second")
+
+
+def test_worlds_have_the_names_of_scene_scripts(call: Caller) -> None:
+    assert call("get_current_world")["world"]["name"] == "empty"
+    every = {"additional_sources": [], "filter": {"tags": [], "filter_mode": 0}}
+    worlds = call("get_available_worlds", **every)["worlds"]
+    assert {"empty", "sandbox", "indoors-1/indoor-1", "outdoors"} <= {world["name"] for world in worlds}
+    assert all(world["world_resource"]["uri"] == world["name"] for world in worlds)
+    assert call("get_available_worlds", **{**every, "additional_sources": ["file:///etc"]})["result"]["result"] != OK
+    assert call("get_available_worlds", **{**every, "filter": {"tags": ["wet"], "filter_mode": 0}})["worlds"] == []
 
 
 def test_a_robot_that_comes_has_its_topics(call: Caller) -> None:

@@ -59,6 +59,8 @@ def test_a_node_spawns_moves_and_steps(tmp_path: Path) -> None:
     assert said["poses"] == [["dock", 3.0]]
     assert said["dock"] == [4.0, 2.0]
     assert (said["kind"], said["state"]) == (ROBOT, PAUSED)
+    assert said["world"] == "empty"
+    assert {"empty", "sandbox"} <= set(said["worlds"])
     assert said["steps of a running one"] == INCORRECT_STATE
     assert said["steps"] == [SUCCEEDED, OK]
     assert said["seconds"] == pytest.approx(2.0, abs=1e-6)

@@ -27,10 +27,13 @@ class Served:
 
     def __init__(self, backend: Backend, handlers: Mapping[str, tuple[str, Handler]]) -> None:
         self._servers: list[tuple[ServiceServer, Handler]] = []
+        #: of the services that are offered
+        self.names: list[str] = []
         for name, (kind, handler) in handlers.items():
             server = backend.service(name, kind)
             if server is not None:
                 self._servers.append((server, handler))
+                self.names.append(name)
 
     def serve(self, is_used: Callable[[], bool] = lambda: False) -> bool:
         """Answer the received calls.

@@ -48,6 +48,8 @@ _STOPPED, _PLAYING, _PAUSED, _QUITTING = 0, 1, 2, 3
 #: state of entities (get, set), their info (get, set), spawnables, reset, state of the simulation (get, set, pause),
 #: steps
 FEATURES = (0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 20, 24, 25, 26, 31, 32)
+#: services of newer versions of the package, and their features: the present world, the available ones
+_NEWER = {"get_current_world": 44, "get_available_worlds": 45}
 #: steps as an action
 _STEPS_ACTION = 33
 #: of resource strings
@@ -91,6 +93,8 @@ class SimulationInterfaces(Served):
             "get_entity_bounds": ("GetEntityBounds", self._entity_bounds),
             "get_named_poses": ("GetNamedPoses", self._named_poses),
             "get_named_pose_bounds": ("GetNamedPoseBounds", self._named_pose_bounds),
+            "get_current_world": ("GetCurrentWorld", self._world),
+            "get_available_worlds": ("GetAvailableWorlds", self._worlds),
             "get_spawnables": ("GetSpawnables", self._spawnables),
             "spawn_entity": ("SpawnEntity", self._spawn),
             "delete_entity": ("DeleteEntity", self._delete),
@@ -102,7 +106,8 @@ class SimulationInterfaces(Served):
 
     def _features(self, request: RosMessage, reply: Reply) -> None:
         info = "MORSE: entities are robots (ATRV) and models (props/crates) by name, or described by a text"
-        features = [*FEATURES, *([_STEPS_ACTION] if action_type() is not None else [])]
+        newer = [number for name, number in _NEWER.items() if f"/{NODE}/{name}" in self.names]
+        features = [*FEATURES, *newer, *([_STEPS_ACTION] if action_type() is not None else [])]
         reply({"features": {"features": features, "spawn_formats": list(_FORMATS), "custom_info": info}})
 
     def _state(self, request: RosMessage, reply: Reply) -> None:
@@ -268,6 +273,26 @@ class SimulationInterfaces(Served):
             arguments = [name, from_xyz(pose["position"]), _turn(pose)]
             self._call("simulation", "set_object_pose", arguments, _then(reply))
 
+    # -- worlds ------------------------------------------------------------------------------
+
+    def _world(self, request: RosMessage, reply: Reply) -> None:
+        reply({"result": _result(), "world": _resource(self._context.scene.environment)})
+
+    def _worlds(self, request: RosMessage, reply: Reply) -> None:
+        def ended(outcome: Outcome) -> None:
+            state, names = outcome
+            if state == status.SUCCESS:
+                reply({"result": _result(), "worlds": [_resource(name) for name in names]})
+            else:
+                reply({"result": _result(_FAILED, str(names or state))})
+
+        if len(request["additional_sources"]):
+            reply({"result": _result(_FAILED, "worlds come from MORSE and from the project: sources are empty")})
+        elif len(request["filter"]["tags"]):
+            reply({"result": _result(), "worlds": []})  # they have no tags
+        else:
+            self._call("simulation", "list_environments", [], ended)
+
     # -- spawning and deleting ---------------------------------------------------------------
 
     def _spawnables(self, request: RosMessage, reply: Reply) -> None:
@@ -328,6 +353,16 @@ class SimulationInterfaces(Served):
             reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
         else:
             self._call("simulation", "delete", [name], _then(reply))
+
+
+def _resource(name: str) -> RosMessage:
+    """WorldResource of an environment."""
+    return {
+        "name": name,
+        "world_resource": {"uri": name, "resource_string": ""},
+        "description": f"environment of MORSE: Environment({name!r})",
+        "tags": [],
+    }
 
 
 def _result(code: int = _OK, text: str = "") -> RosMessage:
