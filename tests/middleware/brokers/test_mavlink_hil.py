@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import socket
 import threading
+import time
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -164,3 +165,19 @@ def test_a_quadrotor_is_flown_by_what_hil_messages_say(tmp_path: Path, monkeypat
     assert math.hypot(*truth.attitude_quaternion) == pytest.approx(1.0, abs=1e-5)
     acks = [one for one in pilot.others if one.get_type() == "COMMAND_ACK"]
     assert [(one.command, one.result) for one in acks] == [(511, 0)]
+
+
+def test_a_motor_without_control_stops(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    port = free_port()
+    (tmp_path / "scene.py").write_text(SCENE.format(port=port))
+    with morse.load(tmp_path / "scene.py", sockets=True) as sim:
+        mav = common.MAVLink(None, srcSystem=1, srcComponent=1)
+        motors = sim.context.component("robot.motors").local_data
+        with socket.create_connection(("127.0.0.1", port)) as other:
+            for control, speed in ((0.5, 400.0), (math.nan, 0.0)):
+                other.sendall(mav.hil_actuator_controls_encode(0, [control] * 16, 129, 0).pack(mav))
+                end = time.monotonic() + 60.0
+                while motors["engines"] != [speed] * 4:
+                    assert time.monotonic() < end
+                    sim.step()

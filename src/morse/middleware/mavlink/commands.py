@@ -66,7 +66,8 @@ class CommandKinds:
         (name, field) = next((n, f) for n, f in fields_of(stream.component_instance).items() if n not in bound.rest)
         full = stream.kwargs["full"] or field.high or 1.0
         count = len(stream.data[name])
-        return {"values": [value * full for value in message.controls[:count]]}
+        # a motor for which there is no control stops
+        return {"values": [0.0 if math.isnan(value) else value * full for value in message.controls[:count]]}
 
     @maps("fix", direction="IN")
     def take_fix(self, stream: MavlinkStream, bound: BoundKind, message: MavlinkMessage) -> Fields | None:
