@@ -20,13 +20,14 @@ exclude_patterns = ["_build", "_site", "measured"]
 templates_path = ["_templates"]
 myst_enable_extensions = ["attrs_inline", "deflist", "fieldlist"]
 myst_heading_anchors = 3
-# links to source files are for readers of the repository
+# links to pages outside of this folder are for readers of the repository, and plain text here
 suppress_warnings = ["myst.xref_missing", "ref.python"]
 
 html_theme = "furo"
 html_static_path = ["_static"]
 html_css_files = ["style.css"]
 html_title = "MORSE"
+html_favicon = "../viewer/src/ui/icon.svg"
 html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#1f7a70", "color-brand-content": "#b4560f"},
     "dark_css_variables": {"color-brand-primary": "#7fd1c4", "color-brand-content": "#f0b673"},

@@ -49,7 +49,7 @@ def address(tmp_path: Path) -> Iterator[str]:
         folder.mkdir(parents=True)
         for name in ("index", "sweeps"):
             if (version, name) != ("2.0.9", "sweeps"):
-                sidebar = template.render(release=version, pagename=name, file_suffix=".html")
+                sidebar = template.render(site=True, release=version, pagename=name, file_suffix=".html")
                 (folder / f"{name}.html").write_text(_PAGE.format(version, name, sidebar), encoding="utf-8")
     site.update(tmp_path / "morse")
     server = ThreadingHTTPServer(("127.0.0.1", 0), partial(_Pages, directory=str(tmp_path)))

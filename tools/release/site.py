@@ -30,7 +30,8 @@ def main(site: Path) -> int:
     pages = site / __version__
     shutil.rmtree(pages, ignore_errors=True)
     with tempfile.TemporaryDirectory() as trees:
-        command = [sys.executable, "-m", "sphinx", "-q", "-W", "-d", trees, str(ROOT / "docs"), str(pages)]
+        options = ["-q", "-W", "-A", "site=1", "-d", trees]
+        command = [sys.executable, "-m", "sphinx", *options, str(ROOT / "docs"), str(pages)]
         if steps.run("docs", command, ROOT) is None:
             return 1
     update(site)
