@@ -70,9 +70,11 @@ def find_folder_near(name: str, model: Path) -> Path:
 
 def _find(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
     is_package = name.startswith(("package://", "model://"))
-    elsewhere = None
+    elsewhere = other_kind = None
     for candidate, own in chain(_candidates(name, model), _in_other_capitals(_candidates(name, model))):
         if not exists(candidate):
+            if other_kind is None and exists is os.path.isfile and os.path.exists(candidate):
+                other_kind = candidate
             continue
         real = Path(os.path.realpath(candidate))
         if any(real.is_relative_to(os.path.realpath(folder)) for folder in (*own, *_folders(model))):
@@ -83,6 +85,8 @@ def _find(name: str, model: Path, exists: Callable[[Path], bool]) -> Path:
             f"it is at {elsewhere}, outside of the package of the model; "
             "to allow it, add the folder to MORSE_RESOURCE_PATH"
         )
+    if other_kind is not None:
+        raise FileRefusedError("it is a folder" if other_kind.is_dir() else "it is not a regular file")
     path = "GZ_SIM_RESOURCE_PATH" if name.startswith("model://") else "ROS_PACKAGE_PATH"
     hint = f"; add more folders with {path}" if is_package else ""
     raise FileRefusedError(f"the file does not exist{hint}")

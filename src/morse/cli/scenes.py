@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _DEFAULT_SCENE = "default.py"
 _SCENE_SUFFIXES = (".py", ".blend")
+_RECORDING = ".mcap"
 _OF_PYTEST = re.compile(r"conftest\.py|test_.*\.py|.*_test\.py")
 
 
@@ -84,6 +85,8 @@ def resolve(words: Sequence[str]) -> ResolvedScene:
         return _scene_of_environment(path, first, rest)
     if not path.is_file():
         raise _unknown_scene(first, path, sites)
+    if path.suffix == _RECORDING:
+        raise CommandError(f"'{first}' is a recording, not a scene. Show it with: morse replay {first}", status=2)
     return ResolvedScene(path, rest, _project_of(path, sites))
 
 

@@ -62,6 +62,9 @@ def read_meshes(path: str | Path) -> Library:
         raise AssetError(path, "it is nested too deeply") from None
     except MemoryError:
         raise AssetError(path, "it needs more memory than is available") from None
+    except IndexError as error:
+        mistake = f"{error!s:.200}"
+        raise AssetError(path, f"it refers to a vertex or another element that it does not have: {mistake}") from error
     except Exception as error:  # trimesh may raise any exception for a damaged file
         what = f" ({', '.join(below.refused[:3])} cannot be read)" if below.refused else ""
         raise AssetError(path, f"it cannot be read{what}: {type(error).__name__}: {error!s:.200}") from error

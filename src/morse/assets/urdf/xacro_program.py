@@ -40,6 +40,8 @@ def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
     limit(path, packages)
     try:
         document = xacro.process_file(str(path), mappings=arguments)
+    except RecursionError:
+        return {"error": "xacro cannot expand it: a file or a macro contains itself, or it is nested too deeply"}
     except Exception as error:  # the expressions of the file raise anything
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         return {"error": refusals[0] if refusals else f"xacro cannot expand it: {reason:.300}"}

@@ -64,7 +64,14 @@ class Fields:
         return entries
 
     def records(self) -> Iterator[tuple[int, memoryview]]:
-        """The records in these bytes: opcode and content."""
+        """The records in these bytes: opcode and content.
+
+        Raises:
+            RecordingError: they are damaged.
+        """
         while self.left:
             opcode, size = self.numbers("<BQ")
+            if not opcode:
+                # many zeros take few bytes in a file, and would be millions of empty records
+                raise RecordingError(f"{self._what} is damaged: no record has the opcode 0")
             yield opcode, self.bytes(size)
