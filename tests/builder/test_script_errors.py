@@ -176,6 +176,15 @@ def test_mistakes_inside_libraries_are_told_by_the_users_line(load: Load) -> Non
     assert "JSONDecodeError" in error.report()
 
 
+def test_a_client_is_not_a_scene(load: Load) -> None:
+    # nobody listens on port 1
+    error = failure(load, HEAD + "from pymorse import Morse\nwith Morse('127.0.0.1', 1) as simu:\n    pass\n")
+    assert error.where is not None
+    assert error.where.line == 3
+    assert "start it with python3" in error.mend
+    assert "pymorse.py" not in error.report()
+
+
 def test_broken_component_class(load: Load, project: Path) -> None:
     (project / "sonars" / "sonar.py").write_text("import no_such_library\n")
     error = failure(

@@ -12,6 +12,7 @@ import typer.core
 import typer.main
 
 from morse.cli.messages import CommandError, complain, nearest
+from morse.cli.rejections import explain
 from morse.version import __version__
 
 if TYPE_CHECKING:
@@ -87,6 +88,8 @@ class _Commands(typer.core.TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if args and args[0] not in _MODULES and not args[0].startswith("-"):
+            if args[0] == "help":
+                raise CommandError("Help: `morse -h`, and `morse COMMAND -h`.", status=2)
             names = ", ".join(_MODULES)
             raise CommandError(
                 f"There is no command '{args[0]}'.{nearest(args[0], _MODULES)} The commands are: {names}.", status=2
@@ -148,7 +151,11 @@ def execute(arguments: Sequence[str]) -> int:
         return error.status
     except typer.TyperException as error:
         # options and arguments that the parser rejects
-        complain(f"{error.format_message()} (`{_help_line(error)}` lists all options.)")
+        name = next((word for word in arguments if not word.startswith("-")), "")
+        group: Any = typer.main.get_command(app)
+        parser = group.get_command(None, name) if name in _MODULES else group
+        line = f"morse {name} -h" if name in _MODULES else "morse -h"
+        complain(f"{explain(error, arguments, parser)} (`{line}` lists all options.)")
         return error.exit_code
     except (typer.Abort, KeyboardInterrupt):
         complain("Interrupted.")
@@ -157,8 +164,3 @@ def execute(arguments: Sequence[str]) -> int:
         complain(f"{error.strerror or error}: {error.filename or ''}".rstrip(": "))
         return 1
     return status if isinstance(status, int) else 0
-
-
-def _help_line(error: typer.TyperException) -> str:
-    context = getattr(error, "ctx", None)
-    return f"{context.command_path if context is not None else 'morse'} -h"

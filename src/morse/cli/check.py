@@ -17,7 +17,7 @@ from morse.cli.check_component import check_components
 from morse.cli.check_model import check_model
 from morse.cli.check_scene import check_scene
 from morse.cli.findings import Finding, findings
-from morse.cli.messages import CommandError, nearest, say
+from morse.cli.messages import CommandError, existing_file, nearest, say
 from morse.cli.sites import Sites
 from morse.middleware import registry
 from morse.version import __version__
@@ -108,9 +108,7 @@ def _model(name: str) -> Path | None:
         return model_file(path) if (path / CONFIG).is_file() else None
     if path.suffix.lower() not in suffixes():
         return None
-    if not path.is_file():
-        raise CommandError(f"There is no file {path}.", status=2)
-    return path
+    return existing_file(path, status=2)
 
 
 def _table(results: list[Finding]) -> Table:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from morse.cli.messages import CommandError, say
+from morse.cli.messages import CommandError, say, sentence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,7 +41,7 @@ def check_components(names: Sequence[str], robot: str | None) -> int:
         try:
             reports = check_component(name, robot)
         except SubjectError as error:
-            raise CommandError(f"{error}.") from None
+            raise CommandError(sentence(error)) from None
         for report in reports:
             _print(report)
             success &= report.passed

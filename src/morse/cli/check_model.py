@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from morse.cli.messages import CommandError, say
+from morse.cli.messages import CommandError, say, sentence
 from morse.scene.armature import JointKind
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def check_model(path: Path, picture: Path | None = None) -> int:
     try:
         library = reader_of(path)(path)
     except (ValueError, OSError) as error:
-        raise CommandError(f"{error}.") from None
+        raise CommandError(sentence(error)) from None
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     for name, content in _rows(library):
         table.add_row(name, Text(content, overflow="fold"))

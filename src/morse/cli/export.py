@@ -11,7 +11,7 @@ import typer
 from morse.cli.filming import Filmed, check_span
 from morse.cli.filming import film as write_film
 from morse.cli.foxglove_layout import write_layout
-from morse.cli.messages import CommandError, say
+from morse.cli.messages import CommandError, existing_file, say
 from morse.cli.paging import page as write_page
 from morse.cli.sites import registered
 from morse.cli.viewing import place_of, size_of
@@ -104,6 +104,7 @@ def command(
         raise CommandError("Give --csv or --parquet for tables, --mcap, --film, --html or --foxglove-layout.", 2)
     if foxglove_layout:
         return write_layout(file, Path(output or f"{Path(file).stem}-layout.json"))
+    existing_file(file)
     if html is not None:
         check_span(begin, length)
         return _again(

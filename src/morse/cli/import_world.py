@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from morse.cli.messages import CommandError, say
+from morse.cli.messages import CommandError, existing_file, say, sentence
 
 
 def command(
@@ -19,13 +19,11 @@ def command(
     # imported on demand, because it loads numpy
     from morse.assets.sdf.script import scene_script
 
-    path, target = Path(world).expanduser().absolute(), Path(output).absolute()
-    if not path.is_file():
-        raise CommandError(f"{path} does not exist.", status=2)
+    path, target = existing_file(world, status=2).absolute(), Path(output).absolute()
     if target.exists() and not force:
         raise CommandError(f"{target} exists. Replace it with -f, or name another file with -o.", status=2)
     try:
         target.write_text(scene_script(path, target.parent), encoding="utf-8")
     except (ValueError, OSError) as error:
-        raise CommandError(f"{error}.") from None
+        raise CommandError(sentence(error)) from None
     say(f"Wrote {target}. Start it with: morse run {output}")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
@@ -37,6 +39,27 @@ def warn(message: str) -> None:
 def complain(message: str) -> None:
     """Print the reason why a command failed on the standard error."""
     typer.echo(f"* {message}", err=True)
+
+
+def sentence(error: object) -> str:
+    """The text of an error with a full stop at its end, or with its question mark."""
+    text = str(error)
+    return text if text.endswith(("?", ".", "!")) else f"{text}."
+
+
+def existing_file(name: str | os.PathLike[str], status: int = 1) -> Path:
+    """The path of a file that a command reads.
+
+    Raises:
+        CommandError: it does not exist, or is a folder.
+    """
+    path = Path(name).expanduser()
+    if path.is_dir():
+        raise CommandError(f"{name} is a folder, not a file.", status)
+    if not path.is_file():
+        beside = os.listdir(path.parent) if path.parent.is_dir() else []
+        raise CommandError(f"There is no file {name}.{nearest(path.name, beside)}", status)
+    return path
 
 
 def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from morse.cli.messages import CommandError, complain, say
+from morse.cli.messages import CommandError, complain, existing_file, say
 from morse.cli.sites import registered
 from morse.core.reports import log
 
@@ -52,6 +52,7 @@ def command(
     """
     if record is not None and not resimulate:
         raise CommandError("--record belongs to --resimulate: it records the new simulation of the run.", 2)
+    existing_file(file)
     work = _resimulate if resimulate else _play
     return work(file, scene or "", record, trust, view_port, browser)
 

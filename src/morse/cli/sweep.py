@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from morse.cli.messages import CommandError, complain, say
+from morse.cli.messages import CommandError, complain, existing_file, say
 
 if TYPE_CHECKING:
     from morse.many import Study, Table
@@ -85,9 +85,7 @@ def _study_of(file: str, name: str | None) -> Study:
     from morse.many import Study
     from morse.many.sources import imported
 
-    path = Path(file).resolve()
-    if not path.is_file():
-        raise CommandError(f"There is no file {file}.", 2)
+    path = existing_file(file, status=2).resolve()
     try:
         module = imported(str(path))
     except Exception as error:

@@ -8,8 +8,8 @@ const HIT = new PointsMaterial({ color: 0xff5a2a, size: 4, sizeAttenuation: fals
 /** The points of a cloud are many and dense. */
 const POINT = new PointsMaterial({ color: 0xff5a2a, size: 2, sizeAttenuation: false, toneMapped: false });
 
-/** Opacity of rays. */
-const OPAQUE = 0.3;
+/** Opacity of rays: few are seen on every ground, many do not hide the world. */
+const opacity = (count: number): number => Math.min(0.85, Math.max(0.3, 6 / Math.sqrt(count)));
 /** Length on which a ray without a hit fades out, m: its full length would hide the world behind it. */
 const MISS = 5;
 
@@ -63,12 +63,13 @@ export class Rays extends Layer {
     const ends = new Float32Array(count * 6);
     const colors = new Float32Array(count * 8);
     const hits: number[] = [];
+    const opaque = opacity(count);
     for (let i = 0; i < count; i++) {
       const [x, y, z, toX, toY, toZ, hit] = numbers.subarray(i * 7, i * 7 + 7) as unknown as [number, number, number, number, number, number, number];
       const length = Math.hypot(toX - x, toY - y, toZ - z);
       const part = hit || length <= MISS ? 1 : MISS / length;
       ends.set([x, y, z, x + part * (toX - x), y + part * (toY - y), z + part * (toZ - z)], i * 6);
-      colors.set([GREEN.r, GREEN.g, GREEN.b, OPAQUE, GREEN.r, GREEN.g, GREEN.b, hit ? OPAQUE : 0], i * 8);
+      colors.set([GREEN.r, GREEN.g, GREEN.b, opaque, GREEN.r, GREEN.g, GREEN.b, hit ? opaque : 0], i * 8);
       if (hit) hits.push(toX, toY, toZ);
     }
     const drawn = this.drawn.get(component) ?? this.make(component);

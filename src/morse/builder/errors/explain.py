@@ -40,14 +40,21 @@ def explain(error: BaseException, script: str) -> ScriptError:
     steps = [
         Step(SourceLine(frame.f_code.co_filename, line), frame.f_code.co_name)
         for frame, line in trace
-        if frames.is_users(frame.f_code) and not frames.is_library(frame.f_code)
+        if frames.is_users(frame.f_code) and not frames.is_library(frame.f_code) and not _is_client(frame)
     ]
     if isinstance(error, SyntaxError) and error.lineno is not None:
         steps.append(Step(SourceLine(error.filename or script, error.lineno)))
     by_us = bool(trace) and not frames.is_users(trace[-1][0].f_code)
     frame = next((f for f, _ in reversed(trace) if frames.is_users(f.f_code)), None)
     message, mend = _describe(error, by_us, frame)
+    if isinstance(error, ConnectionError) and any(_is_client(frame) for frame, _ in trace):
+        mend = "This script is a client: start it with python3 while a scene runs, which morse run starts."
     return ScriptError(message, steps, mend, script)
+
+
+def _is_client(frame: FrameType) -> bool:
+    """Whether a frame belongs to the library of clients."""
+    return str(frame.f_globals.get("__name__", "")).partition(".")[0] == "pymorse"
 
 
 def _frames(trace: TracebackType | None) -> Iterator[tuple[FrameType, int]]:

@@ -132,7 +132,7 @@ class McapFile:
         magic = self._file.read(len(records.MAGIC))
         if magic != records.MAGIC:
             what = "it is empty" if not magic else f"it begins with {magic[:8].hex(' ')}, an MCAP file with 89 4d 43 41"
-            raise self._damaged(f"this is not a recording: {what}")
+            raise self._damaged(f"this is not a recording, which morse run --record writes: {what}")
         at = len(records.MAGIC)
         while at + records.PREFIX.size <= size:
             self._file.seek(at)

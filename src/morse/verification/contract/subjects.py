@@ -64,7 +64,7 @@ def subjects(what: str | os.PathLike[str]) -> list[Subject]:
         return _of_file(Path(what).absolute())
     if text not in library() and not _is_installed(text):
         raise SubjectError(
-            f"there is no component '{text}' in MORSE{nearest(text, library())}; for one of your own, give its file"
+            f"there is no component '{text}' in MORSE (for one of your own, give its file){nearest(text, library())}"
         )
     return [Subject(text, arguments=_ARGUMENTS.get(text, ""))]
 
