@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from effort import examples
@@ -132,6 +132,7 @@ def test_an_arm_without_masses_reaches_a_pose(simulate):
 
 @pytest.mark.long
 @given(shares=st.lists(st.floats(0.0, 1.0), min_size=6, max_size=6))
+@example(shares=[0.0, 0.0, 0.0, 0.0, 1.0, 0.0])  # all joints at their limits
 @settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_every_pose_of_the_hand_is_found(loaded, shares):
     chain = loaded.context.component("picker.arm").chain

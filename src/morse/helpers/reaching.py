@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from morse.helpers.chain import Chain
 
 #: number of searches from other joint values, and of iterations of each
-_ATTEMPTS, _ITERATIONS = 12, 60
+_ATTEMPTS, _ITERATIONS = 24, 60
 #: weight of an error of one radian, m
 LEVER = 0.3
 #: errors of a solution: m, rad
