@@ -108,6 +108,9 @@ def test_a_full_disk_ends_the_recording_and_not_the_run(tmp_path: Path) -> None:
     written = clocks(path)
     assert written
     assert written == list(range(1, len(written) + 1))
+    # the end of the data in the file, not the time at which the error was seen
+    with McapFile(path) as file:
+        assert f"up to {max(one.log_time for one in file) / 1e9:.3f} s" in error[0]
 
 
 def test_a_device_without_room_ends_the_recording(caplog: pytest.LogCaptureFixture) -> None:

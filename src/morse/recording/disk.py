@@ -47,12 +47,14 @@ class Disk:
     Attributes:
         error: the error of the operating system, or None.
         waits: number of times that a writer had to wait.
+        until: log time of the last message in the file, ns; None before the first one.
     """
 
     def __init__(self, file: FileIO) -> None:
         self._file = file
         self.error: OSError | None = None
         self.waits = 0
+        self.until: int | None = None
         self._source: Source | None = None
         self._writer = McapWriter(file)
         # each operation on a list is atomic: other threads append, and only the thread of the disk removes
@@ -148,6 +150,7 @@ class Disk:
         if messages:
             chunk, index = chunk_of(messages)
             self._writer.encoded(chunk.data, index)
+            self.until = index.end
 
     def _attempt(self, write: Callable[[], object]) -> None:
         if self.error is not None:

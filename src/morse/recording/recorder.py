@@ -182,9 +182,11 @@ class Recorder(Observer):
             logger.error("[ERROR][MORSE] %s", self.error)
 
     def _refusal(self, error: OSError) -> str:
+        until = self._disk.until
+        what = "no data" if until is None else f"the data up to {until / 1e9:.3f} s of the recording"
         return (
             f"the recording {self.path} ends at {self._context.clock.time:.3f} s: {error.strerror or error}; "
-            "the file contains the data written before"
+            f"the file contains {what}, later data are lost"
         )
 
     def _fail(self, error: OSError) -> None:
