@@ -18,12 +18,14 @@ if TYPE_CHECKING:
 
 FOLDER = Path(__file__).with_name("worlds")
 SIZE = (480, 300)
-#: m: the part of a larger world that is shown
+#: m: the part of a larger world that is shown, and what it takes to show what some worlds are named after
 _WIDEST = 25.0
+_REACHES = {"indoors-1/boxes": 9.5, "land-1/rosace_1": 80.0, "land-1/trees": 55.0, "land-1/buildings_1": 95.0}
 #: where a camera looks from, per reach of what it shows; the usual corner of a world may be in a tree
 _EYE, _EYES = (0.55, -0.75, 0.75), {"outdoors": (-0.75, -0.6, 0.6)}
-#: the height of the surface in worlds of water, m: there, a boat shows the size of what is seen, from nearby
+#: the height of the surface in worlds of water, m: a boat on it or below shows the size of what is seen, from nearby
 _WATER = {"water-1/deep_water": 0.0, "water-1/water_scene": 4.2}
+_DEPTHS, _DIVER = {"water-1/deep_water": 1.5}, (0.55, -0.75, 0.11)
 _BOAT, _NEARBY = "boat = Submarine()\nboat.translate({0:.3f}, {1:.3f}, {2:.3f})\n", 5.0
 
 
@@ -42,9 +44,10 @@ def picture(name: str) -> Image.Image:
     """A world from a corner above it, as wide as it is, or as a robot can drive in a minute."""
     low, high = bounds(load(find(name, "environments")).roots) if name != "empty" else (-np.ones(3), np.ones(3))
     centre = (low + high) / 2
-    centre = np.append(centre[:2], _WATER[name]) if name in _WATER else centre
-    reach = _NEARBY if name in _WATER else min(max(float(np.hypot(*(high - low)[:2])) / 2, 2.0), _WIDEST)
-    eye = centre + np.array(_EYES.get(name, _EYE)) * reach * 1.5
+    centre = np.append(centre[:2], _WATER[name] - _DEPTHS.get(name, 0.0)) if name in _WATER else centre
+    reach = min(max(float(np.hypot(*(high - low)[:2])) / 2, 2.0), _WIDEST)
+    reach = _NEARBY if name in _WATER else _REACHES.get(name, reach)
+    eye = centre + np.array(_DIVER if name in _DEPTHS else _EYES.get(name, _EYE)) * reach * 1.5
     ahead = (centre - eye) / np.linalg.norm(centre - eye)
     rotation = (float(np.arccos(-ahead[2])), 0.0, float(np.arctan2(ahead[0], -ahead[1]) + np.pi))
     with tempfile.TemporaryDirectory() as folder:
