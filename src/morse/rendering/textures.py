@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import logging
 import math
-import warnings
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
@@ -14,6 +12,7 @@ from PIL import Image as Picture
 
 from morse.kernel.drawing.arrays import TEXTURE
 from morse.mathutils.light import linear_light
+from morse.system.pictures import open_picture
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -128,24 +127,13 @@ def _joined(
 def _pixels(image: Image) -> NDArray[np.uint8]:
     """(H, W, 4) RGBA, bottom row first, sizes powers of two; a chequered pattern for unreadable images."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Picture.DecompressionBombWarning)
-            picture_file = Picture.open(io.BytesIO(image.data))
-        with picture_file as picture:
+        with open_picture(image.data) as picture:
             if picture.width * picture.height > _MOST_PIXELS:
                 raise ValueError(f"it has {picture.width} x {picture.height} pixels")
             size = (_power_of_two(picture.width), _power_of_two(picture.height))
             pixels = picture.convert("RGBA").resize(size, Picture.Resampling.BICUBIC)
             return np.asarray(pixels, dtype=np.uint8)[::-1].copy()
-    except (
-        OSError,
-        ValueError,
-        SyntaxError,
-        EOFError,
-        IndexError,
-        MemoryError,
-        Picture.DecompressionBombError,
-    ) as error:
+    except Exception as error:  # Pillow's readers raise many kinds of errors for damaged files
         logger.warning(
             "the picture '%s' cannot be read (%s): cameras see a chequered pattern instead", image.name, error
         )

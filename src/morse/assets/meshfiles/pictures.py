@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import io
 import os
-import warnings
 from typing import Any
 
 from morse.assets.stand_in import chequered
 from morse.scene import Image
+from morse.system.pictures import is_usable, open_picture
 
 #: pixels of a picture, and of all pictures of a model; a file may be a thousand times smaller than its pixels
 MOST_PIXELS, MOST_PIXELS_TOGETHER = 1 << 26, 1 << 28
@@ -30,21 +30,16 @@ def is_picture(name: str) -> bool:
 
 def mistake_in(data: bytes) -> str:
     """Return why a file is no picture that can be used; empty if it can be used."""
-    from PIL import Image as Pillow
-    from PIL import UnidentifiedImageError
-
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Pillow.DecompressionBombWarning)
-            with Pillow.open(io.BytesIO(data)) as picture:
-                return _too_large(picture)
-    except UnidentifiedImageError:
-        return "it is not a picture, or of an unknown format"
+        with open_picture(data) as picture:
+            return _mistake(picture)
     except Exception as error:  # Pillow's readers raise many kinds of errors for damaged files
         return f"{error!s:.100}"
 
 
-def _too_large(picture: Any) -> str:
+def _mistake(picture: Any) -> str:
+    if not is_usable(picture):
+        return f"pictures of the format {picture.format!s:.20} are not read"
     if picture.width * picture.height <= MOST_PIXELS:
         return ""
     return f"it has {picture.width} x {picture.height} pixels, more than {MOST_PIXELS}"
@@ -77,7 +72,7 @@ class Pictures:
 
     def _converted(self, name: str, picture: Any, data: bytes) -> Image:
         mime = _SHOWN.get(str(picture.format), "") if data and picture.mode in _MODES else ""
-        mistake = _too_large(picture)
+        mistake = _mistake(picture)
         pixels = picture.width * picture.height * (1 if mime else _CONVERSION)
         if not mistake and self._pixels + pixels > MOST_PIXELS_TOGETHER:
             mistake = (
@@ -88,7 +83,7 @@ class Pictures:
             self._pixels += pixels
             try:
                 # a copy is decoded, so that the pixels do not stay in memory
-                picture = _opened(data) if data else picture
+                picture = open_picture(data) if data else picture
                 picture.load()
                 if mime and _is_plain(picture):
                     return Image(name, data, mime)
@@ -99,14 +94,6 @@ class Pictures:
                 mistake = f"{error!s:.100}"
         self.warnings.append(f"the picture of the material '{name:.80}' is replaced by a chequered pattern: {mistake}")
         return Image(name, chequered(), "image/png")
-
-
-def _opened(data: bytes) -> object:
-    from PIL import Image as Pillow
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", Pillow.DecompressionBombWarning)
-        return Pillow.open(io.BytesIO(data))
 
 
 def _encoded(picture: object) -> bytes:

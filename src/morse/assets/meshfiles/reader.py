@@ -19,6 +19,7 @@ from morse.assets.triangle_limit import check_stl, check_triangles
 from morse.mathutils import Matrix
 from morse.mathutils.portable import det, matmul, nearest_rotation
 from morse.scene import Library, Node, NodeKind, PhysicsType
+from morse.system.pictures import run_no_programs
 from morse.system.regular_files import read_regular
 
 #: glTF models face +Z with +Y up; models of MORSE face +X with +Z up
@@ -79,6 +80,7 @@ def read_meshes(path: str | Path) -> Library:
 def _loaded(path: Path, below: Any) -> Any:
     import trimesh
 
+    run_no_programs()
     quiet = logging.getLogger("trimesh")
     level = quiet.level
     quiet.setLevel(logging.CRITICAL)

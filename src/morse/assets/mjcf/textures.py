@@ -12,6 +12,7 @@ import numpy as np
 from morse.assets.meshfiles.pictures import Pictures, mistake_in
 from morse.assets.nearby_files import FileRefusedError
 from morse.scene import Image
+from morse.system.pictures import open_picture
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -112,7 +113,7 @@ class TextureImages:
         if texture.is_lost:
             return None
         if texture.data is not None:
-            return self.pictures.image(texture.name, Pillow.open(io.BytesIO(texture.data)))
+            return self.pictures.image(texture.name, open_picture(texture.data))
         file = io.BytesIO()
         Pillow.fromarray(_pattern(texture.attributes)).save(file, "PNG")
         return Image(texture.name, file.getvalue(), "image/png")

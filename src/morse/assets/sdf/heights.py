@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from morse.assets.mjcf.heights import height_mesh
 from morse.assets.nearby_files import find_near
 from morse.assets.texture_coordinates import with_texture_coordinates
 from morse.scene import CollisionShape, Material, Node, NodeKind, ShapeKind
+from morse.system.pictures import open_picture
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -56,14 +56,12 @@ def height_node(element: Element, path: Path, name: str, materials: Materials, *
 
 def _heights(file: Path) -> NDArray[np.float64]:
     """Heights (R, C) from 0 to 1; rows along +Y."""
-    from PIL import Image
-
     data = read_regular(file, _MOST_BYTES)
     mistake = mistake_in(data)
     if mistake:
         raise ValueMistakeError(f"it is no picture of heights: {mistake}")
     try:
-        picture: Image.Image = Image.open(io.BytesIO(data))
+        picture = open_picture(data)
         picture.load()
         if picture.mode not in ("L", "I", "F", "I;16", "I;16B"):
             picture = picture.convert("L")

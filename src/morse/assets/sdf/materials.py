@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING
 
 from morse.assets.gazebo.colors import color_of
@@ -12,6 +11,7 @@ from morse.assets.nearby_files import FileRefusedError, find_folder_near, find_n
 from morse.assets.sdf.scripts import Script, scripts_in
 from morse.mathutils.light import linear_color
 from morse.scene import Image, Material
+from morse.system.pictures import open_picture
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -152,8 +152,6 @@ class Materials:
         return self._images[file]
 
     def _read(self, file: Path) -> Image | None:
-        from PIL import Image as Pillow
-
         try:
             data = read_regular(file, _MOST_BYTES)
         except (OSError, ValueError) as error:
@@ -163,7 +161,7 @@ class Materials:
         if mistake:
             self._warn(f"the picture {file.name:.80} is left out: {mistake}")
             return None
-        image = self._pictures.image(file.stem, Pillow.open(io.BytesIO(data)))
+        image = self._pictures.image(file.stem, open_picture(data))
         for warning in self._pictures.warnings:
             self._warn(warning)
         return image

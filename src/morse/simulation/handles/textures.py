@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,8 @@ from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.quoting import quoted
 from morse.scene import shared_image
 from morse.services.foreign_models import check_model
+from morse.system.pictures import open_picture
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     import os
@@ -43,8 +44,6 @@ class NamedPictures:
         Raises:
             MorseRPCInvokationError: it is not there, in another folder, or no picture.
         """
-        from PIL import Image as Pillow
-
         folders = [Path(folder) for folder in self._folders()]
         check_model(name, folders)
         with contextlib.suppress(OSError):  # the present folder was deleted
@@ -61,9 +60,9 @@ class NamedPictures:
                 return self._images[version]
             if facts.st_size > _LARGEST:
                 raise OSError(f"it has more than {_LARGEST >> 20} MB")
-            with Pillow.open(io.BytesIO(path.read_bytes())) as picture:
+            with open_picture(read_regular(path, _LARGEST)) as picture:
                 image = reader.image(path.name, picture)
-        except OSError as error:
+        except (OSError, ValueError) as error:
             raise MorseRPCInvokationError(f"the picture {path} cannot be read: {error!s:.200}") from None
         if reader.warnings:
             raise MorseRPCInvokationError(f"the picture {path} cannot be used: {reader.warnings[0]}")
