@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import add_data
 from morse.core.sensor import Sensor
+from morse.core.services import async_service, service
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -98,3 +99,25 @@ class Endless(Sensor):
         signal.raise_signal(signal.SIGINT)
         while True:
             pass
+
+
+class Yielding(Sensor):
+    def default_action(self) -> Any:
+        yield 1
+
+
+class Awaited(Sensor):
+    async def default_action(self) -> None:  # type: ignore[override]
+        pass
+
+
+class YieldingService(Sensor):
+    @service
+    def count(self) -> Any:
+        yield 1
+
+
+class AwaitedService(Sensor):
+    @async_service
+    async def wait(self) -> None:
+        pass

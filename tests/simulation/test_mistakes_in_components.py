@@ -49,6 +49,20 @@ def test_constructors_that_cannot_work(name: str, text: str) -> None:
         with_sensor(name)
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("Yielding", r"Yielding.default_action contains 'yield': a call of it runs nothing"),
+        ("Awaited", r"Awaited.default_action is declared by 'async def': a call of it runs nothing"),
+        ("YieldingService", r"YieldingService.count contains 'yield'"),
+        ("AwaitedService", r"AwaitedService.wait is declared by 'async def'"),
+    ],
+)
+def test_methods_whose_calls_run_nothing(name: str, text: str) -> None:
+    with pytest.raises(LoadError, match=text):
+        with_sensor(name)
+
+
 def test_a_misspelt_attribute(caplog: pytest.LogCaptureFixture) -> None:
     with with_sensor("Misspelt") as simulation:
         simulation.step()

@@ -13,7 +13,7 @@ from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
 from morse.core.external_object import ExternalObject
 from morse.core.kinds import findings_of
-from morse.core.parts.overwritten import hidden_methods
+from morse.core.parts.overwritten import hidden_methods, lazy_methods
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.robot import Robot
 from morse.core.rows.unread import Unclaimed
@@ -172,7 +172,7 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
 
 
 def _check_methods(component: Object, declaration: ComponentDeclaration) -> None:
-    for text, is_essential in hidden_methods(component):
+    for text, is_essential in [*hidden_methods(component), *lazy_methods(component)]:
         if is_essential:
             raise LoadError(text)
         logger.warning("%s: %s", _where(declaration), text)

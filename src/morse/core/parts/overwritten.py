@@ -1,7 +1,8 @@
-"""Finds methods of components that user code hides by accident, such as ``self.name = "left"``."""
+"""Finds methods of components that user code hides by accident, such as ``self.name = "left"``, or that run nothing."""
 
 from __future__ import annotations
 
+import inspect
 from types import FunctionType
 from typing import TYPE_CHECKING
 
@@ -50,6 +51,38 @@ def hidden_methods(component: Component) -> list[tuple[str, bool]]:
         )
         names.append((text, name in _ESSENTIAL))
     return names
+
+
+def lazy_methods(component: Component) -> list[tuple[str, bool]]:
+    """Return a line for each method whose call runs nothing of it, because it is a generator or a coroutine.
+
+    Args:
+        component: a component; the classes of MORSE itself are not examined.
+
+    Returns:
+        The lines, and whether the method is a service or one without which no component works.
+    """
+    lines = []
+    for base in type(component).__mro__:
+        if base.__module__.startswith("morse."):
+            break
+        for name, value in vars(base).items():
+            is_service = hasattr(value, "_morse_service")
+            function = inspect.unwrap(getattr(value, "__func__", value))
+            reason = _laziness(function) if is_service or name in _METHODS else ""
+            if reason:
+                text = (
+                    f"{base.__name__}.{name} {reason}: a call of it runs nothing. A component does a part of its work "
+                    "in each call of default_action, and returns"
+                )
+                lines.append((text, is_service or name in _ESSENTIAL))
+    return lines
+
+
+def _laziness(function: object) -> str:
+    if inspect.iscoroutinefunction(function) or inspect.isasyncgenfunction(function):
+        return "is declared by 'async def'"
+    return "contains 'yield'" if inspect.isgeneratorfunction(function) else ""
 
 
 def uncover(component: Component) -> list[str]:
