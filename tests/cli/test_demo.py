@@ -43,8 +43,8 @@ def test_an_example_is_copied(tmp_path, capsys):
 
 
 def test_mistakes_are_said_in_a_line(capsys):
-    for words, answer in ((["drvie"], "Did you mean 'drive'?"), (["--headless"], "Which example?")):
-        assert execute(["demo", *words]) == 2
+    for words, status, answer in ((["drvie"], 1, "Did you mean 'drive'?"), (["--headless"], 2, "Which example?")):
+        assert execute(["demo", *words]) == status
         error = capsys.readouterr().err
         assert answer in error
         assert len(error.splitlines()) == 1

@@ -48,7 +48,7 @@ def test_a_world_becomes_a_scene_script(morse, folder) -> None:
 def test_an_existing_script_is_not_replaced(morse, folder) -> None:
     (folder / "scene.py").write_text("mine")
     answer = morse("import-world", str(folder / "world.sdf"), "-o", str(folder / "scene.py"))
-    assert answer.status == 2
+    assert answer.status == 1
     assert "exists" in answer.err
     assert (folder / "scene.py").read_text() == "mine"
 
@@ -93,5 +93,5 @@ def test_check_names_what_is_wrong(morse, folder) -> None:
 
 def test_check_names_a_file_that_is_missing(morse, folder) -> None:
     answer = morse("check", str(folder / "gone.urdf"), "--picture", "gone.png")
-    assert answer.status == 2
+    assert answer.status == 1
     assert f"There is no file {folder / 'gone.urdf'}" in answer.err.replace("\n", "")

@@ -65,6 +65,25 @@ def test_help(morse, option):
         assert answer.err == ""
 
 
+def test_narrow_help_has_whole_sentences(tmp_path):
+    answer = program(MORSE, "-h", home=tmp_path, COLUMNS="40")
+    assert "..." not in answer.stdout.replace("[ARGS]...", "")
+    assert "Create a new simulation environment in the current directory" in " ".join(answer.stdout.split())
+
+
+def test_narrow_check_has_whole_words(tmp_path):
+    answer = program(MORSE, "check", home=tmp_path, COLUMNS="40")
+    words = answer.stdout.split()
+    assert {"msgspec:", "websockets:", "mapbox_earcut:"} <= set(words)
+
+
+@pytest.mark.parametrize("command", ["verify", "render", "replay", "sweep", "export"])
+def test_help_names_values_without_types_of_python(morse, command):
+    text = morse(command, "-h").out
+    assert "<" not in text
+    assert "range" not in text
+
+
 def test_narrow_help_has_whole_names(tmp_path):
     answer = program(MORSE, "-h", home=tmp_path, COLUMNS="40")
     assert answer.returncode == 0

@@ -232,6 +232,16 @@ def test_without_default_py_the_first_scene_runs_with_a_warning(morse, project, 
     assert started[0].script == str(project / "b.blend")
 
 
+def test_clients_beside_a_scene_are_no_scenes(morse, tmp_path, started):
+    folder = tmp_path / "laser"
+    folder.mkdir()
+    (folder / "client.py").write_text("from pymorse import Morse\n")
+    (folder / "scene.py").write_text("from morse.builder import *\n")
+    answer = morse("run", str(folder))
+    assert "running scene.py" in answer.err
+    assert started[0].script == str(folder / "scene.py")
+
+
 def test_an_environment_without_scenes(morse, project, started):
     (project / "default.py").unlink()
     answer = morse("run", "ranger_sim")

@@ -90,7 +90,7 @@ def test_semantic(run):
 @example_test("quadrotor")
 def test_quadrotor(run):
     errors = run("quadrotor")
-    assert len(errors) == 4
+    assert len(errors) == 5
     # 0.3 m, and the distance until the client asks
     assert max(errors) < 0.8
 

@@ -471,6 +471,8 @@ def test_a_thumb_drives_and_lets_go(running, open_page) -> None:
     touch("touchStart", (x, y))
     touch("touchMove", (x, y - 50))
     until(lambda: driver.keys[-1:] == [frozenset({"ArrowUp"})])
+    # the hand that drives cannot move the camera
+    assert page.evaluate("[morse.follow.mode.value, morse.follow.node.name]") == ["along", "robot0"]
     touch("touchMove", (x - 45, y - 45))
     until(lambda: driver.keys[-1:] == [frozenset({"ArrowUp", "ArrowLeft"})])
     touch("touchEnd")

@@ -12,7 +12,7 @@ import typer.core
 import typer.main
 
 from morse.cli.messages import CommandError, complain, nearest
-from morse.cli.rejections import explain
+from morse.cli.rejections import explain, kind_of
 from morse.version import __version__
 
 if TYPE_CHECKING:
@@ -48,17 +48,27 @@ class GlobalOptions:
     reverse_color: bool = False
 
 
-def _plain_switches(options: list[Any]) -> list[object]:
-    """Options whose help names no type where they take no value."""
-    for option in options:
-        if getattr(option, "is_flag", False):
-            option.metavar = ""
-    return options
+#: what a number is called in the help, where the option does not say what it is
+_NUMBERS = {"int": "N", "float": "X"}
+
+
+def _plain_types(parameters: list[Any]) -> list[object]:
+    """Parameters whose help names what they take, and not the types and ranges of Python."""
+    for parameter in parameters:
+        kind = kind_of(parameter)
+        if getattr(parameter, "is_flag", False):
+            parameter.metavar = ""
+        elif parameter.param_type_name == "argument":
+            parameter.display_type = lambda ctx: ""  # its name says it
+        elif parameter.metavar is None and kind in _NUMBERS:
+            parameter.metavar = _NUMBERS[kind]
+            parameter._get_number_range_help_str = lambda: None  # a wrong number gets the range in words
+    return parameters
 
 
 class _Command(typer.core.TyperCommand):
     def get_params(self, ctx: Any) -> list[Any]:
-        return _plain_switches(super().get_params(ctx))
+        return _plain_types(super().get_params(ctx))
 
 
 class _Commands(typer.core.TyperGroup):
@@ -68,7 +78,7 @@ class _Commands(typer.core.TyperGroup):
     """
 
     def get_params(self, ctx: Any) -> list[Any]:
-        return _plain_switches(super().get_params(ctx))
+        return _plain_types(super().get_params(ctx))
 
     def list_commands(self, ctx: object) -> list[str]:
         return list(_MODULES)
@@ -77,11 +87,13 @@ class _Commands(typer.core.TyperGroup):
         if cmd_name not in _MODULES:
             return None
         module = importlib.import_module(_MODULES[cmd_name])
+        text = _without_line_breaks(module.command.__doc__ or "")
         application = typer.Typer(add_completion=False, rich_markup_mode=_MARKUP)
         application.command(
             cmd_name,
             cls=_Command,
-            help=_without_line_breaks(module.command.__doc__ or ""),
+            help=text,
+            short_help=text.partition("\n\n")[0],  # the whole sentence, which the parser would cut
             context_settings=getattr(module, "CONTEXT_SETTINGS", None),
         )(module.command)
         return typer.main.get_command(application)

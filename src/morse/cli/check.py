@@ -22,6 +22,9 @@ from morse.cli.sites import Sites
 from morse.middleware import registry
 from morse.version import __version__
 
+#: characters of a line that has room for the columns of the table
+_WIDTH_OF_TABLE = 72
+
 
 def command(
     what: Annotated[
@@ -71,7 +74,12 @@ def command(
         raise CommandError("--robot belongs to `morse check component FILE_OR_NAME...`.", status=2)
     typer.echo(f"MORSE {__version__}")
     results = list(findings())
-    Console().print(_table(results))
+    console = Console()
+    if console.width < _WIDTH_OF_TABLE:
+        for result in results:  # columns would cut words
+            console.print(_mark(result), f"{result.name}: {result.detail}", highlight=False, markup=False)
+    else:
+        console.print(_table(results))
     say(f"Available middlewares: {', '.join(registry.installed())}.")
     _say_places()
     problems = [result for result in results if result.required and not result.found]
@@ -96,7 +104,7 @@ def _check_scene(words: list[str], *, fix: bool, picture: Path | None) -> int:
         return check_scene(words, fix=fix)
     except CommandError as error:
         hint = nearest(words[0], ["component"])
-        raise CommandError(f"{error}{hint}", status=2) if hint else error from None
+        raise CommandError(f"{error}{hint}") if hint else error from None
 
 
 def _model(name: str) -> Path | None:
@@ -108,7 +116,7 @@ def _model(name: str) -> Path | None:
         return model_file(path) if (path / CONFIG).is_file() else None
     if path.suffix.lower() not in suffixes():
         return None
-    return existing_file(path, status=2)
+    return existing_file(path)
 
 
 def _table(results: list[Finding]) -> Table:

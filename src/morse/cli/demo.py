@@ -7,6 +7,7 @@ import shutil
 import socket
 import subprocess
 import sys
+import textwrap
 import threading
 import time
 from pathlib import Path
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from morse.viewer.live_view import View
 
 _PATIENCE = 5.0
+#: characters of a line of the description of an example
+_NARROWEST = 16
 #: seconds between two looks whether a page shows the scene
 _PAUSE = 0.1
 
@@ -80,8 +83,15 @@ def _list() -> None:
     rows = examples()
     width = max(map(len, rows))
     for each in rows.values():
-        typer.echo(f"{each.name:<{width}}  {each.what}")
+        _echo_row(f"{each.name:<{width}}", each.what)
     say("Run one: morse demo NAME. Copy it as a starting point: morse demo NAME --copy FOLDER")
+
+
+def _echo_row(name: str, what: str) -> None:
+    """A row of two columns; a terminal breaks the second one between words, a pipe gets whole lines."""
+    columns = shutil.get_terminal_size().columns - len(name) - 2 if sys.stdout.isatty() else len(what)
+    lines = textwrap.wrap(what, max(columns, _NARROWEST))
+    typer.echo(f"{name}  " + f"\n{'':<{len(name)}}  ".join(lines))
 
 
 def _copy(demo: Example, folder: Path) -> None:

@@ -47,9 +47,7 @@ def example(name: str) -> Example:
     """
     by_name = examples()
     if name not in by_name:
-        raise CommandError(
-            f"There is no example '{name}'.{nearest(name, by_name)} `morse demo` lists all examples.", status=2
-        )
+        raise CommandError(f"There is no example '{name}'.{nearest(name, by_name)} `morse demo` lists all examples.")
     return by_name[name]
 
 

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
     from morse.recording.recording import Recording
 
+#: headings of the options in the help
+_FILM = "Options of --film"
+_AGAIN = "Options of --film and --html"
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
 
@@ -63,30 +66,63 @@ def command(
     ] = None,
     origin: Annotated[
         str | None,
-        typer.Option("--from", metavar="X,Y,Z", help="Viewpoint of the film, m (default: that of the script)."),
+        typer.Option(
+            "--from",
+            rich_help_panel=_FILM,
+            metavar="X,Y,Z",
+            help="Viewpoint of the film, m (default: that of the script).",
+        ),
     ] = None,
     target: Annotated[
-        str | None, typer.Option("--at", metavar="X,Y,Z", help="Point that the film looks at, m (default: the origin).")
+        str | None,
+        typer.Option(
+            "--at",
+            rich_help_panel=_FILM,
+            metavar="X,Y,Z",
+            help="Point that the film looks at, m (default: the origin).",
+        ),
     ] = None,
     camera: Annotated[
-        str | None, typer.Option("--camera", metavar="ROBOT.CAMERA", help="Film the image of a camera of the scene.")
+        str | None,
+        typer.Option(
+            "--camera", rich_help_panel=_FILM, metavar="ROBOT.CAMERA", help="Film the image of a camera of the scene."
+        ),
     ] = None,
-    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Size of the film, pixels.")] = "1280x720",
-    fov: Annotated[float | None, typer.Option("--fov", help="Angle of view of the film, degrees.")] = None,
-    rate: Annotated[float, typer.Option("--rate", help="Frames per simulated second.")] = 20.0,
-    begin: Annotated[float, typer.Option("--begin", metavar="S", help="Simulated seconds before the film.")] = 0.0,
+    size: Annotated[
+        str, typer.Option("--size", rich_help_panel=_FILM, metavar="WxH", help="Size of the film, pixels.")
+    ] = "1280x720",
+    fov: Annotated[
+        float | None, typer.Option("--fov", rich_help_panel=_FILM, help="Angle of view of the film, degrees.")
+    ] = None,
+    rate: Annotated[float, typer.Option("--rate", rich_help_panel=_FILM, help="Frames per simulated second.")] = 20.0,
+    begin: Annotated[
+        float,
+        typer.Option("--begin", rich_help_panel=_AGAIN, metavar="S", help="Simulated seconds before what is shown."),
+    ] = 0.0,
     length: Annotated[
-        float | None, typer.Option("--length", metavar="S", help="Simulated seconds of the film (default: the rest).")
+        float | None,
+        typer.Option(
+            "--length",
+            rich_help_panel=_AGAIN,
+            metavar="S",
+            help="Simulated seconds that are shown (default: the rest).",
+        ),
     ] = None,
-    fine: Annotated[bool, typer.Option("--fine", help="Draw four times as many pixels, for smoother edges.")] = False,
+    fine: Annotated[
+        bool, typer.Option("--fine", rich_help_panel=_FILM, help="Draw four times as many pixels, for smoother edges.")
+    ] = False,
     scene: Annotated[
-        str | None, typer.Option("--scene", metavar="PATH", help="Film: a scene script instead of the recorded scene.")
+        str | None,
+        typer.Option(
+            "--scene", rich_help_panel=_AGAIN, metavar="PATH", help="A scene script instead of the recorded scene."
+        ),
     ] = None,
     trust: Annotated[
         bool,
         typer.Option(
             "--trust",
-            help="Film: execute the script that the recording names, if one is needed.",
+            rich_help_panel=_AGAIN,
+            help="Execute the script that the recording names, if one is needed.",
         ),
     ] = False,
 ) -> int:

@@ -19,9 +19,9 @@ def command(
     # imported on demand, because it loads numpy
     from morse.assets.sdf.script import scene_script
 
-    path, target = existing_file(world, status=2).absolute(), Path(output).absolute()
+    path, target = existing_file(world).absolute(), Path(output).absolute()
     if target.exists() and not force:
-        raise CommandError(f"{target} exists. Replace it with -f, or name another file with -o.", status=2)
+        raise CommandError(f"{target} exists. Replace it with -f, or name another file with -o.")
     try:
         target.write_text(scene_script(path, target.parent), encoding="utf-8")
     except (ValueError, OSError) as error:

@@ -18,7 +18,8 @@ class CommandError(Exception):
 
     Args:
         message: text for the user.
-        status: exit status of the process; 2 for a mistake on the command line itself.
+        status: exit status of the process; 2 for options and arguments that the command does not take. A file that
+            does not exist, or that holds something else, is a failed command: 1.
     """
 
     def __init__(self, message: str, status: int = 1) -> None:
@@ -47,7 +48,7 @@ def sentence(error: object) -> str:
     return text if text.endswith(("?", ".", "!")) else f"{text}."
 
 
-def existing_file(name: str | os.PathLike[str], status: int = 1) -> Path:
+def existing_file(name: str | os.PathLike[str]) -> Path:
     """The path of a file that a command reads.
 
     Raises:
@@ -55,10 +56,10 @@ def existing_file(name: str | os.PathLike[str], status: int = 1) -> Path:
     """
     path = Path(name).expanduser()
     if path.is_dir():
-        raise CommandError(f"{name} is a folder, not a file.", status)
+        raise CommandError(f"{name} is a folder, not a file.")
     if not path.is_file():
         beside = os.listdir(path.parent) if path.parent.is_dir() else []
-        raise CommandError(f"There is no file {name}.{nearest(path.name, beside)}", status)
+        raise CommandError(f"There is no file {name}.{nearest(path.name, beside)}")
     return path
 
 

@@ -36,7 +36,7 @@ def explain(error: typer.TyperException, words: Sequence[str], command: Any) -> 
         return f"{option} takes {_expected(owner)}: none was given." if takes else f"{option} takes no value."
     if hasattr(error, "param_type"):
         return error.format_message()  # of a missing argument, which names it
-    if parameter is not None and _kind(parameter) in _KINDS:
+    if parameter is not None and kind_of(parameter) in _KINDS:
         value = _given(words, parameter.opts)
         return f"{parameter.opts[0]} takes {_expected(parameter)}{'' if value is None else f', not {value!r}'}."
     if "extra argument" in str(error):
@@ -50,7 +50,7 @@ def explain(error: typer.TyperException, words: Sequence[str], command: Any) -> 
 
 
 def _expected(parameter: Any) -> str:
-    kind = _kind(parameter)
+    kind = kind_of(parameter)
     if kind not in _KINDS:
         return "a value"
     what, (low, high) = _KINDS[kind], (parameter.min, parameter.max)
@@ -59,7 +59,7 @@ def _expected(parameter: Any) -> str:
     return what if low is None else f"{what} of at least {low:g}"
 
 
-def _kind(parameter: Any) -> str:
+def kind_of(parameter: Any) -> str:
     """The name of the type of a parameter; empty if this version of Typer does not tell it."""
     bare_type = getattr(parameter, "bare_type", None)
     return str(bare_type()) if callable(bare_type) else ""

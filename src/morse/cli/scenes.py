@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 _DEFAULT_SCENE = "default.py"
 _SCENE_SUFFIXES = (".py", ".blend")
 _RECORDING = ".mcap"
+_BUILDER = b"morse.builder"
+#: bytes of a script that are searched
+_LARGEST = 1_000_000
 _OF_PYTEST = re.compile(r"conftest\.py|test_.*\.py|.*_test\.py")
 
 
@@ -86,7 +89,7 @@ def resolve(words: Sequence[str]) -> ResolvedScene:
     if not path.is_file():
         raise _unknown_scene(first, path, sites)
     if path.suffix == _RECORDING:
-        raise CommandError(f"'{first}' is a recording, not a scene. Show it with: morse replay {first}", status=2)
+        raise CommandError(f"'{first}' is a recording, not a scene. Show it with: morse replay {first}")
     return ResolvedScene(path, rest, _project_of(path, sites))
 
 
@@ -128,7 +131,19 @@ def _file_of_environment(directory: Path, name: str, file: str) -> Path:
 
 def _scenes_in(directory: Path) -> list[str]:
     files = (path for path in directory.iterdir() if path.suffix in _SCENE_SUFFIXES and path.is_file())
-    return sorted(path.name for path in files if not _OF_PYTEST.fullmatch(path.name))
+    scenes = [path for path in files if not _OF_PYTEST.fullmatch(path.name)]
+    # clients and other programs beside the scenes are not scenes
+    builders = [path for path in scenes if path.suffix == ".blend" or _names_the_builder(path)]
+    return sorted(path.name for path in builders or scenes)
+
+
+def _names_the_builder(script: Path) -> bool:
+    """Whether a script may import the classes of scenes."""
+    try:
+        with script.open("rb") as file:
+            return _BUILDER in file.read(_LARGEST)
+    except OSError:
+        return False
 
 
 def _unknown_scene(name: str, path: Path, sites: Sites) -> CommandError:

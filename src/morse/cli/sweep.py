@@ -85,17 +85,17 @@ def _study_of(file: str, name: str | None) -> Study:
     from morse.many import Study
     from morse.many.sources import imported
 
-    path = existing_file(file, status=2).resolve()
+    path = existing_file(file).resolve()
     try:
         module = imported(str(path))
     except Exception as error:
         raise CommandError(f"{file} has an error: {describe(error)}") from None
     studies = {key: value for key, value in vars(module).items() if isinstance(value, Study)}
     if name is not None and name not in studies:
-        raise CommandError(f"{file} has no study '{name}'{nearest(name, list(studies))}.", 2)
+        raise CommandError(f"{file} has no study '{name}'{nearest(name, list(studies))}.")
     if name is None and len(studies) != 1:
         which = f"several studies, choose one by --study: {', '.join(studies)}" if studies else "no morse.many.Study"
-        raise CommandError(f"{file} contains {which}.", 2)
+        raise CommandError(f"{file} contains {which}.")
     return studies[name] if name is not None else next(iter(studies.values()))
 
 
@@ -165,7 +165,7 @@ def _watch(folder: str) -> int:
                 table = Table.read(folder)
                 total = read_facts(folder)["runs"]
             except (OSError, ValueError) as error:
-                raise CommandError(str(error), 2) from None
+                raise CommandError(str(error)) from None
             if progress is None:
                 progress = Progress(total, len(table), len(table.failures))
             progress.done, progress.failed = len(table), len(table.failures)

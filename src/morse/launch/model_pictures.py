@@ -13,6 +13,7 @@ import hashlib
 import io
 import json
 import math
+import re
 import sys
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -39,6 +40,8 @@ _ROTATION = (math.acos(_FROM[2] / math.hypot(*_FROM)), 0.0, math.atan2(_FROM[0],
 _NO_SENSORS = ("SensorCreator", "CompoundSensor")
 #: m; larger parts of worlds are grounds and buildings
 _LARGEST_PART = 5.0
+#: names that a program gave, such as v1.node10.visual, say nothing to people; Door.L does
+_NO_WORDS = re.compile(r"\.(?![LMR]$)|^origin$", re.IGNORECASE)
 _cache = Cache("pictures", 2000)
 
 
@@ -91,6 +94,8 @@ def _objects(name: str, category: str) -> Iterator[Model]:
     for root in load(path).roots:
         corners = visible_extent(root)
         if corners is None or root.name.startswith("_"):
+            continue
+        if category == "environments" and _NO_WORDS.search(root.plain_name):
             continue
         if category == "environments" and (root.plain_name in kinds or max(corners[1] - corners[0]) > _LARGEST_PART):
             continue

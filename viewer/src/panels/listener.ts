@@ -31,6 +31,12 @@ export class Listener {
     });
   }
 
+  /** The robot that keys drive; null if there is none, or more than one. */
+  get driven(): string | null {
+    const robots = this.robots.value;
+    return this.robot.value ?? (robots.length === 1 ? (robots[0] ?? null) : null);
+  }
+
   enable(enabled: boolean): void {
     this.select.disabled = !enabled;
   }

@@ -84,6 +84,11 @@ export class Panels {
     shell.over.append(h("div", { class: "said" }, this.recording.element, app.clock.warning, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
     this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
     const pad = new TouchPad(app.keyboard, app.seat.drives, app.listener.robots);
+    // a hand that drives cannot move the camera, and a small picture is left soon
+    pad.onDrive = () => {
+      const node = stage.world?.find(app.listener.driven ?? "");
+      if (node && follow.mode.value === "free") follow.start("along", node);
+    };
     shell.view.append(this.layers.names.element, this.history.element, pad.element, new Rate(stage).element, new LinkBanner(connection).element, toasts.element);
     toasts.element.append(saved.element);
     document.body.append(this.help.element);

@@ -15,6 +15,8 @@ export class TouchPad {
   readonly element: HTMLElement;
   private readonly knob = h("span", { class: "knob" });
   private finger: number | null = null;
+  /** A finger is put on the pad. */
+  onDrive = (): void => {};
 
   constructor(
     private readonly keyboard: Keyboard,
@@ -40,6 +42,7 @@ export class TouchPad {
     event.preventDefault();
     this.finger = event.pointerId;
     this.element.setPointerCapture(event.pointerId);
+    this.onDrive();
     this.steer(event);
   }
 

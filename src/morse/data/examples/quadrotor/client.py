@@ -1,8 +1,8 @@
-"""Flies from waypoint to waypoint."""
+"""Flies from waypoint to waypoint; the last one is on the ground."""
 
 from pymorse import Morse
 
-ROUND = [(0.0, 0.0, 3.0), (4.0, 0.0, 3.0), (4.0, 3.0, 4.0), (0.0, 0.0, 1.0)]
+ROUND = [(0.0, 0.0, 3.0), (4.0, 0.0, 3.0), (4.0, 3.0, 4.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.2)]
 
 
 def main():
