@@ -100,6 +100,18 @@ def test_an_asynchronous_service_answers_when_it_is_done(manager, arm):
     assert manager.ended == [(request, (status.SUCCESS, "there"))]
 
 
+@pytest.mark.parametrize("state", ["done", 1, None, ("SUCCESS",), "success"])
+def test_a_service_that_ends_with_another_status_has_failed(manager, arm, state):
+    _, request = manager.on_incoming_request("arm", "move", [3])
+    arm.completed(state, "there")
+    manager.update()
+    ((_, (outcome, text)),) = manager.ended
+    assert outcome == status.FAILED
+    assert "the service move ended with" in text
+    assert "SUCCESS, FAILED, PREEMPTED" in text
+    assert manager.ended[0][0] == request
+
+
 def test_a_new_call_preempts_an_interruptible_one(manager, arm):
     _, first = manager.on_incoming_request("arm", "move", [1])
     _, second = manager.on_incoming_request("arm", "move", [2])

@@ -231,6 +231,9 @@ class RequestManager(ABC):
         self._cancellations.pop(request_id, None)
         if not isinstance(outcome, tuple):
             outcome = (status.SUCCESS, outcome)
+        elif len(outcome) != 2 or not isinstance(outcome[0], str) or outcome[0] not in status.ALL:
+            expected = f"a status ({', '.join(status.ALL)}) and a result"
+            outcome = (status.FAILED, f"the service {running[2]} ended with {quoted(outcome)}, expected {expected}")
         try:
             check_result(running[0], outcome)
         except TooLarge as error:
