@@ -41,6 +41,16 @@ def test_an_obj_with_a_vertex_that_does_not_exist(tmp_path: Path, index: int) ->
     assert "Error" not in str(refusal.value)
 
 
+def test_a_world_whose_only_mesh_is_left_out(tmp_path: Path) -> None:
+    file = tmp_path / "world.xml"
+    file.write_text(
+        '<mujoco><asset><mesh name="m" file="/dev/zero"/></asset>'
+        '<worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>'
+    )
+    with pytest.raises(AssetError, match="/dev/zero"):
+        load(file)
+
+
 def test_a_device_or_a_folder_is_not_called_missing(tmp_path: Path) -> None:
     model = tmp_path / "robot.urdf"
     (tmp_path / "meshes").mkdir()

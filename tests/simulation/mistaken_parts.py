@@ -7,6 +7,7 @@ import signal
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import add_data
+from morse.core.modifier import AbstractModifier
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, service
 
@@ -121,3 +122,8 @@ class AwaitedService(Sensor):
     @async_service
     async def wait(self) -> None:
         pass
+
+
+class YieldingModifier(AbstractModifier):
+    def modify(self) -> Any:
+        yield 1

@@ -10,7 +10,7 @@ import mistaken_parts
 import pytest
 
 import morse
-from morse.builder import ATRV, Environment
+from morse.builder import ATRV, Environment, Pose
 from morse.builder.creator import SensorCreator
 from morse.launch import stuck_ticks
 from morse.simulation.loader import LoadError
@@ -61,6 +61,18 @@ def test_constructors_that_cannot_work(name: str, text: str) -> None:
 def test_methods_whose_calls_run_nothing(name: str, text: str) -> None:
     with pytest.raises(LoadError, match=text):
         with_sensor(name)
+
+
+def test_a_modifier_whose_calls_run_nothing() -> None:
+    def scene() -> None:
+        robot = ATRV("robot")
+        pose = Pose("pose")
+        pose.alter("", "mistaken_parts.YieldingModifier")
+        robot.append(pose)
+        Environment("empty", fastmode=True)
+
+    with pytest.raises(LoadError, match=r"YieldingModifier.modify contains 'yield'"):
+        morse.load(scene)
 
 
 def test_a_misspelt_attribute(caplog: pytest.LogCaptureFixture) -> None:

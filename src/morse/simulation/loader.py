@@ -13,7 +13,7 @@ from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
 from morse.core.external_object import ExternalObject
 from morse.core.kinds import findings_of
-from morse.core.parts.overwritten import hidden_methods, lazy_methods
+from morse.core.parts.overwritten import hidden_methods, laziness, lazy_methods
 from morse.core.reports.faults import ENDINGS, describe
 from morse.core.robot import Robot
 from morse.core.rows.unread import Unclaimed
@@ -278,7 +278,10 @@ def make_modifier(
         LoadError: the message contains the component and the line of the script that created it.
     """
     try:
-        instance: AbstractModifier = load_class(modifier.classpath)(component, dict(modifier.options))
+        cls = load_class(modifier.classpath)
+        if reason := laziness(getattr(cls, "modify", None)):
+            raise LoadError(f"{cls.__name__}.modify {reason}: a call of it runs nothing")
+        instance: AbstractModifier = cls(component, dict(modifier.options))
         instance.initialize()
         return instance
     except MorseError as error:

@@ -101,7 +101,8 @@ class _Reader:
         self._names = {root.name}
         self._add_shapes(root, self.model.bodies[0])
         if not root.children:
-            raise AssetError(self.source.path, "it has no bodies and no shapes")
+            reasons = f": {'; '.join(self.warnings[:3])}" if self.warnings else ""
+            raise AssetError(self.source.path, f"it has no bodies and no shapes{reasons}")
         root.articulation = Articulation(model=self._part((), (), root, {}))
         return Library(str(self.source.path), roots=[root], warnings=[*self.warnings, *self._images.pictures.warnings])
 

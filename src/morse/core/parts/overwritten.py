@@ -69,7 +69,7 @@ def lazy_methods(component: Component) -> list[tuple[str, bool]]:
         for name, value in vars(base).items():
             is_service = hasattr(value, "_morse_service")
             function = inspect.unwrap(getattr(value, "__func__", value))
-            reason = _laziness(function) if is_service or name in _METHODS else ""
+            reason = laziness(function) if is_service or name in _METHODS else ""
             if reason:
                 text = (
                     f"{base.__name__}.{name} {reason}: a call of it runs nothing. A component does a part of its work "
@@ -79,7 +79,8 @@ def lazy_methods(component: Component) -> list[tuple[str, bool]]:
     return lines
 
 
-def _laziness(function: object) -> str:
+def laziness(function: object) -> str:
+    """Return why a call of a function runs nothing of it; empty if it runs."""
     if inspect.iscoroutinefunction(function) or inspect.isasyncgenfunction(function):
         return "is declared by 'async def'"
     return "contains 'yield'" if inspect.isgeneratorfunction(function) else ""
