@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 from pymorse.component import Component
+from pymorse.failures import Failures
 from pymorse.future import MorseFuture
 from pymorse.messages import Messages
 
@@ -149,6 +150,7 @@ class AsyncComponent:
     def __init__(self, simu: AsyncMorse, component: Component) -> None:
         self._simu, self._component = simu, component
         self._callbacks: dict[Any, Any] = {}
+        self._failures = Failures(lambda: repr(component))
 
     def __getitem__(self, name: str) -> AsyncComponent:
         """The part of that name."""
@@ -219,12 +221,25 @@ class AsyncComponent:
         """Call a function, or a coroutine function, in the loop with every message of the sensor."""
         simu = self._simu
 
+        def fail(error: BaseException) -> None:
+            self._failures.add(take, error)
+
+        def finish(task: asyncio.Task[Any]) -> None:
+            del self._callbacks[task]
+            error = None if task.cancelled() else task.exception()
+            if error is not None:
+                fail(error)
+
         def run(message: Any) -> None:
-            result = callback(message)
+            try:
+                result = callback(message)
+            except Exception as error:
+                fail(error)
+                return
             if asyncio.iscoroutine(result):
                 task = simu._loop.create_task(result)
                 self._callbacks[task] = task
-                task.add_done_callback(self._callbacks.pop)
+                task.add_done_callback(finish)
 
         def take(message: Any) -> None:
             simu._soon(run, message)
@@ -240,7 +255,9 @@ class AsyncComponent:
         """
         if callback not in self._callbacks:
             raise ValueError(f"{callback!r} was not subscribed")
-        self._component.unsubscribe(self._callbacks.pop(callback))
+        take = self._callbacks.pop(callback)
+        self._component.unsubscribe(take)
+        self._failures.forget(take)
 
     def publish(self, msg: Any) -> asyncio.Future[None]:
         """Command the actuator; never waits."""

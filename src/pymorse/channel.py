@@ -19,6 +19,10 @@ MAX_UNSENT = 64 << 20
 """Maximum number of unsent bytes for a simulation that does not read."""
 
 
+#: the system tells what has arrived, and leaves it there
+_LOOK = socket.MSG_PEEK
+
+
 class Channel:
     """One TCP connection.
 
@@ -58,7 +62,7 @@ class Channel:
             BufferError: the other side does not read.
         """
         with self._state:
-            if not self._up:
+            if not self._up or self._has_ended():
                 raise ConnectionError(f"the connection to {self.peer} is closed: is the simulation still running?")
             if not self._unsent:
                 data = data[self._push(data) :]
@@ -68,6 +72,15 @@ class Channel:
                 raise BufferError(f"{self.peer} has not read {len(self._unsent)} bytes: has the simulation stopped?")
             self._unsent += data
         self.poller.command(lambda: self.poller.watch_writable(self, True))
+
+    def _has_ended(self) -> bool:
+        """Whether the other side has closed the connection, which the poll thread may not know yet."""
+        try:
+            return not self.socket.recv(1, _LOOK)
+        except (BlockingIOError, InterruptedError):
+            return False
+        except OSError:
+            return True
 
     def _push(self, data: bytes | bytearray) -> int:
         try:

@@ -8,6 +8,8 @@ import time
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
+from pymorse.failures import Failures
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -38,6 +40,7 @@ class Messages:
         self._count = 0
         self._arrival = threading.Condition()
         self._subscribers: list[Callable[[Any], object]] = []
+        self._failures = Failures(lambda: self.peer)
 
     def is_up(self) -> bool:
         """Whether messages may still arrive."""
@@ -66,7 +69,8 @@ class Messages:
         Raises:
             ValueError: the callback was not subscribed.
         """
-        self._subscribers.remove(callback)
+        index = self._subscribers.index(callback)
+        self._failures.forget(self._subscribers.pop(index))
 
     def last(self, n: int = 1) -> Any:
         """The most recent message, or the ``n``-th most recent; None if there is none. Never waits."""
@@ -143,8 +147,8 @@ class Messages:
         for callback in list(self._subscribers):
             try:
                 callback(decoded)
-            except Exception:
-                logger.exception("a callback of subscribe() failed on a message of %s", self.peer)
+            except Exception as error:
+                self._failures.add(callback, error)
 
     def ended(self) -> None:
         """Wake up all waiting callers, because no more messages will arrive."""

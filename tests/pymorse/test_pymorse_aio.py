@@ -149,6 +149,35 @@ def test_callbacks_run_in_the_loop(running: Running) -> None:
     run_apart(program())
 
 
+def test_callbacks_that_always_fail_print_one_traceback_each(
+    running: Running, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def program() -> None:
+        calls: list[str] = []
+        unheard: list[Any] = []
+
+        def fail(data: Any) -> None:
+            calls.append("function")
+            raise KeyError("nope")
+
+        async def fail_later(data: Any) -> None:
+            calls.append("coroutine")
+            raise KeyError("never")
+
+        asyncio.get_running_loop().set_exception_handler(lambda loop, context: unheard.append(context))
+        async with Morse(port=running.port) as simu:
+            simu.robot.pose.subscribe(fail)
+            simu.robot.pose.subscribe(fail_later)
+            async with asyncio.timeout(LIMIT):
+                while min(calls.count("function"), calls.count("coroutine")) < 9:
+                    await asyncio.sleep(0.01)
+        assert unheard == []
+
+    run_apart(program())
+    told = [record.exc_info[1].args for record in caplog.records if record.exc_info and record.exc_info[1]]
+    assert sorted(told) == [("never",), ("nope",)]
+
+
 @pytest.mark.parametrize("binary", [False, True])
 def test_a_connection_comes_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, binary: bool

@@ -129,6 +129,35 @@ def test_a_failing_subscriber_is_reported_and_the_others_go_on(
     assert "KeyError: 'nope'" in caplog.text
 
 
+def test_a_callback_that_always_fails_prints_one_traceback(
+    stream: StreamJSON, endpoint: Endpoint, caplog: pytest.LogCaptureFixture
+) -> None:
+    seen: list[Any] = []
+    stream.subscribe(lambda message: message["nope"])
+    stream.subscribe(seen.append)
+    endpoint.send(b'{"n": 1}\n' * 105)
+    wait_until(lambda: len(seen) == 105)
+    assert [bool(record.exc_info) for record in caplog.records] == [True, False, False]
+    assert [word for word in caplog.text.split() if word.isdigit()][-2:] == ["10", "100"]
+
+
+class Asleep:
+    """A poll thread that has not noticed anything yet."""
+
+    def add(self, channel: object) -> None: ...
+
+
+def test_to_publish_to_a_simulation_that_was_killed_is_an_error() -> None:
+    here, there = socket.socketpair()
+    stream = StreamJSON(sock=here, poller=Asleep())  # type: ignore[arg-type]
+    stream.publish({"v": 1.0})
+    assert there.recv(100) == b'{"v": 1.0}\n'
+    there.close()
+    with pytest.raises(ConnectionError, match="still running"):
+        stream.publish({"v": 2.0})
+    here.close()
+
+
 def test_what_is_no_json_is_reported_and_the_stream_goes_on(
     stream: StreamJSON, endpoint: Endpoint, caplog: pytest.LogCaptureFixture
 ) -> None:

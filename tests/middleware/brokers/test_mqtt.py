@@ -215,6 +215,27 @@ def test_commands_that_do_not_fit_change_nothing(
 
 
 @pytest.mark.peer("mosquitto")
+def test_a_second_simulation_on_the_same_topics_is_told(
+    broker: Mosquitto, start: Callable[..., Any], caplog: pytest.LogCaptureFixture
+) -> None:
+    broker.start()
+    for prefix in ("lab", "hall"):
+        sim = start(broker.port, options=f", prefix='{prefix}'")
+        until(sim, lambda sim=sim: broker_of(sim).connected)  # type: ignore[misc]
+        watcher = paho_client(broker.port)
+        heard: list[bytes] = []
+        watcher.on_message = lambda client, data, message, heard=heard: heard.append(message.payload)
+        watcher.subscribe(f"{prefix}/status", 1)
+        until(sim, lambda heard=heard: b"online" in heard)  # type: ignore[misc]
+        watcher.disconnect()
+        watcher.loop_stop()
+    assert "another simulation" not in caplog.text
+    second = start(broker.port, options=", prefix='lab'")
+    until(second, lambda: "another simulation" in caplog.text)
+    assert "prefix 'lab'" in caplog.text
+
+
+@pytest.mark.peer("mosquitto")
 def test_the_end_is_told(broker: Mosquitto, start: Callable[..., Any]) -> None:
     broker.start()
     sim = start(broker.port, options=", prefix='lab'")

@@ -58,7 +58,8 @@ class Broker:
         self._takers: dict[str, tuple[int, Callable[[bytes], object]]] = {}
         self._pending: deque[tuple[Any, int]] = deque()
         self._pending_size = 0
-        self._is_new = self._has_answered = self._is_closed = False
+        self._is_new = self._has_answered = self._is_closed = self._has_asked = False
+        self._prefix = options["prefix"]
         self._refusal = ""
         self._complaints = Complaints(logger)
         try:
@@ -160,6 +161,10 @@ class Broker:
             return
         for topic, (qos, _) in self._takers.items():
             client.subscribe(topic, qos)
+        if not self._has_asked:
+            # before the own status, which would replace it; later, the broker may still have this simulation as online
+            self._has_asked = True
+            client.subscribe(self._status, 1)
         client.publish(self._status, b"online", qos=1, retain=True)
         self._is_new = self.connected = True
         # a broker may break every connection
@@ -184,6 +189,13 @@ class Broker:
             self._complaints.warn("gone", f"mqtt: the broker {self.place} has disconnected: {because}")
 
     def _on_message(self, client: object, userdata: object, message: Any) -> None:
+        if message.topic == self._status and message.retain and message.payload == b"online":
+            self._complaints.warn(
+                "shared",
+                f"mqtt: {self._status} is 'online' already: another simulation uses the broker {self.place} with the "
+                f"prefix '{self._prefix}', so that both send on the same topics and receive the same commands; set "
+                "another one: env.configure_stream_manager('mqtt', prefix='...')",
+            )
         taker = self._takers.get(message.topic)
         if taker is not None:
             taker[1](message.payload)
