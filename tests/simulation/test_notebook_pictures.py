@@ -54,6 +54,15 @@ def test_what_is_not_a_colour_has_colours_with_the_top_row_first(sim, kind):
     assert pixels[11, 12].sum() > pixels[2, 12].sum()
 
 
+def test_a_camera_without_an_image_says_when_there_is_one():
+    with morse.load(scene) as simulation:
+        camera = simulation.robot.VideoCamera
+        assert camera._repr_png_() is None
+        assert "no image before sim.step()" in repr(camera)
+        simulation.step(6)
+        assert "no image" not in repr(camera)
+
+
 def test_other_components_are_shown_as_text(sim):
     assert sim.robot.pose._repr_png_() is None
     assert sim.robot._repr_png_() is None

@@ -6,6 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from morse.core.actuator import Actuator
+from morse.core.colors.image_colors import is_picture
 from morse.core.realism import copied
 from morse.core.reports.hints import nearest
 from morse.core.rows.unread import present_data
@@ -264,8 +265,11 @@ class ComponentHandle:
 
     def __repr__(self) -> str:
         try:
-            names = ", ".join([*self.parts] or [*self.component.local_data] or self._services())
-            return f"<{type(self.component).__name__} {self.fqn}: {names}>"
+            data = self.component.local_data
+            names = ", ".join([*self.parts] or [*data] or self._services())
+            # a notebook shows this in place of the picture
+            blank = "; no image before sim.step()" if "image" in data and not is_picture(data["image"]) else ""
+            return f"<{type(self.component).__name__} {self.fqn}: {names}{blank}>"
         except (LookupError, RuntimeError):
             return f"<{self.fqn}, which is not there any more>"
 
