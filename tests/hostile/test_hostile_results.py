@@ -18,6 +18,7 @@ from morse.many.ledger import Ledger, read_rows
 from morse.many.plots import histogram, scatter
 from morse.many.run import Run, run_once
 from morse.many.summary import write_summary
+from morse.many.values import plain
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -199,3 +200,10 @@ def test_a_worker_that_is_stopped_does_not_hold_the_end(tmp_path: Path) -> None:
         pass
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "pid").read_text()), 0)
+
+
+def test_a_result_that_contains_itself_is_named() -> None:
+    endless: list[Any] = []
+    endless.append({"again": endless})
+    with pytest.raises(ValueError, match="the result 'x' is nested too deeply, or contains itself"):
+        plain(endless, "the result 'x'")

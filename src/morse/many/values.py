@@ -15,7 +15,8 @@ def plain(value: object, what: str) -> Any:
 
     Raises:
         TypeError: it is something else.
-        ValueError: an integer has more than 64 bits, which neither tables nor statistics can contain.
+        ValueError: an integer has more than 64 bits, which neither tables nor statistics can contain; or it contains
+            itself.
     """
     if isinstance(value, np.ndarray):
         value = value.tolist()
@@ -29,10 +30,13 @@ def plain(value: object, what: str) -> Any:
         return int(value)
     if isinstance(value, float):
         return float(value)
-    if isinstance(value, (list, tuple)):
-        return [plain(one, what) for one in value]
-    if isinstance(value, dict):
-        return {str(key): plain(one, what) for key, one in value.items()}
+    try:
+        if isinstance(value, (list, tuple)):
+            return [plain(one, what) for one in value]
+        if isinstance(value, dict):
+            return {str(key): plain(one, what) for key, one in value.items()}
+    except RecursionError:
+        raise ValueError(f"{what} is nested too deeply, or contains itself") from None
     raise TypeError(
         f"{what} is a {type(value).__name__}, {value!r:.60}, expected a number, a string, a boolean, None, or a list "
         "of these"
