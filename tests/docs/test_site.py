@@ -71,6 +71,7 @@ def test_another_version_is_selected(address: str, browser: Browser):
     try:
         page.goto(address + "2.1.0/sweeps.html")
         select = page.get_by_label("Version", exact=False)
+        select.locator("option:checked", has_text="2.1.0").wait_for(state="attached")  # the list is loaded later
         assert select.input_value() == "2.1.0"
         select.select_option("2.0.10")
         page.wait_for_url("**/2.0.10/sweeps.html")

@@ -73,7 +73,10 @@ def limited_run(scene: str, folder: Path, descriptors: int, *options: str, **env
         )
     run = Run(process, log)
     try:
-        yield run
+        try:
+            yield run
+        except TimeoutError as error:
+            raise AssertionError(f"no answer; the log:\n{run.log}") from error
         assert process.poll() is None, run.log
         process.send_signal(signal.SIGINT)
         process.wait(_MINUTE)

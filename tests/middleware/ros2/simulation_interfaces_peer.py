@@ -63,6 +63,7 @@ def main() -> None:
     said["size"] = [getattr(bounds.points[0], axis) - getattr(bounds.points[1], axis) for axis in "xyz"]
     info = EntityInfo(description="mine", tags=["blue"])
     said["noted"] = call(srv.SetEntityInfo, entity="third", info=info).result.result
+    bounds.points[0].z, bounds.points[1].z = 99.0, -99.0  # it is falling
     filters = EntityFilters(tags=TagsFilter(tags=["blue"]), bounds=bounds)
     said["blue"] = list(call(srv.GetEntities, filters=filters).entities)
     said["poses"] = [(one.name, one.pose.position.x) for one in call(srv.GetNamedPoses).poses]
