@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import logging
 import socket
 from typing import TYPE_CHECKING, Any
@@ -66,6 +67,44 @@ def test_a_flood_of_resets_keeps_nobody_waiting(caplog: pytest.LogCaptureFixture
         eventually(lambda: acceptor.accept() or callers)
         assert [caller.socket.getpeername() for caller in callers] == [address]
     assert not caplog.text
+    acceptor.close()
+    for caller in callers:
+        caller.dismiss()
+        acceptor.leave(caller)
+
+
+class _Exhausted(socket.socket):
+    """A listener in a process that has no descriptor left until a connection is closed."""
+
+    callers: list[Caller]
+
+    def accept(self) -> tuple[socket.socket, Any]:
+        if all(caller.socket.fileno() != -1 for caller in self.callers):
+            raise OSError(errno.EMFILE, "Too many open files")
+        return super().accept()
+
+
+def test_a_silent_connection_leaves_for_a_new_one_that_finds_no_descriptor() -> None:
+    callers: list[Caller] = []
+
+    def enter(sock: socket.socket, _: Any) -> None:
+        callers.append(Caller(sock))
+        acceptor.join(callers[-1])
+
+    acceptor = Acceptor("a port", enter, most=4, complaints=Complaints(logger))
+    listener = listen("127.0.0.1", (0,))
+    number = port_of(listener)
+    acceptor.open(listener)
+    with connect(number) as silent, connect(number) as late:
+        eventually(lambda: acceptor.accept() or len(callers) == 2)
+        acceptor.close()
+        exhausted = _Exhausted(fileno=listen("127.0.0.1", (0,)).detach())
+        exhausted.callers = list(callers)
+        acceptor.open(exhausted)
+        with connect(port_of(exhausted)) as new:
+            eventually(lambda: acceptor.accept() or len(callers) == 3)
+            assert callers[-1].socket.getpeername() == new.getsockname()
+        assert sum(map(is_closed, (silent, late))) == 1
     acceptor.close()
     for caller in callers:
         caller.dismiss()

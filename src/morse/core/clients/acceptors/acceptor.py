@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import socket
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
@@ -23,6 +24,8 @@ _BACKLOG = 1024
 _AT_A_TIME, _TURN, _LEAVING = 64, 0.002, 8
 #: wall-clock seconds without accepting connections after the system could not create a socket
 _PAUSE = 1.0
+#: the process, or the system, has no file descriptor for another socket
+_NO_DESCRIPTOR = (errno.EMFILE, errno.ENFILE)
 
 
 class ClientConnection(Protocol):
@@ -194,7 +197,9 @@ class Acceptor:
             except ConnectionError:
                 continue  # the client has left
             except OSError as error:
-                self._pause(listener, error)
+                # without a descriptor, nobody is accepted for whom another one could leave
+                if error.errno not in _NO_DESCRIPTOR or not self._make_room_anywhere():
+                    self._pause(listener, error)
                 return
             sock.setblocking(False)
             if _is_reset(sock):
@@ -209,6 +214,9 @@ class Acceptor:
             return self.make_room()
         if DESCRIPTORS.has_room():
             return True
+        return self._make_room_anywhere()
+
+    def _make_room_anywhere(self) -> bool:
         fullest = self._acceptors.most_dispensable()
         return fullest is not None and fullest.make_room()
 
