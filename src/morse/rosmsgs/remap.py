@@ -77,7 +77,7 @@ class Remaps:
         if change is None:
             return topic, qos
         self._rest.pop(topic, None)
-        changes = {name: getattr(change, name) for name in qos._fields if getattr(change, name) is not None}
+        changes = {name: value for name, value in change._asdict().items() if name in qos._fields and value is not None}
         return change.topic or topic, qos._replace(**changes)
 
     def unused(self) -> Iterator[str]:

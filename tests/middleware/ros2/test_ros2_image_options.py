@@ -138,3 +138,19 @@ def test_the_right_camera_of_a_pair_says_how_far_it_is_from_the_left(start: Call
     assert all(
         one.stream_of(unit, "OUT") is None for one in registry.installed().values() for unit in (StereoUnit, Kinect)
     )
+
+
+def test_writers_keep_as_many_images_for_slow_readers_as_fit_into_64_megabytes(
+    start: Callable[..., tuple[Any, Desk]],
+) -> None:
+    sizes = {"small": (4, 2), "usual": (640, 480), "large": (1920, 1080)}
+    lines = [
+        f'{name} = VideoCamera("{name}"); {name}.properties(cam_width={width}, cam_height={height}); '
+        f'{name}.add_stream("ros2", encoding="rgb8"); robot.append({name})\n'
+        for name, (width, height) in sizes.items()
+    ]
+    _, desk = start("".join(lines), connected="")
+    kept = {name: desk.publishers[f"/robot/{name}/image"][1].history for name in sizes}
+    assert kept["small"] == 90, "three seconds at 30 Hz"
+    assert kept["usual"] * 640 * 480 * 3 <= 64 << 20 < (kept["usual"] + 1) * 640 * 480 * 3
+    assert kept["large"] == 30, "one second at 30 Hz"

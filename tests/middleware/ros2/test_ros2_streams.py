@@ -90,7 +90,7 @@ def test_time_goes_by_ticks_and_starts_anew(start: Callable[..., tuple[Any, Desk
     assert (now.sec, now.nanosec) == (1, 16_666_667)
     stamp = desk.last("/robot/pose").header.stamp
     assert (stamp.sec, stamp.nanosec) == (1, 16_666_667)
-    assert desk.publishers["/clock"][1] == (1, False, False)
+    assert desk.publishers["/clock"][1][:3] == (1, False, False)
     sim.restart()
     sim.step()
     assert desk.last("/clock").clock.sec == 0

@@ -11,6 +11,7 @@ from morse.rosmsgs.kinds.compression import compressed_outlet
 from morse.rosmsgs.kinds.image_forms import encoding_of, form_of
 from morse.rosmsgs.outlets import Inlet, Outlet
 from morse.rosmsgs.parts import header
+from morse.rosmsgs.qos import Qos
 from morse.rosmsgs.table import TopicTable, topics
 
 if TYPE_CHECKING:
@@ -26,6 +27,10 @@ _ENCODINGS = {
     "rgb8": ("u1", 3), "rgba8": ("u1", 4), "bgr8": ("u1", 3), "bgra8": ("u1", 4), "mono8": ("u1", 1),
     "mono16": ("u2", 1), "16UC1": ("u2", 1), "32FC1": ("f4", 1), "32FC2": ("f4", 2), "32FC3": ("f4", 3),
 }  # fmt: skip
+
+
+#: images that a writer keeps for slow readers: bytes, and numbers of images
+_KEPT_BYTES, _LEAST_KEPT, _MOST_KEPT = 64 << 20, 30, 90
 
 
 class VisionKinds(TopicTable):
@@ -47,9 +52,10 @@ class VisionKinds(TopicTable):
         """On ``image``, and as the plug-ins of image_transport compress it."""
         form = form_of(stream, bound)
         make = _image if form is None else partial(_image, form=form)
-        small = compressed_outlet(*encoding_of(stream, bound), form)
+        encoding, unit = encoding_of(stream, bound)
+        small = compressed_outlet(encoding, unit, form)
         return [
-            Outlet("sensor_msgs/msg/Image", make, "image", takes_long=True),
+            Outlet("sensor_msgs/msg/Image", make, "image", _history(bound.component, encoding), takes_long=True),
             *([] if small is None else [small]),
         ]
 
@@ -62,6 +68,13 @@ class VisionKinds(TopicTable):
     def take_image(self, stream: Carrier, bound: BoundKind) -> list[Inlet]:
         """Any image publisher can control an array of lamps."""
         return [Inlet("sensor_msgs/msg/Image", _from_image)]
+
+
+def _history(camera: Any, encoding: str) -> Qos:
+    """The images of one to three seconds at 30 Hz: on a busy machine, readers are behind for longer than a second."""
+    kind, channels = _ENCODINGS.get(encoding, ("u1", 4))
+    size = getattr(camera, "image_width", 0) * getattr(camera, "image_height", 0) * channels * np.dtype(kind).itemsize
+    return Qos(history=min(max(_KEPT_BYTES // max(size, 1), _LEAST_KEPT), _MOST_KEPT))
 
 
 def _scan(message: Message, frame: str, period: float) -> RosMessage:

@@ -134,6 +134,10 @@ class Backend(ABC):
     def tell_graph(self) -> None:  # most backends have nothing to tell
         """Tell other nodes which topics were opened and closed; called at the end of each tick."""
 
+    def has_namesake(self) -> bool:
+        """Whether another simulation of the domain has been seen since the last call, by the name of its node."""
+        return False
+
     def service(self, name: str, type_name: str) -> ServiceServer | None:
         """Offer a service; None if this backend has no services, or does not have the type.
 

@@ -41,7 +41,7 @@ _NO_TIME = 0.0
 #: size of the fragments of images, bytes
 _FRAGMENT = 14000
 #: time for which a message is kept for readers that have not received all of it, s of the wall clock, and the number of
-#: messages that are kept: those of a second at 30 Hz
+#: messages that are kept if their size is unknown: those of a second at 30 Hz
 _PATIENCE, _KEPT = 1.0, 30
 #: maximum number of messages that are read in one tick
 _MOST = 64
@@ -132,7 +132,7 @@ def _qos(qos: Qos) -> DdsQos:
 class _Writer(Publisher):
     def __init__(self, backend: CycloneBackend, topic: Any, qos: Qos) -> None:
         self._graph = backend.graph
-        kept = qos.depth if qos.latched else max(qos.depth, _KEPT)
+        kept = qos.depth if qos.latched else max(qos.depth, qos.history or _KEPT)
         self._writer = DataWriter(backend.participant, topic, qos=_qos(qos._replace(depth=kept)))
         self._graph.add(self._writer)
         self._reliable = qos.reliable
@@ -246,6 +246,10 @@ class CycloneBackend(Backend):
         """See `Backend.tell_graph`."""
         if self.graph.changed:
             self.graph.tell()
+
+    def has_namesake(self) -> bool:
+        """See `Backend.has_namesake`."""
+        return self.graph.has_namesake()
 
     def close(self) -> None:
         """See `Backend.close`."""

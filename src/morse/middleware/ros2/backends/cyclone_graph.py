@@ -9,6 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
 from morse.middleware.ros2.backends.cyclone_types import sample_type
@@ -16,10 +18,13 @@ from morse.rosmsgs import cdr
 
 if TYPE_CHECKING:
     from cyclonedds.domain import DomainParticipant
-    from cyclonedds.qos import Qos
 
 _TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 _TOPIC = "ros_discovery_info"
+#: where the participant, its number of nodes, and the namespace and name of the first one are in a message
+_GID, _NODES, _FIRST = 4, 20, 24
+#: maximum number of messages of other participants that wait, and that are read at once
+_MOST = 100
 
 
 class GraphNode:
@@ -36,7 +41,10 @@ class GraphNode:
     def __init__(self, participant: DomainParticipant, name: str, qos: Qos) -> None:
         kind = sample_type(_TYPE)
         self._participant, self._name = participant, name
-        self._writer: Any = DataWriter(participant, Topic(participant, _TOPIC, kind), qos=qos)
+        topic = Topic(participant, _TOPIC, kind)
+        self._writer: Any = DataWriter(participant, topic, qos=qos)
+        several = Qos(Policy.History.KeepLast(_MOST), base=qos)
+        self._others: Any = DataReader(participant, topic, qos=several)
         self._sample = kind()
         self._readers: dict[bytes, None] = {}
         self._writers: dict[bytes, None] = {}
@@ -65,5 +73,16 @@ class GraphNode:
             "writer_gid_seq": [{"data": number} for number in self._writers],
         }
         message = {"gid": {"data": self._participant.guid.bytes}, "node_entities_info_seq": [node]}
-        self._sample.data = cdr.encode(_TYPE, message)
+        self._sample.data = data = cdr.encode(_TYPE, message)
+        end = self._name.encode() + b"\0"
+        self._first = data[_FIRST : data.index(end, _FIRST) + len(end)]
         self._writer.write(self._sample)
+
+    def has_namesake(self) -> bool:
+        """Whether the first node of another participant had the same name in a message since the last call."""
+        own = self._sample.data[_GID:_NODES]
+        return any(
+            sample.data[_FIRST:].startswith(self._first) and sample.data[_GID:_NODES] != own
+            for sample in self._others.take(_MOST)
+            if sample.sample_info.valid_data
+        )

@@ -236,6 +236,10 @@ class RclpyBackend(Backend):
         if self._other is not None:
             self._other.tell_graph()
 
+    def has_namesake(self) -> bool:
+        """See `Backend.has_namesake`."""
+        return self._node.get_node_names_and_namespaces().count((NODE, "/")) > 1  # type: ignore[no-any-return]
+
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`."""
         kind = _message_class(type_name)
