@@ -42,6 +42,15 @@ def test_an_example_is_copied(tmp_path, capsys):
     assert "choose another folder" in capsys.readouterr().err
 
 
+def test_an_interrupted_command_says_so(capsys, monkeypatch):
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("morse.cli.demo._list", interrupted)
+    assert execute(["demo"]) == 130
+    assert capsys.readouterr().err == "* Interrupted.\n"
+
+
 def test_mistakes_are_said_in_a_line(capsys):
     for words, status, answer in ((["drvie"], 1, "Did you mean 'drive'?"), (["--headless"], 2, "Which example?")):
         assert execute(["demo", *words]) == status

@@ -80,6 +80,13 @@ class _Commands(typer.core.TyperGroup):
     def get_params(self, ctx: Any) -> list[Any]:
         return _plain_types(super().get_params(ctx))
 
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            # newer versions of Typer end the program without a word
+            raise CommandError("Interrupted.", status=130) from None
+
     def list_commands(self, ctx: object) -> list[str]:
         return list(_MODULES)
 
