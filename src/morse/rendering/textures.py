@@ -12,7 +12,7 @@ from PIL import Image as Picture
 
 from morse.kernel.drawing.arrays import TEXTURE
 from morse.mathutils.light import linear_light
-from morse.system.pictures import open_picture
+from morse.system.pictures import load_readers, open_picture
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from morse.scene import Image
 
 logger = logging.getLogger(__name__)
+# textures may be read within a tick, when there may be no file descriptor left
+load_readers()
 
 #: maximum number of texels along a side; larger images are scaled down
 _MOST_ASIDE = 2048

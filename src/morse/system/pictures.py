@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import warnings
+from functools import cache
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-#: formats of textures; Pillow reads others by running a program, such as Ghostscript for PostScript
-_FORMATS = ("BMP", "DDS", "GIF", "JPEG", "JPEG2000", "PNG", "PPM", "SGI", "TGA", "TIFF", "WEBP")
+#: formats of textures, and the modules of Pillow that read them; Pillow reads others by running a program, such as
+#: Ghostscript for PostScript
+_READERS = {
+    "BMP": "Bmp", "DDS": "Dds", "GIF": "Gif", "JPEG": "Jpeg", "JPEG2000": "Jpeg2K", "PNG": "Png", "PPM": "Ppm",
+    "SGI": "Sgi", "TGA": "Tga", "TIFF": "Tiff", "WEBP": "WebP",
+}  # fmt: skip
+_FORMATS = tuple(_READERS)
 #: what Pillow calls a JPEG file of a camera with two lenses
 _OF_JPEG = "MPO"
+
+
+@cache
+def load_readers() -> None:
+    """Import what reads the formats, once: Pillow would import the readers of all formats at the first picture."""
+    for name in _READERS.values():
+        importlib.import_module(f"PIL.{name}ImagePlugin")
 
 
 def open_picture(data: bytes) -> Image:
@@ -23,6 +37,7 @@ def open_picture(data: bytes) -> Image:
     """
     from PIL import Image, UnidentifiedImageError
 
+    load_readers()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
