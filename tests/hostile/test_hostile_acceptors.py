@@ -41,6 +41,18 @@ class Caller:
         self.socket.close()
 
 
+def four_places() -> tuple[Acceptor, list[Caller]]:
+    """An acceptor with four places, and its connections in their order."""
+    callers: list[Caller] = []
+
+    def enter(sock: socket.socket, _: Any) -> None:
+        callers.append(Caller(sock))
+        acceptor.join(callers[-1])
+
+    acceptor = Acceptor("a port", enter, most=4, complaints=Complaints(logger))
+    return acceptor, callers
+
+
 @pytest.fixture
 def network() -> Iterator[Network]:
     network = Network()
@@ -49,13 +61,7 @@ def network() -> Iterator[Network]:
 
 
 def test_a_flood_of_resets_keeps_nobody_waiting(caplog: pytest.LogCaptureFixture) -> None:
-    callers: list[Caller] = []
-
-    def enter(sock: socket.socket, _: Any) -> None:
-        callers.append(Caller(sock))
-        acceptor.join(callers[-1])
-
-    acceptor = Acceptor("a port", enter, most=4, complaints=Complaints(logger))
+    acceptor, callers = four_places()
     listener = listen("127.0.0.1", (0,))
     acceptor.open(listener)
     # nothing is accepted meanwhile, as while a tick holds the processor
@@ -85,13 +91,7 @@ class _Exhausted(socket.socket):
 
 
 def test_a_silent_connection_leaves_for_a_new_one_that_finds_no_descriptor() -> None:
-    callers: list[Caller] = []
-
-    def enter(sock: socket.socket, _: Any) -> None:
-        callers.append(Caller(sock))
-        acceptor.join(callers[-1])
-
-    acceptor = Acceptor("a port", enter, most=4, complaints=Complaints(logger))
+    acceptor, callers = four_places()
     listener = listen("127.0.0.1", (0,))
     number = port_of(listener)
     acceptor.open(listener)

@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from desk import Desk
-from test_ros2_simulation_interfaces import ALL, NOT_FOUND, OK, UNSUPPORTED, Caller, Counter, pose, spawn
+from test_ros2_simulation_interfaces import ALL, NOT_FOUND, OK, UNSUPPORTED, caller_of, pose, spawn
 
 from morse.scene.shape_boxes import box_around
 from morse.scene.shapes import CollisionShape, ShapeKind
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from desk import Desk
+    from test_ros2_simulation_interfaces import Caller
 
 FAILED, BOX, HULL, SPHERE = 4, 1, 2, 3
 URDF = """<robot name="plate"><link name="base"><inertial><mass value="5"/></inertial>
@@ -29,16 +31,7 @@ zone.size = (1.0, 2.0, 0.5)
 
 @pytest.fixture
 def call(start: Callable[..., tuple[Any, Desk]], monkeypatch: pytest.MonkeyPatch) -> Caller:
-    servers: dict[str, tuple[str, Counter]] = {}
-
-    def service(self: Desk, name: str, type_name: str) -> Counter:
-        servers[name] = (type_name, Counter())
-        return servers[name][1]
-
-    monkeypatch.setattr(Desk, "service", service)
-    monkeypatch.setattr(Desk, "has_services", True)
-    sim, _ = start("robot.append(Pose('pose'))", SCENE + "env.add_default_interface('ros2')", connected="")
-    caller = Caller(sim, servers)
+    caller = caller_of(start, monkeypatch, SCENE)
     turned = {"x": 0.0, "y": 0.0, "z": math.sin(math.pi / 4), "w": math.cos(math.pi / 4)}
     where = pose(20.0, 10.0, 5.0)
     where["pose"]["orientation"] = turned

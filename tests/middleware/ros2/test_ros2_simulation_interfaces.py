@@ -54,8 +54,7 @@ class Caller:
         raise AssertionError(f"{name} is not answered")
 
 
-@pytest.fixture
-def call(start: Callable[..., tuple[Any, Desk]], monkeypatch: pytest.MonkeyPatch) -> Caller:
+def caller_of(start: Callable[..., tuple[Any, Desk]], monkeypatch: pytest.MonkeyPatch, options: str = "") -> Caller:
     servers: dict[str, tuple[str, Counter]] = {}
 
     def service(self: Desk, name: str, type_name: str) -> Counter:
@@ -64,8 +63,13 @@ def call(start: Callable[..., tuple[Any, Desk]], monkeypatch: pytest.MonkeyPatch
 
     monkeypatch.setattr(Desk, "service", service)
     monkeypatch.setattr(Desk, "has_services", True)
-    sim, _ = start("robot.append(Pose('pose'))", "env.add_default_interface('ros2')", connected="")
+    sim, _ = start("robot.append(Pose('pose'))", options + "env.add_default_interface('ros2')", connected="")
     return Caller(sim, servers)
+
+
+@pytest.fixture
+def call(start: Callable[..., tuple[Any, Desk]], monkeypatch: pytest.MonkeyPatch) -> Caller:
+    return caller_of(start, monkeypatch)
 
 
 def pose(x: float, y: float, z: float, frame: str = "map") -> dict[str, Any]:
