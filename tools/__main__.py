@@ -15,6 +15,8 @@ library that are missing. With the names of components, their pictures are taken
 
 ``python -m tools wine [WHEEL]``: tries the kernel of the wheel for Windows.
 
+``python -m tools oracles``: tests/oracles.json, the bits of demos, recipes and topics that a change keeps.
+
 ``python -m tools site FOLDER``: adds the documentation of this version to a site.
 """
 
@@ -45,6 +47,10 @@ def main(arguments: list[str]) -> int:
         from tools import compatibility
 
         return compatibility.main(names)
+    if part == "oracles" and not names:
+        from tools import oracles
+
+        return oracles.main()
     if part == "validation" and not names:
         from tools.validation import page
 
