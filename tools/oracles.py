@@ -1,6 +1,6 @@
 """The bits that a change keeps: state hashes of all demos and recipes, and the bytes of all topics.
 
-``python -m tools oracles`` writes ``tests/oracles.json``; ``tests/verification/test_oracles.py`` compares a run with it.
+`python -m tools oracles` writes ``tests/oracles.json``; ``tests/verification/test_oracles.py`` compares it with a run.
 A commit that changes the file says which entry has changed and why.
 
 The bits depend on the processor's and the operating system's floating-point functions, on MuJoCo and on numpy:
