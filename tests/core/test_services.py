@@ -85,6 +85,29 @@ def test_every_declared_service_is_offered(manager):
     assert manager.services()["elsewhere"] == ["far"]
 
 
+def test_services_leave_with_their_object_not_with_its_name(manager, arm):
+    """Two objects offer services under one name: a robot of a script, and a pseudo component."""
+
+    class Other(AbstractObject):
+        @service
+        def own(self):
+            return "mine"
+
+        def name(self):
+            return "arm"
+
+    services, other = MorseServices([manager]), Other()
+    services.register_request_manager_mapping("arm", manager.classpath)
+    services.register_object("arm", other)
+    services.unregister(other)
+    assert manager.find("arm", "own") is None
+    assert manager.find("arm", "get") is not None
+    assert services.managers_of("arm") == [manager]
+    services.register_object("arm", other)
+    services.unregister(arm)
+    assert manager.services() == {"arm": ["own"]}
+
+
 def test_a_service_answers_at_once(manager):
     assert manager.on_incoming_request("arm", "get", [1]) == (True, (status.SUCCESS, [1, 2]))
     assert manager.on_incoming_request("arm", "renamed", None) == (True, (status.SUCCESS, "here"))

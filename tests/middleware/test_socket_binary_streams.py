@@ -152,7 +152,7 @@ def test_a_client_that_leaves_is_forgotten(bench: Bench) -> None:
 def test_the_end_of_a_component_is_told(bench: Bench, reader: Reader) -> None:
     sensor = bench.sensor(port=0)
     subscribe(reader, "robot1.pose")
-    bench.streams.disconnect("robot1.pose")
+    bench.streams.disconnect(sensor)
     bench.components.remove(sensor)
     wait_until(lambda: reader.notices()[-1] == {"closed": "robot1.pose"})
     again = bench.sensor(port=0)

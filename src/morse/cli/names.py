@@ -7,8 +7,8 @@ import sys
 import unicodedata
 
 from morse.cli.messages import CommandError
+from morse.core.validation.names import DEVICES
 
-_WINDOWS_DEVICES = {"con", "prn", "aux", "nul"} | {f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)}
 _OWN_PACKAGES = {"morse", "pymorse", "numpy", "mujoco", "msgspec", "websockets", "typer", "rich"}
 
 
@@ -75,7 +75,7 @@ def class_name(name: str) -> str:
 
 def _is_reserved(name: str) -> bool:
     """Whether a name, or that of its class, is a keyword of Python, or the name is that of a device on Windows."""
-    return keyword.iskeyword(name) or keyword.iskeyword(name.capitalize()) or name.lower() in _WINDOWS_DEVICES
+    return keyword.iskeyword(name) or keyword.iskeyword(name.capitalize()) or name.lower() in DEVICES
 
 
 def _identifier(text: str, keep: str, replace: str) -> str:

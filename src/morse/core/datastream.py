@@ -219,10 +219,13 @@ class DatastreamManager(Observer):
             options = with_defaults(own_options, {name: value for name, value in values.items() if name in own_options})
         return cls(component, options)
 
-    def disconnect(self, name: str) -> None:
-        """Close the streams of a component that is deleted."""
-        self._close_streams(name)
-        self.left(name)
+    def disconnect(self, component: Object) -> None:
+        """Close the streams of a component that is deleted; those of another one of the same name remain."""
+        name = component.name()
+        streams = self.streams.get(name, ())
+        if not any(stream.component_instance is not component for stream in streams):
+            self._close_streams(name)
+            self.left(name)
 
     def _close_streams(self, name: str) -> None:
         for stream in self.streams.pop(name, ()):

@@ -27,7 +27,7 @@ from morse.core.streams.extent import TooLarge, check_result
 from morse.core.validation.arguments import Arguments
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Sized
+    from collections.abc import Callable, Collection, Iterable, Set, Sized
 
     from morse.core.guard import Guard
     from morse.core.journal import Journal
@@ -168,10 +168,16 @@ class RequestManager(ABC):
         if self.post_registration(component, name, is_async):
             self._services[component, name] = OfferedService.of(callback, name, is_async)
 
-    def unregister(self, component_name: str) -> None:
-        """Stop offering the services of a component."""
-        for key in [key for key in self._services if key[0] == component_name]:
+    def unregister(self, owner: object) -> None:
+        """Stop offering the services of an object; those of other objects with the same name remain."""
+        gone = [key for key, entry in self._services.items() if _owner_of(entry.callback) is owner]
+        for key in gone:
             del self._services[key]
+        for component in dict.fromkeys(component for component, _ in gone):
+            self.withdrawn(component, {service for name, service in gone if name == component})
+
+    def withdrawn(self, component_name: str, services: Set[str]) -> None:
+        """Called when services of a component are no longer offered."""
 
     def services(self) -> dict[str, list[str]]:
         """The services by component, in the order of registration."""
@@ -203,7 +209,7 @@ class RequestManager(ABC):
         if not entry.is_async:
             return True, (status.SUCCESS, _result(entry.callback, *arguments))
         request_id = uuid.UUID(int=next(_numbers))
-        owner = getattr(entry.callback, "__self__", None)
+        owner = _owner_of(entry.callback)
         self._running[request_id] = (owner if isinstance(owner, AbstractObject) else None, component, service)
         try:
             cancel = _result(entry.callback, lambda outcome: self._ended(request_id, outcome), *arguments)
@@ -303,6 +309,11 @@ def _result(service: Callable[..., object], *arguments: object) -> object:
         raise RuntimeError(summary(error)).with_traceback(error.__traceback__) from error
 
 
+def _owner_of(callback: Callable[..., object]) -> object:
+    """The object whose method implements a service; None for a function."""
+    return attribute(callback, "__self__")
+
+
 _answer, _update = methodcaller("answer"), methodcaller("update")
 
 
@@ -369,16 +380,18 @@ class MorseServices:
     def _everybody(self) -> list[RequestManager]:
         return [*self._managers.values(), *self._internal]
 
-    def unregister(self, component: str) -> None:
-        """Stop offering the services of a component that was deleted or will be recreated."""
+    def unregister(self, obj: AbstractObject) -> None:
+        """Stop offering the services of a component or of an overlay that was deleted."""
         for manager in self._everybody():
-            manager.unregister(component)
-        self._mapping.pop(component, None)
+            manager.unregister(obj)
+        name = obj.name()
+        if not any(name in manager.services() for manager in self._managers.values()):
+            self._mapping.pop(name, None)
 
     def replace(self, name: str, before: AbstractObject, after: AbstractObject) -> None:
         """Replace an object by another object, which takes over its services and its running calls."""
         for manager in self._everybody():
-            manager.unregister(name)
+            manager.unregister(before)
             manager.hand_over(before, after)
         self.register_object(name, after)
 

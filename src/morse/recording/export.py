@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from morse.core.reports.hints import nearest
+from morse.core.validation.names import file_name
 from morse.recording.errors import RecordingError
 from morse.recording.fields import FIELDS
 from morse.recording.fields.table import FieldsTable
@@ -29,7 +29,6 @@ _ROWS = 1000
 _BYTES = 64 << 20
 #: maximum number of open files; a recording with more topics is read several times
 _FILES = 100
-_LONGEST_NAME = 120
 
 
 class Written(NamedTuple):
@@ -124,7 +123,7 @@ class _Parquet:
 class _Writing:
     """The file of one topic during the export."""
 
-    def __init__(self, folder: Path, channel: Channel, form: str, names: set[str], source: str) -> None:
+    def __init__(self, folder: Path, channel: Channel, form: str, names: dict[str, int], source: str) -> None:
         is_csv = form == "csv"
         self.table: Table | FieldsTable = (
             FieldsTable(channel, source, without_data=is_csv)
@@ -159,14 +158,14 @@ class _Writing:
         self._sink.close()
 
 
-def _file_name(topic: str, names: set[str]) -> str:
-    """``robot.pose`` for ``/robot/pose``; the path stays in the folder for any name in a file."""
-    name = re.sub(r"[^A-Za-z0-9_.-]", "_", topic.strip("/").replace("/", "."))[:_LONGEST_NAME].lstrip(".") or "topic"
-    unique, number = name, 1
+def _file_name(topic: str, names: dict[str, int]) -> str:
+    """``robot.pose`` for ``/robot/pose``; names that exist, in any case, get numbers."""
+    unique = name = file_name(topic.strip("/").replace("/", ".") or "topic")
     while unique.lower() in names:
-        number += 1
-        unique = f"{name}-{number}"
-    names.add(unique.lower())
+        # numbers that were given are not tried again: a file may have thousands of topics of the same name
+        names[name.lower()] += 1
+        unique = f"{name}-{names[name.lower()]}"
+    names[unique.lower()] = 1
     return unique
 
 
@@ -201,14 +200,14 @@ def export(
     target.mkdir(parents=True, exist_ok=True)
     tables: list[Written] = []
     remarks: list[str] = []
-    names: set[str] = set()
+    names: dict[str, int] = {}
     for begin in range(0, len(topics_to_write), _FILES):
         tables += _some(file, topics_to_write[begin : begin + _FILES], target, form, names, remarks)
     return tables, remarks
 
 
 def _some(
-    file: McapFile, channels: list[Channel], target: Path, form: str, names: set[str], remarks: list[str]
+    file: McapFile, channels: list[Channel], target: Path, form: str, names: dict[str, int], remarks: list[str]
 ) -> list[Written]:
     open_: dict[int, _Writing] = {}
     try:

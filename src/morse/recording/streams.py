@@ -257,8 +257,9 @@ class RecordedStreams(TopicManager):
             if entry.kind == "sensor" and (self._names is None or entry.name in self._names)
         }
         components = self.context.components
-        for name in [name for name in self.streams if name not in sensors or name not in components]:
-            self.disconnect(name)
+        gone = [streams for name, streams in self.streams.items() if name not in sensors or name not in components]
+        for component in [streams[0].component_instance for streams in gone if streams]:
+            self.disconnect(component)
         for name, entry in sensors.items():
             streams = self.streams.get(name)
             component = components.get(name)

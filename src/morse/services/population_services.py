@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Sequence
 
-_LONGEST_NAME = 100
-
 
 class Population(Protocol):
     """The robots and objects of a simulation."""
@@ -69,7 +67,8 @@ class PopulationServices(AbstractObject):
         which the simulation was started.
 
         Args:
-            name: name of the new object, which must not exist in the scene.
+            name: name of the new object: letters (a to z), digits and ``_``; it must not exist in the simulation, nor
+                be reserved, such as ``simulation``.
             kind: name of a robot in scene scripts, e.g. ``ATRV``, of a robot of the project, e.g.
                 ``ranger_sim.builder.robots:Ranger``, of a model, e.g. ``props/crates``, or of an object of a model,
                 e.g. ``props/crates#small_crate``; or the text of a robot in URDF, SDF or MJCF: it has the sensors and
@@ -77,10 +76,6 @@ class PopulationServices(AbstractObject):
             position: x, y, z in the world, m; the origin if it is not given.
             orientation: roll, pitch, yaw, rad.
         """
-        if not 0 < len(name) <= _LONGEST_NAME or not name.isprintable() or name.split() != [name] or "." in name:
-            raise MorseRPCInvokationError(
-                f"the name of an object is a word of up to {_LONGEST_NAME} letters without dots, not {name[:120]!r}"
-            )
         if not is_description(kind) and not OWN_CLASS.fullmatch(kind):
             check_model(kind, self._folders())
         self._attempt(lambda: self._simulation.spawn(name, kind, position or [0.0] * 3, orientation or [0.0] * 3))

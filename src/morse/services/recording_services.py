@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any, Protocol
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseError, MorseRPCInvokationError
 from morse.core.services import service
+from morse.core.validation.names import check_stored_name
 from morse.services.disk_room import check_room, file_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _SUFFIX = ".mcap"
 _MOST_NAMES = 100
 
@@ -55,10 +54,7 @@ class RecordingServices(AbstractObject):
         Returns:
             The path of the file.
         """
-        if not _NAME.fullmatch(name):
-            raise MorseRPCInvokationError(
-                f"the name of a recording is made of up to 64 letters, digits, '_', '-' and dots, not {name[:80]!r}"
-            )
+        check_stored_name(name, "recording")
         if self._recorder is not None and self._recorder.running:
             raise MorseRPCInvokationError(f"{self._recorder.path} is already being recorded: call stop_recording first")
         path = self._new_path(name.removesuffix(_SUFFIX))

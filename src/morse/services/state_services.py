@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.reports.hints import nearest
 from morse.core.services import service
+from morse.core.validation.names import check_stored_name
 from morse.services.disk_room import check_room, file_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _MOST = 32
 _S = TypeVar("_S")
 _SUFFIX = ".morse-state"
@@ -53,7 +52,7 @@ class StateServices(AbstractObject, Generic[_S]):
         Returns:
             The name, or the path of the file.
         """
-        self._check_name(name)
+        check_stored_name(name, "state")
         if to_file:
             path = file_of(name + _SUFFIX)
             check_room(path)
@@ -70,7 +69,7 @@ class StateServices(AbstractObject, Generic[_S]):
     @service(changes=False)  # the simulation records the call itself
     def restore(self, name: str = "state", from_file: bool = False) -> None:
         """Restore a saved state; running services end as preempted."""
-        self._check_name(name)
+        check_stored_name(name, "state")
         if from_file:
             path = file_of(name + _SUFFIX)
             if not path.is_file():
@@ -80,10 +79,3 @@ class StateServices(AbstractObject, Generic[_S]):
             self._simulation.restore(self._states[name])
         else:
             raise MorseRPCInvokationError(f"there is no state '{name}'{nearest(name, list(self._states))}")
-
-    @staticmethod
-    def _check_name(name: str) -> None:
-        if not _NAME.fullmatch(name):
-            raise MorseRPCInvokationError(
-                f"the name of a state is made of up to 64 letters, digits, '_', '-' and dots, not {name[:80]!r}"
-            )

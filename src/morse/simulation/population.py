@@ -21,6 +21,7 @@ from morse.core.exceptions import MorseBuilderError
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import short, shown
 from morse.core.state import StateError
+from morse.core.validation.names import check_component_name, check_name
 from morse.recording.made.made import Made
 from morse.scene import Scene
 from morse.simulation.loader import connect, load_components
@@ -28,6 +29,8 @@ from morse.simulation.loader import connect, load_components
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
 
+    from morse.core.object import Object
+    from morse.core.overlay import MorseOverlay
     from morse.core.values import StateData
     from morse.core.world import Body
     from morse.scene import ComponentDeclaration, Node, Zone
@@ -35,7 +38,6 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 _NO_MAKERS: Mapping[str, Callable[[], object]] = MappingProxyType({})
-_LONGEST_NAME = 100
 #: maximum number of objects in a scene, so that clients cannot exhaust the memory
 _MOST_ROOTS = 20_000
 
@@ -78,6 +80,34 @@ class Population:
 
     # -- spawning --------------------------------------------------------------------------
 
+    def check(self, name: object, kind: object, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Check what is to be spawned, whoever asks: a program, a client, a page, a saved state or a recording.
+
+        Raises:
+            MorseBuilderError: the name is invalid, reserved or that of something else, the kind is neither a name nor a
+                function, the pose is invalid, or there are too many objects.
+        """
+        scene = self._simulation.scene
+        check_name(name, self._addressed())
+        assert isinstance(name, str)
+        if scene.find(name) is not None:
+            raise MorseBuilderError(f"there is already an object '{short(name)}' in the scene")
+        if not isinstance(kind, str) and not callable(kind):
+            raise MorseBuilderError(
+                f"the kind of '{name}' is the name of a robot or of a model, or a function, not {shown(kind)}"
+            )
+        for what, numbers in (("position", position), ("rotation", rotation)):
+            if len(numbers) != 3 or not all(isinstance(n, (int, float)) and math.isfinite(n) for n in numbers):
+                raise MorseBuilderError(f"the {what} of '{name}' is 3 numbers, not {shown(numbers)}")
+        if len(scene.roots) >= _MOST_ROOTS:
+            raise MorseBuilderError(f"a scene has at most {_MOST_ROOTS} objects: delete some before you add others")
+
+    def _addressed(self) -> set[str]:
+        """The names that clients can address."""
+        context = self._simulation.context
+        offers = {component for manager in context.services.everybody() for component in manager.services()}
+        return offers.union(context.robots, context.components, context.external_robots, context.overlays)
+
     def spawn(
         self,
         name: str,
@@ -88,16 +118,13 @@ class Population:
         """Spawn a robot or an object.
 
         Raises:
-            MorseBuilderError: the name already exists, or there is no such kind.
+            MorseBuilderError: see `check`; or there is no such kind.
             LoadError: a component of the robot cannot be created.
             ValueError: the engine refuses the shape of the object.
         """
+        self.check(name, kind, position, rotation)
         simulation = self._simulation
         scene, context = simulation.scene, simulation.context
-        if scene.find(name) is not None:
-            raise MorseBuilderError(f"there is already an object '{short(name)}' in the scene")
-        if len(scene.roots) >= _MOST_ROOTS:
-            raise MorseBuilderError(f"a scene has at most {_MOST_ROOTS} objects: delete some before you add others")
         newcomer = self._describe(name, kind, position, rotation)
         part = Scene(roots=newcomer.roots, components=newcomer.components, settings=scene.settings)
         resolve_shapes(part)
@@ -129,9 +156,13 @@ class Population:
         with scene.project, describing([*scene.resource_paths, *nearby]):
             make = maker_of(kind) if isinstance(kind, str) else kind
             try:
-                return describe_newcomer(name, make, position, rotation, scene.nodes(), interfaces)
+                newcomer = describe_newcomer(name, make, position, rotation, scene.nodes(), interfaces)
             except (OSError, SyntaxError) as error:
                 raise MorseBuilderError(f"'{short(name)}' cannot come: {error}") from error
+        if isinstance(kind, str):
+            for declaration in newcomer.components:
+                check_component_name(declaration.name, name)
+        return newcomer
 
     def kinds(self) -> dict[str, str]:
         """The robots and models that can be spawned by name, with a sentence about each; read once."""
@@ -234,11 +265,21 @@ class Population:
                 simulation.finalize_one(component)
                 if not returns:
                     for manager in context.stream_managers.values():
-                        manager.disconnect(declaration.name)
-                    context.services.unregister(declaration.name)
+                        manager.disconnect(component)
+                    for part in (component, *self._overlays_of(component)):
+                        context.services.unregister(part)
                 for table in (context.robots, context.components, context.external_robots):
-                    table.pop(declaration.name, None)
+                    if table.get(declaration.name) is component:
+                        del table[declaration.name]
                 simulation.loaded.drop(component)
+
+    def _overlays_of(self, component: Object) -> list[MorseOverlay]:
+        """Remove and return the overlays of a component."""
+        table = self._simulation.context.overlays
+        overlays = {name: overlay for name, overlay in table.items() if overlay.overlaid_object is component}
+        for name in overlays:
+            del table[name]
+        return [*overlays.values()]
 
     def _changed(self) -> None:
         simulation = self._simulation
@@ -416,22 +457,3 @@ def _sort(table: dict[str, _T], order: Mapping[str, int]) -> None:
 
 def _accept(kind: str) -> None:
     """Refuse no kind."""
-
-
-def check_newcomer(name: object, kind: object, position: Sequence[float], rotation: Sequence[float]) -> None:
-    """Raise an error for an invalid name, kind or pose of a spawned object.
-
-    Raises:
-        MorseBuilderError: the message contains the invalid value.
-    """
-    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME or name.split() != [name] or "." in name:
-        raise MorseBuilderError(
-            f"the name of an object is a word of up to {_LONGEST_NAME} letters without dots, not {shown(name)}"
-        )
-    if not isinstance(kind, str) and not callable(kind):
-        raise MorseBuilderError(
-            f"the kind of '{name}' is the name of a robot or of a model, or a function, not {shown(kind)}"
-        )
-    for what, numbers in (("position", position), ("rotation", rotation)):
-        if len(numbers) != 3 or not all(isinstance(n, (int, float)) and math.isfinite(n) for n in numbers):
-            raise MorseBuilderError(f"the {what} of '{name}' is 3 numbers, not {shown(numbers)}")

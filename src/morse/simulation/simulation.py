@@ -25,7 +25,7 @@ from morse.simulation.handles.handles import Handles
 from morse.simulation.loader import Loaded, LoadError, connect, load_components, make_stream_manager
 from morse.simulation.offering import offer_services
 from morse.simulation.ownership import Ownership
-from morse.simulation.population import Population, check_newcomer
+from morse.simulation.population import Population
 from morse.simulation.recordings.recorded import Recorded
 from morse.simulation.showing import Showing
 from morse.simulation.states.saving import Saving
@@ -374,7 +374,8 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
         """Spawn a robot or an object between two ticks.
 
         Args:
-            name: name of the new object, which must not exist in the scene.
+            name: name of the new object: letters (a to z), digits and ``_``; it must not exist in the scene, nor be
+                reserved, such as ``simulation``.
             kind: the name of a robot of `morse.builder` or of a model such as ``props/crates``; or a function that
                 returns a component of `morse.builder`: a robot with sensors and actuators, for example.
             position: x, y, z in the world, m.
@@ -384,12 +385,12 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
             The handle of a robot; None for another object.
 
         Raises:
-            MorseBuilderError: the name already exists, or there is no such kind.
+            MorseBuilderError: the name is invalid or already exists, or there is no such kind.
             LoadError: a component cannot be created.
             ValueError: the engine refuses the shape of the object.
         """
         self._check_open()
-        check_newcomer(name, kind, position, rotation)
+        self.population.check(name, kind, position, rotation)
         self.journal.note(SPAWN, name, (kind, list(position), list(rotation)))
         self.population.spawn(name, kind, position, rotation)
         return self._all_handles().get(normalized(name))

@@ -170,6 +170,11 @@ def test_a_robot_that_comes_has_its_topics(call: Caller) -> None:
     [
         (spawn("robot", "ATRV", pose(0, 0, 0)), 101),
         (spawn("a b", "ATRV", pose(0, 0, 0)), 102),
+        (spawn("../up", "ATRV", pose(0, 0, 0)), 102),
+        (spawn("é", "ATRV", pose(0, 0, 0)), 102),
+        (spawn("x" * 1_000_000, "ATRV", pose(0, 0, 0)), 102),
+        (spawn("Simulation", "ATRV", pose(0, 0, 0), allow_renaming=True), 102),
+        (spawn("ROBOT", "ATRV", pose(0, 0, 0)), 4),
         (spawn("a", "ATRV", pose(0, 0, 0), resource_string="robot"), 103),
         (spawn("a", "", pose(0, 0, 0)), 104),
         (spawn("a", "ATRV", pose(0, 0, 0), entity_namespace="other"), 105),

@@ -12,6 +12,7 @@ from morse.builder.editing.changes import UnwritableError
 from morse.builder.editing.imports import BUILDER, import_names
 from morse.builder.editing.source import Source, name_of
 from morse.builder.editing.variables import Variable, attribute_of, variables
+from morse.core.validation.names import RESERVED
 from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
@@ -64,10 +65,10 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
 def variable_name(kind: str, names: Container[str]) -> str:
     """A free name for a new object: ``atrv`` for ``ATRV``, ``cup_blue`` for ``props/kitchen_objects#Cup_Blue``."""
     own = kind.rpartition("#")[2].rpartition("/")[2].rpartition(":")[2]
-    stem = re.sub("_+", "_", "".join(c if f"_{c}".isidentifier() else "_" for c in own)).strip("_")
+    stem = re.sub("_+", "_", "".join(c if c.isascii() and c.isalnum() else "_" for c in own)).strip("_")
     stem = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", stem).lower() or "thing"
     stem = f"_{stem}".strip("_") if not stem[0].isdigit() else f"object_{stem}"
-    return free_name(stem, lambda candidate: candidate in names or iskeyword(candidate))
+    return free_name(stem, lambda name: name in names or iskeyword(name) or name in RESERVED)
 
 
 # -- additions --------------------------------------------------------------------------------

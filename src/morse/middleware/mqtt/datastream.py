@@ -61,8 +61,10 @@ class MqttDatastreamManager(DatastreamManager):
         self._owners[topic] = name
 
     def closed(self, stream: Any) -> None:
-        """Release the topic."""
-        self._owners.pop(getattr(stream, "topic", ""), None)
+        """Release the topic, unless it was refused to the stream."""
+        topic = getattr(stream, "topic", "")
+        if self._owners.get(topic) == stream.component_name:
+            del self._owners[topic]
 
     # -- messages ----------------------------------------------------------------------------
 

@@ -22,7 +22,7 @@ from morse.rosmsgs.names import cleaned
 
 if TYPE_CHECKING:
     import uuid
-    from collections.abc import Callable
+    from collections.abc import Callable, Set
     from types import ModuleType
 
     from morse.core.context import Context
@@ -146,11 +146,10 @@ class RosRequestManager(AnsweredRequests):
         if key in self._actions:
             self._actions.pop(key).close()
 
-    def unregister(self, component_name: str) -> None:
-        """See `RequestManager.unregister`."""
-        super().unregister(component_name)
-        for key in [key for key in [*self._servers, *self._actions] if key[0] == component_name]:
-            self._withdraw(key)
+    def withdrawn(self, component_name: str, services: Set[str]) -> None:
+        """See `RequestManager.withdrawn`."""
+        for name in [*services, *([NAME] if SERVICE in services else [])]:
+            self._withdraw((component_name, name))
 
     # -- the tick ----------------------------------------------------------------------------
 

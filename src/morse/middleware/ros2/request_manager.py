@@ -24,7 +24,7 @@ from morse.rosmsgs.topics.backend import announce
 
 if TYPE_CHECKING:
     import uuid
-    from collections.abc import Callable
+    from collections.abc import Callable, Set
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
@@ -185,12 +185,12 @@ class Ros2RequestManager(AnsweredRequests):
             return self._names.namespace(part)
         return self._names.topic(part, {"namespace": None, "topic": None})
 
-    def unregister(self, component_name: str) -> None:
-        """See `RequestManager.unregister`."""
-        super().unregister(component_name)
-        for key in [key for key in self._offers if key[0] == component_name]:
-            self._offers.pop(key).server.close()
-        for key in [key for key in [*self._types, *self._actions] if key[0] == component_name]:
+    def withdrawn(self, component_name: str, services: Set[str]) -> None:
+        """See `RequestManager.withdrawn`."""
+        for name in [*services, *([NAME] if SERVICE in services else [])]:
+            key = component_name, name
+            if key in self._offers:
+                self._offers.pop(key).server.close()
             self._withdraw(key)
 
     # -- the tick ----------------------------------------------------------------------------

@@ -11,6 +11,8 @@ from time import thread_time
 from typing import TYPE_CHECKING
 
 from morse.core import status
+from morse.core.exceptions import MorseBuilderError
+from morse.core.validation.names import check_name, word_of
 from morse.helpers.descriptions import is_description
 from morse.mathutils import Quaternion
 from morse.middleware.ros2.entity_bounds import HULL, bounds, box_of, mistake, overlap
@@ -21,6 +23,7 @@ from morse.middleware.ros2.served import Served
 from morse.middleware.ros2.simulation_steps import action_type
 from morse.rosmsgs.parts import from_quaternion, from_xyz, header_at, quaternion, xyz
 from morse.rosmsgs.poses import pose_of, quaternion_of
+from morse.system.free_names import free_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -64,6 +67,8 @@ _WORLDS = ("", "map", "world")
 #: a filter of names without constructs with exponential time
 _HARMLESS, _MOST_STARS = re.compile(r"[^(){}+?\\*]*(?:\*[^(){}+?\\*]*){0,3}"), 3
 _LONGEST = 200
+#: longest name to which a number is added
+_LONGEST_BASE = 90
 #: processor time, s
 _LONGEST_SEARCH = 0.02
 
@@ -335,17 +340,17 @@ class SimulationInterfaces(Served):
     def _name_of(self, request: RosMessage) -> tuple[str, RosMessage | None]:
         match = _NAME.search(request["resource_string"]) if request["resource_string"] else None
         kind = match[1] if match is not None else request["uri"].rpartition("/")[2]
-        base = request["name"] or re.sub(r"\W", "_", kind).lower()
-        if not re.fullmatch(r"[A-Za-z_]\w{0,90}", base):
-            return base, _result(_NAME_INVALID, "a name is a word of letters, digits and _")
+        base = request["name"] or word_of(kind).lower()
+        try:
+            check_name(base)
+        except MorseBuilderError as error:
+            return base, _result(_NAME_INVALID, str(error))
         if base not in self._context.world.objects_by_name:
             return base, None
         if request["name"] and not request["allow_renaming"]:
             return base, _result(_NOT_UNIQUE, f"there is an entity {base!r:.80} already")
-        number = 1
-        while f"{base}_{number}" in self._context.world.objects_by_name:
-            number += 1
-        return f"{base}_{number}", None
+        present = {name.lower() for name in self._context.world.objects_by_name}
+        return free_name(base[:_LONGEST_BASE], lambda name: name.lower() in present, first=1), None
 
     def _delete(self, request: RosMessage, reply: Reply) -> None:
         name = request["entity"]

@@ -9,8 +9,10 @@ from morse.core.classes.classpath import load_class
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.mapping import maps
+from morse.core.validation.names import file_name
 from morse.middleware.text.file import TextFile
 from morse.middleware.text.streams import TextStream
+from morse.system.free_names import free_path
 
 if TYPE_CHECKING:
     from morse.core.context import Context
@@ -23,8 +25,9 @@ if TYPE_CHECKING:
 class TextDatastreamManager(DatastreamManager):
     """One file for each stream, in the working directory or with the path of the option ``file``.
 
-    A file is overwritten when a simulation is loaded, and continued when the simulation is reset. Data are flushed at
-    least once per simulated second.
+    A file is overwritten when a simulation is loaded, and continued when the simulation is reset. A robot that is
+    spawned later overwrites no file: a number is added to the name of its file if there is one, because clients name
+    robots. Data are flushed at least once per simulated second.
     """
 
     classpath = "morse.middleware.text_datastream.TextDatastreamManager"
@@ -35,6 +38,9 @@ class TextDatastreamManager(DatastreamManager):
         super().__init__(options, context)
         self._files: dict[Path, TextFile] = {}
         self._in_use: dict[Path, str] = {}
+        #: files of robots that were spawned, by the paths that existed
+        self._instead: dict[Path, Path] = {}
+        self._is_running = False
         self._period = max(1, round(context.clock.frequency))
 
     def make_stream(self, component: Object, declaration: StreamDeclaration) -> TextStream:
@@ -56,7 +62,11 @@ class TextDatastreamManager(DatastreamManager):
         return stream
 
     def _file(self, name: str, choice: str | None) -> TextFile:
-        path = Path(choice if choice else f"{name}.txt").expanduser().absolute()
+        path = Path(choice).expanduser().absolute() if choice else Path(f"{file_name(name)}.txt").absolute()
+        if not choice and self._is_running and path not in self._files:
+            if path not in self._instead:
+                self._instead[path] = free_path(path)
+            path = self._instead[path]
         owner = self._in_use.setdefault(path, name)
         if owner != name or any(stream.file.path == path for stream in self.streams.get(name, ())):
             raise MorseMiddlewareError(f"{path} is the file of another stream of {owner}; set another one: file='...'")
@@ -78,6 +88,10 @@ class TextDatastreamManager(DatastreamManager):
         """Write a measurement."""
         stream.file.write(payload)
         stream.index += 1
+
+    def action(self) -> None:
+        """The beginning of a tick: from now on, clients spawn robots."""
+        self._is_running = True
 
     def flush(self) -> None:
         """The end of a tick."""

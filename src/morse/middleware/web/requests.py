@@ -24,6 +24,7 @@ from morse.wire.encoding import plain
 
 if TYPE_CHECKING:
     import uuid
+    from collections.abc import Set
 
     from morse.core.context import Context
     from morse.middleware.web.hub import Hub, HubClient
@@ -83,10 +84,10 @@ class WebRequestManager(RequestManager):
         self._context.network.post(self._tell_changed)
         return True
 
-    def unregister(self, component_name: str) -> None:
-        """See `RequestManager.unregister`."""
-        super().unregister(component_name)
-        self.paths = {path: entry for path, entry in self.paths.items() if entry[0] != component_name}
+    def withdrawn(self, component_name: str, services: Set[str]) -> None:
+        """See `RequestManager.withdrawn`."""
+        gone = {(component_name, service) for service in services}
+        self.paths = {path: entry for path, entry in self.paths.items() if entry not in gone}
         self._context.network.post(self._tell_changed)
 
     # -- in the network thread ---------------------------------------------------------------

@@ -15,7 +15,7 @@ from morse.middleware.yarp.ports import Ports, ports_of
 from morse.middleware.yarp.waiting import WaitingBottles
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Set
 
     from morse.core.context import Context
     from morse.core.request_manager import Outcome
@@ -78,10 +78,10 @@ class YarpRequestManager(AnsweredRequests):
 
         return take
 
-    def unregister(self, component_name: str) -> None:
-        """See `RequestManager.unregister`."""
-        super().unregister(component_name)
-        self._close(component_name)
+    def withdrawn(self, component_name: str, services: Set[str]) -> None:
+        """See `RequestManager.withdrawn`: close the ports after the last service."""
+        if component_name not in self.services():
+            self._close(component_name)
 
     def _close(self, component: str) -> None:
         for table in (self._requests, self._replies):
