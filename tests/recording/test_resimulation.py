@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ from morse.recording.mcap import records
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.writer import McapWriter
 from morse.recording.recording import Recording
-from morse.rosmsgs.cdr import encode
+from morse.rosmsgs.cdr import decode, encode
 from morse.verification.comparison import largest_difference
 from morse.verification.resimulation import resimulate
 
@@ -62,6 +63,26 @@ def test_a_run_is_the_same_again(script: Path, tmp_path: Path, before: int) -> N
     assert outcome.complete
     assert outcome.ticks == 40 + 7 + 5 + 33
     assert outcome.messages > 3 * outcome.ticks
+
+
+@pytest.mark.parametrize("more", ["robot.append(Arucomarker('part'))", "person = Human()\nperson.translate(x=0.2)"])
+def test_parts_that_move_only_after_the_first_tick_are_recorded_and_the_same_again(tmp_path: Path, more: str) -> None:
+    script = tmp_path / "parts.py"
+    script.write_text(f"from morse.builder import *\nrobot = ATRV()\n{more}\nEnvironment('empty')\n")
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+        sim.step(3)
+        moving = [node.name for node, _ in sim.world.moving_nodes()]
+        before = sim.save()
+        sim.restart()
+        sim.step(2)
+        sim.restore(before)
+        sim.step()
+        assert [node.name for node, _ in sim.world.moving_nodes()] == moving
+    with Recording(tmp_path / "run.mcap") as recording:
+        (nodes,) = recording.topic_numbers("/morse/nodes")
+        last = [decode("std_msgs/msg/String", one.data)["data"] for one in recording.messages({nodes})][-1]
+        assert json.loads(last) == moving
+        assert resimulate(recording, trust=True).departure is None
 
 
 def test_from_inputs_alone_everything_is_recorded_again(script: Path, tmp_path: Path) -> None:

@@ -285,7 +285,7 @@ class World(RayWorld):
         kinematics.place_as_compiled(self)
         for obj in self._objects.values():
             obj.restore()
-        for part in self._moving_poses.displaced:
+        for part in self._moving_poses.put_back():
             self.rearranged.update(part.node.walk())
         self.loose.clear()
         self.has_forces = False
@@ -371,18 +371,6 @@ class World(RayWorld):
     def snapshots(self, objects: Sequence[Posed]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""
         return Snapshots(self, cast("Sequence[GameObject]", objects))
-
-    def displaced_slots(self) -> list[int]:
-        """Return the static slots that are not at their places in the scene."""
-        return [
-            index
-            for index, slot in enumerate(self.slots)
-            if slot.frame.motion is Motion.FIXED
-            and (
-                tuple(self.positions[index]) != tuple(slot.pose.position)
-                or tuple(self.rotations[index]) != tuple(v for row in slot.pose.rotation for v in row)
-            )
-        ]
 
     def sync(self) -> None:
         """Compute all poses from the present state."""
@@ -488,7 +476,9 @@ class World(RayWorld):
         Raises:
             ValueError: the state is damaged, or belongs to another scene; the world is then unchanged.
         """
-        self._saving.set_state(state if isinstance(state, saved.SavedWorld) else self._saving.checked(state))
+        world_state = state if isinstance(state, saved.SavedWorld) else self._saving.checked(state)
+        self._moving_poses.put_back()
+        self._saving.set_state(world_state)
         self.separation.resume()
         if self.touches is not None:
             self.touches.forget()

@@ -50,7 +50,7 @@ class Motion:
 
     def follow(self) -> None:
         """The objects may have changed."""
-        self._layout = self._relocation_count = -1
+        self._layout = -1
         self._objects: list[Any] = []
         self._is_new = True
 
@@ -75,11 +75,8 @@ class Motion:
     def renew(self) -> list[object]:
         """Publish the names of the nodes if they have changed, and return their objects."""
         world = self._world
-        if world.layout != self._layout or len(world.relocated) != self._relocation_count or self._is_new:
-            if self._is_new:
-                # a restored state may place static objects elsewhere
-                world.relocated.update(world.displaced_slots())
-            self._layout, self._relocation_count = world.layout, len(world.relocated)
+        if world.layout != self._layout or self._is_new:
+            self._layout = world.layout
             self._name_nodes()
         if self._is_new:
             self._is_new = False

@@ -42,8 +42,5 @@ class WorldPoses(Protocol):
     def moving_nodes(self) -> list[tuple[Node, str]]:
         """Return the nodes whose poses change, each with its frame, ``world`` or ``parent``."""
 
-    def displaced_slots(self) -> list[int]:
-        """Return the static groups that are not at their places in the scene."""
-
     def snapshots(self, objects: Sequence[Body]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""

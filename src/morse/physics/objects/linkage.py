@@ -171,10 +171,8 @@ class Linkage:
         self._nodes = [obj.node for obj in objects if obj.node in geoms]
         self._work = linkage(self._arrays)
         self._entries, self._is_stale, self.is_outdated = objects, False, True
-        for obj, _, hung in entries:
+        for obj in objects:
             LedObject.lead(obj, self)
-            if hung is not None:
-                world.note_displaced(obj)
 
     def _walk(self) -> Iterator[tuple[GameObject, int, Hanging | None]]:
         """All moving objects, outer ones first: object, index of the outer object, its attachment to a bone."""
@@ -201,6 +199,7 @@ class Linkage:
                 arrays.held[row] = [*position, *rotation]
             else:
                 vars(obj)["_is_displaced"] = True
+                self._world.note_displaced(obj)
         first = self._entries[0].parent
         assert first is not None
         position, rotation = first.offset

@@ -11,7 +11,7 @@ from morse.physics.model.layout import Motion
 from morse.physics.poses import rigid
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -32,8 +32,11 @@ class Part(Protocol):
 class MovingPoses:
     """The poses of the moving slots, of static slots that calls have moved, and of parts that moved within slots.
 
+    The order of the nodes follows from the scene, not from the order in which they moved: a run that was restarted or
+    restored has the order of one that was launched.
+
     Attributes:
-        displaced: the parts that moved relative to their parents.
+        displaced: the parts that moved relative to their parents, in the order of the scene.
     """
 
     def __init__(self, state: EngineState) -> None:
@@ -41,6 +44,9 @@ class MovingPoses:
         self.displaced: list[Part] = []
         self._layout = 0
         self._relocated: tuple[int, ...] = ()
+        self._noted: dict[Part, None] = {}
+        self._is_stale = False
+        self._ranks: dict[Node, int] = {}
 
     @property
     def layout(self) -> int:
@@ -49,6 +55,13 @@ class MovingPoses:
         if len(relocated) != len(self._relocated) or not relocated.issuperset(self._relocated):
             self._relocated = tuple(sorted(relocated))
             self._layout += 1
+        if self._is_stale:
+            self._is_stale = False
+            self._ranks = self._ranks or {node: rank for rank, node in enumerate(self._state.slot_of)}
+            displaced = sorted(self._noted, key=lambda part: self._ranks[part.node])
+            if displaced != self.displaced:
+                self.displaced = displaced
+                self._layout += 1
         return self._layout
 
     def follow(self, before: MovingPoses) -> None:
@@ -57,9 +70,15 @@ class MovingPoses:
 
     def note_displaced(self, part: Part) -> None:
         """Record that a node has moved relative to its parent."""
-        if part not in self.displaced and self._state.slots[part.slot].frame.node is not part.node:
-            self.displaced.append(part)
-            self._layout += 1
+        if part not in self._noted and self._state.slots[part.slot].frame.node is not part.node:
+            self._noted[part] = None
+            self._is_stale = True
+
+    def put_back(self) -> Iterable[Part]:
+        """All parts are at their places in the scene again; return those that were not."""
+        parts, self._noted = self._noted, {}
+        self._is_stale = self._is_stale or bool(parts)
+        return parts
 
     def nodes(self) -> list[tuple[Node, str]]:
         """Return the nodes in the order of `read`, each with its frame, ``world`` or ``parent``."""

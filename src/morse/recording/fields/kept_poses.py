@@ -52,7 +52,7 @@ class KeptPoses:
 
     def follow(self) -> None:
         """The objects may have changed."""
-        self._displacements = self._relocation_count = -1
+        self._displacements = self._layout = -1
         self._mountings: list[object] = []
         self._objects: list[Any] = []
         self._world_so_far: World | None = None
@@ -60,7 +60,7 @@ class KeptPoses:
     def keep(self) -> bool:
         """Keep the poses of the present tick; return False if the frames or the nodes have changed."""
         world, is_same = self._world, True
-        if self._transforms.changed or len(world.relocated) != self._relocation_count or self._world_so_far is None:
+        if self._transforms.changed or world.layout != self._layout or self._world_so_far is None:
             self._renew()
             is_same = False
         if world.displacements != self._displacements:
@@ -80,7 +80,7 @@ class KeptPoses:
             # only the fixed frames are sent, and the moving ones found
             self._transforms.publish(stamp, wanted=False)
         nodes = self.motion.renew()
-        self._relocation_count = len(world.relocated)
+        self._layout = world.layout
         frames = self._transforms.plain()
         self.has_frames = frames is not None
         self._world_so_far, self._objects = world_of(self._channels, nodes, frames)
