@@ -5,15 +5,14 @@ from __future__ import annotations
 import pickle
 import struct
 from io import BytesIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 import morse
 from morse.rendering.workers import crew
-from morse.rendering.workers.pipes import receive
-from morse.rendering.workers.process import WorkerProcess
+from morse.system.worker_process import WorkerProcess, receive
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -42,8 +41,8 @@ class Liar:
 
     wrong: list[bytes | BaseException]
 
-    def __init__(self) -> None:
-        self._worker = WorkerProcess()
+    def __init__(self, *program: Any) -> None:
+        self._worker = WorkerProcess(*program)
 
     def ask(self, message: bytes) -> bytes | bytearray:
         """See `Worker`."""

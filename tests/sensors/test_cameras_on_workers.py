@@ -142,7 +142,7 @@ def test_a_worker_that_dies_is_replaced_without_a_gap(load):
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="the system cannot stop a process")
 def test_a_worker_that_does_not_answer_is_replaced_without_a_gap(load, monkeypatch, caplog):
-    monkeypatch.setattr("morse.rendering.workers.process.PATIENCE", 2.0)
+    monkeypatch.setattr("morse.system.worker_process.PATIENCE", 2.0)
     here, there = load(0.1, names=["color"]), load(0.1, names=["color"], cameras_on=1)
     expected, images = listen(here), listen(there)
     here.step(20)

@@ -25,6 +25,8 @@ _MARKS = ("package.xml", "model.config", "manifest.xml")
 _MODEL = "model.sdf"
 #: variables of ROS and Gazebo that list folders of packages and models
 _VARIABLES = ("ROS_PACKAGE_PATH", *search.MODEL_PATHS)
+#: all variables that say where files are
+FOLDERS = (*_VARIABLES, "AMENT_PREFIX_PATH", "MORSE_RESOURCE_PATH", "MORSE_ROOT")
 #: files that mark the folder of a project whose models share meshes
 _PYTHON = "__init__.py"
 _PROJECT_MARKS = (".git", "pyproject.toml", "setup.py", _PYTHON)

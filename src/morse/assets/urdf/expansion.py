@@ -7,21 +7,20 @@ import importlib.util
 import json
 import os
 import re
-import subprocess
+import time
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from morse.assets.arguments import ARGUMENTS
 from morse.assets.errors import AssetError
-from morse.assets.nearby_files import FileRefusedError, find_near, find_package
+from morse.assets.nearby_files import FOLDERS, FileRefusedError, find_near, find_package
+from morse.assets.urdf.xacro_limits import TIME_LIMIT
 from morse.assets.xml_files import parse_xml, read_xml
-from morse.system.own_programs import command
+from morse.system.worker_process import WorkerProcess, bare_environment
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: of the expansion of a file of xacro, s
-TIME_LIMIT = 30.0
 _PROGRAM = "morse.assets.urdf.xacro_program"
 #: package://, file://
 _URL = re.compile(r"[a-z][a-z0-9+.-]*://")
@@ -71,10 +70,13 @@ def _substituted(value: str, path: Path) -> str:
             raise AssetError(path, f"'{match[0][:60]}' names nothing")
         if word == "find":
             return _package(rest[0], path)
-        default = rest[1] if len(rest) > 1 else ""
-        if word == "env" and rest[0] not in os.environ:
-            raise AssetError(path, f"the environment variable {rest[0]:.60} is not set")
-        return os.environ.get(rest[0], default)
+        values = ARGUMENTS.get({})
+        if word == "env" and rest[0] not in values:
+            raise AssetError(
+                path, f"a file reads no environment variables: give {rest[0]:.60} as in "
+                f"Robot({path.name!r}, arguments={{'{rest[0]:.60}': ...}})",
+            )  # fmt: skip
+        return str(values.get(rest[0], rest[1] if len(rest) > 1 else ""))
 
     return _SUBSTITUTION.sub(replace, value)
 
@@ -89,19 +91,18 @@ def _package(name: str, path: Path) -> str:
 def _expanded(path: Path) -> bytes:
     if importlib.util.find_spec("xacro") is None:
         raise AssetError(path, "files of xacro need: pip install 'morse-simulator[xacro]'")
+    question = {"path": str(path.absolute()), "arguments": ARGUMENTS.get({})}
+    folders = {name: os.environ[name] for name in FOLDERS if name in os.environ}
+    begin = time.monotonic()
+    worker = WorkerProcess(_PROGRAM, {**bare_environment(), **folders}, TIME_LIMIT, is_silent=True)
     try:
-        result = subprocess.run(
-            command(_PROGRAM, str(path.absolute()), json.dumps(ARGUMENTS.get({}))),
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=TIME_LIMIT,
-            check=False,
-        )
-        answer = json.loads(result.stdout)
-    except subprocess.TimeoutExpired:
-        raise AssetError(path, f"xacro needs more than {TIME_LIMIT:g} s to expand it") from None
-    except (OSError, ValueError):
+        answer = json.loads(worker.ask(json.dumps(question).encode()))
+    except (EOFError, OSError, ValueError):
+        if time.monotonic() - begin > TIME_LIMIT:
+            raise AssetError(path, f"xacro needs more than {TIME_LIMIT:g} s to expand it") from None
         raise AssetError(path, "xacro cannot expand it: its process ended, perhaps without memory") from None
+    finally:
+        worker.close()
     if "error" in answer:
         raise AssetError(path, answer["error"])
     return str(answer["text"]).encode()

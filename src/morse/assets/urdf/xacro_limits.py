@@ -1,18 +1,20 @@
 """Limits of the expressions of a xacro file: they compute values, and read the files of the robot.
 
 xacro evaluates them as Python without the built-in functions. That is no limit: an expression reaches every module of
-the process through a frame, ``vars`` or ``type``, and ``$(eval ...)`` has the built-in functions.
+the process through a frame, ``vars``, ``type`` or ``str.format``, and ``$(eval ...)`` has the built-in functions. Here,
+an expression consists of the nodes and functions that are listed, and has only the listed members of plain values.
 """
 
 from __future__ import annotations
 
+import ast
 import builtins
 import errno
 import importlib
 import io
 import os
+import string
 import sys
-import types
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,36 +22,60 @@ from morse.assets.nearby_files import find_near
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
+#: of the expansion of a file, s
+TIME_LIMIT = 30.0
 #: of a file that an expression or ``xacro:include`` reads, bytes
 _MOST_BYTES = 64 << 20
-#: attributes that lead from a value to frames and code, such as ``gi_frame`` and ``f_back``
-_INNER = frozenset(
-    name
-    for kind in (
-        types.GeneratorType, types.CoroutineType, types.AsyncGeneratorType, types.FrameType, types.CodeType,
-        types.TracebackType,
-    )
-    for name in dir(kind)
-    if "_" in name
+#: the syntax of expressions; operators and contexts of names are allowed as well
+_NODES = (
+    ast.Expression, ast.Constant, ast.Name, ast.Attribute, ast.Subscript, ast.Slice, ast.Call, ast.keyword, ast.Starred,
+    ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp, ast.List, ast.Tuple, ast.Dict, ast.Set, ast.ListComp,
+    ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.comprehension, ast.Lambda, ast.arguments, ast.arg, ast.JoinedStr,
+    ast.FormattedValue, ast.operator, ast.unaryop, ast.boolop, ast.cmpop, ast.expr_context,
 )  # fmt: skip
+_NUMBERS = frozenset(("real", "imag", "conjugate", "is_integer"))
+_LISTS = frozenset(("count", "index"))
+#: members of values; texts have ``format`` as well
+_MEMBERS: dict[type, frozenset[str]] = {
+    str: frozenset(name for name in dir(str) if name[0] != "_") - {"encode", "format", "format_map", "maketrans"},
+    float: _NUMBERS,
+    int: _NUMBERS,
+    complex: _NUMBERS,
+    list: _LISTS,
+    tuple: _LISTS,
+    dict: frozenset(("copy", "get", "items", "keys", "values")),
+    set: frozenset(("difference", "intersection", "issubset", "issuperset", "union")),
+}
 #: built-in functions within ``$(eval ...)``
 _FUNCTIONS = {
     one.__name__: one for one in (abs, bool, dict, float, int, len, list, map, max, min, range, round, sorted, str, sum)
 }
+#: functions of ``${...}``, and those in its namespaces; all names of ``math`` belong to them
+_PYTHON = frozenset((
+    *_FUNCTIONS, "True", "False", "all", "any", "complex", "divmod", "enumerate", "filter", "frozenset", "isinstance",
+    "issubclass", "ord", "repr", "reversed", "set", "slice", "tuple", "type", "zip",
+))  # fmt: skip
+_XACRO = frozenset((
+    "abs_filename", "arg", "dotify", "error", "fatal", "load_yaml", "message", "print_location", "tokenize", "warning",
+))  # fmt: skip
+_TYPES = (bool, complex, dict, float, int, list, str, tuple)
+#: what reads a member in the compiled expression; XML cannot contain such a name
+_READ = "\0member"
 #: events of `sys.audit` that an expansion causes, of those that concern the system
 _HARMLESS = ("os.listdir", "os.scandir")
 _SYSTEM = ("os", "subprocess", "socket", "ctypes", "shutil", "signal", "pty", "tempfile", "webbrowser", "urllib")
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 
 
-def limit(model: Path, packages: Sequence[Path]) -> None:
+def limit(model: Path, packages: Sequence[Path], variables: Mapping[str, str]) -> None:
     """Limit xacro in this process, for good.
 
     Args:
         model: the file that is expanded.
         packages: folders whose files may be read in addition to those near the model; may grow later.
+        variables: what ``$(env NAME)`` and ``$(optenv NAME)`` find.
     """
     import xacro
     from xacro import substitution_args
@@ -59,40 +85,102 @@ def limit(model: Path, packages: Sequence[Path]) -> None:
     def opened(name: str, *_: object) -> io.TextIOWrapper:
         return io.TextIOWrapper(io.BytesIO(read_regular(_allowed(name, model, packages), _MOST_BYTES)), "utf-8")
 
-    for module in (xacro, substitution_args):
-        # names of a module come before those of builtins
-        vars(module).update(eval=evaluate, open=opened)
-    for table in (xacro._global_symbols, xacro._global_symbols.get("python", {})):
-        table.pop("vars", None)
+    def required(name: str) -> str:
+        if name not in variables:
+            raise substitution_args.SubstitutionException(
+                f"a file reads no environment variables: give its value, as in arguments={{'{name:.60}': ...}}"
+            )
+        return variables[name]
+
+    def optional(name: str, default: str = "") -> str:
+        return variables.get(name, default)
+
+    # names of a module come before those of builtins
+    vars(xacro).update(safe_eval=evaluate, open=opened)
+    vars(substitution_args).update(eval=evaluate, open=opened, _eval_env=required, _eval_optenv=optional)
+    substitution_args._eval_dict.update(env=required, optenv=optional)
+    symbols = xacro._global_symbols
+    for table, names in ((symbols.get("python", {}), _PYTHON), (symbols.get("xacro", {}), _XACRO)):
+        for name in [name for name in table if name not in names]:
+            del table[name]
+    usual = {*_PYTHON, *_XACRO, *symbols.get("math", {}), "python", "xacro", "math"}
+    for name in [name for name in symbols if name not in usual]:
+        del symbols[name]
+    for table in (symbols, symbols.get("python", {})):
         if "type" in table:
-            table["type"] = lambda value: type(value)
+            table["type"] = _type
     sys.dont_write_bytecode = True
     sys.addaudithook(_watch)
 
 
-def evaluate(
-    expression: str | types.CodeType, symbols: dict[str, Any], names: Mapping[str, object] | None = None
-) -> object:
+def evaluate(expression: str, symbols: dict[str, Any], names: Mapping[str, object] | None = None) -> object:
     """Return the value of an expression, as `eval` does, without a way to the rest of the process.
 
     Raises:
-        ValueError: it uses a name of the inner parts of Python.
+        ValueError: it uses another syntax, or a member or a name that is not allowed.
         Exception: any of the expression.
     """
-    code = compile(expression.strip(), "<expression>", "eval") if isinstance(expression, str) else expression
-    for name in _names(code):
-        if name.startswith("__") or name in _INNER:
-            raise ValueError(f"an expression cannot use '{name:.60}'")
-    symbols.setdefault("__builtins__", _FUNCTIONS)
+    tree = _Limited().visit(ast.parse(expression.strip(), "<expression>", "eval"))
+    code = compile(ast.fix_missing_locations(tree), "<expression>", "eval")
+    symbols.update(__builtins__={**_FUNCTIONS, _READ: _member} if names is not None else {_READ: _member})
     return builtins.eval(code, symbols, names)
 
 
-def _names(code: types.CodeType) -> Iterator[str]:
-    """The global names and the attributes of an expression and of the functions within."""
-    yield from code.co_names
-    for value in code.co_consts:
-        if isinstance(value, types.CodeType):
-            yield from _names(value)
+class _Limited(ast.NodeTransformer):
+    """Refuses what is not listed; members are read by `_member`."""
+
+    def generic_visit(self, node: ast.AST) -> ast.AST:
+        if not isinstance(node, _NODES):
+            raise _refused(type(node).__name__)
+        for name in (getattr(node, "id", None), getattr(node, "arg", None), getattr(node, "attr", None)):
+            if isinstance(name, str) and name.startswith("_"):
+                raise _refused(name)
+        return super().generic_visit(node)
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        self.generic_visit(node)
+        return ast.Call(ast.Name(_READ, ast.Load()), [node.value, ast.Constant(node.attr)], [])
+
+
+def _member(value: object, name: str) -> object:
+    """The member of a value; an entry of what a YAML file contains, and of a namespace.
+
+    Raises:
+        ValueError: it is not listed.
+    """
+    import xacro
+
+    if isinstance(value, xacro.NameSpace):
+        return value[name]
+    for kind, names in _MEMBERS.items():
+        if isinstance(value, kind):
+            if name in names:
+                return getattr(value, name)
+            if isinstance(value, xacro.YamlDictWrapper) and not hasattr(dict, name):
+                return value[name]
+            if isinstance(value, str) and name == "format":
+                return lambda *args, **options: _Format().vformat(value, args, options)
+    raise _refused(name)
+
+
+class _Format(string.Formatter):
+    """``str.format`` without members and items of the values: they would lead to all modules."""
+
+    def get_field(self, field_name: str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> tuple[Any, Any]:
+        if not field_name.isalnum() and not field_name.isidentifier():
+            raise _refused(field_name)
+        field: tuple[Any, Any] = super().get_field(field_name, args, kwargs)
+        return field
+
+
+def _type(value: object) -> type:
+    if type(value) not in _TYPES:
+        raise _refused("type")
+    return type(value)
+
+
+def _refused(what: str) -> ValueError:
+    return ValueError(f"an expression cannot use '{what:.60}'")
 
 
 def _allowed(name: str, model: Path, packages: Sequence[Path]) -> Path:

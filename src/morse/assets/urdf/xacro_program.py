@@ -1,21 +1,18 @@
-"""The program that expands a file of xacro: ``python -m morse.assets.urdf.xacro_program FILE ARGUMENTS``.
+"""The program that expands files of xacro: ``python -m morse.assets.urdf.xacro_program``.
 
-The expressions in such a file are Python: `morse.assets.urdf.xacro_limits` limits what they can reach, and this program
-the time and memory that they take. The result is a line of JSON, an object with ``text`` or ``error``.
+The expressions in such a file are Python: `morse.assets.urdf.xacro_limits` limits what they can reach, and this process
+has a limit of time and memory, and none of the environment variables of the user. The question is an object in JSON
+with ``path`` and ``arguments``, the answer one with ``text`` or ``error``.
 """
 
 from __future__ import annotations
 
-import contextlib
 import json
-import sys
 from pathlib import Path
 
 from morse.assets.nearby_files import FileRefusedError, find_package
-from morse.assets.urdf.xacro_limits import limit
-
-#: bytes
-MOST_MEMORY = 2 << 30
+from morse.assets.urdf.xacro_limits import TIME_LIMIT, limit
+from morse.system.worker_process import limit_resources, serve
 
 
 def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
@@ -37,7 +34,7 @@ def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
 
     # without ROS, xacro cannot find packages
     substitution_args._eval_find = package
-    limit(path, packages)
+    limit(path, packages, arguments)
     try:
         document = xacro.process_file(str(path), mappings=arguments)
     except RecursionError:
@@ -50,19 +47,16 @@ def expand(path: Path, arguments: dict[str, str]) -> dict[str, str]:
     return {"text": document.toxml()}
 
 
-def limit_memory() -> None:
-    """Set a limit where the system has one."""
-    with contextlib.suppress(ImportError, OSError, ValueError):
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+def answer(message: bytearray) -> bytes:
+    """Expand the file of a question."""
+    question = json.loads(message)
+    return json.dumps(expand(Path(question["path"]), question["arguments"])).encode()
 
 
 def main() -> None:
-    """Expand the file that the command line names."""
-    limit_memory()
-    output, sys.stdout = sys.stdout, sys.stderr
-    output.write(json.dumps(expand(Path(sys.argv[1]), json.loads(sys.argv[2]))))
+    """Expand the files of the process that has started this one."""
+    limit_resources(TIME_LIMIT)
+    serve(answer)
 
 
 if __name__ == "__main__":

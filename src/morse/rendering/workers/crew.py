@@ -16,9 +16,10 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from morse.core.reports.faults import summary
+from morse.kernel import threads
 from morse.rendering.picture import Picture
 from morse.rendering.workers.easel import Job
-from morse.rendering.workers.process import WorkerProcess
+from morse.system.worker_process import WorkerProcess
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -262,9 +263,13 @@ class _Lent:
     users: int = 0
 
 
+def _worker() -> WorkerProcess:
+    return WorkerProcess("morse.rendering.workers.main", {**os.environ, threads.VARIABLE: "1"})
+
+
 def _start(place: int | str) -> _Lent:
     if isinstance(place, int):
-        return _Lent(Crew(place, WorkerProcess), _nothing)
+        return _Lent(Crew(place, _worker), _nothing)
     # imported on demand, because few simulations need it
     from morse.rendering.workers.ray_worker import RayCrew
 

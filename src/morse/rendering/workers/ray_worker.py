@@ -6,9 +6,9 @@ from typing import Any
 
 from morse.kernel import threads
 from morse.rendering.workers.easel import Easel
-from morse.rendering.workers.process import PATIENCE
 from morse.scene.image_workers import RAY
 from morse.system.ray_cluster import RayCluster
+from morse.system.worker_process import PATIENCE
 
 
 class RayCrew:
