@@ -188,6 +188,83 @@ def test_all_kinds_of_joints(tmp_path) -> None:
     assert library.warnings == []
 
 
+TWO_AXES = """<sdf version="1.10"><model name="m" canonical_link="{first}">
+  <link name="a"><pose>0 0 1 0.1 0.2 0.3</pose>{mass}</link><link name="c"><pose>0.5 0 1 0.4 0 0.2</pose>{mass}</link>
+  <joint name="u" type="{kind}"><pose>0.1 0.2 0 0.3 0.1 0</pose><parent>a</parent><child>c</child>
+  <axis><xyz>1 0 0</xyz><limit><lower>-0.1</lower><upper>0.2</upper><effort>3</effort></limit></axis>
+  <axis2><xyz>0 1 0</xyz><limit><lower>-0.5</lower><upper>0.6</upper><effort>7</effort></limit></axis2>
+  <screw_thread_pitch>0.01</screw_thread_pitch></joint></model></sdf>"""
+
+
+def chain_of(bones, values) -> np.ndarray:
+    """4x4 of the last of a chain of bones, which turn about or move along their Z axes."""
+    result = np.eye(4)
+    for bone in bones:
+        frame, move = np.eye(4), np.eye(4)
+        frame[:3, :3], frame[:3, 3] = np.reshape(bone.rotation, (3, 3)), bone.position
+        cosine, sine = math.cos(values[bone.name]), math.sin(values[bone.name])
+        if bone.kind is JointKind.PRISMATIC:
+            move[2, 3] = values[bone.name]
+        else:
+            move[:2, :2] = [[cosine, -sine], [sine, cosine]]
+        result = result @ frame @ move
+    return result
+
+
+@pytest.mark.parametrize("kind", ["universal", "revolute2", "screw"])
+def test_a_joint_of_two_axes_is_the_same_from_both_sides(tmp_path, kind) -> None:
+    zero, values = dict.fromkeys(("u", "u_axis2"), 0.0), {"u": 0.15, "u_axis2": -0.3}
+    relative = {}
+    for first, last in ("ac", "ca"):
+        library = read(tmp_path, TWO_AXES.format(first=first, mass=LINK, kind=kind), f"{first}.sdf")
+        bones = bones_of(library)
+        assert set(bones) == {"u", "u_axis2"}
+        if kind != "screw":
+            assert (bones["u"].low, bones["u"].high, bones["u"].dynamics.effort) == (-0.1, 0.2, 3.0)
+            assert (bones["u_axis2"].low, bones["u_axis2"].high, bones["u_axis2"].dynamics.effort) == (-0.5, 0.6, 7.0)
+        chain = list(bones.values())
+        poses = {name: kinematics.pose(ElementTree.fromstring(f"<pose>{text}</pose>"))
+                 for name, text in (("a", "0 0 1 0.1 0.2 0.3"), ("c", "0.5 0 1 0.4 0 0.2"))}  # fmt: skip
+        between = np.linalg.inv(poses[first]) @ poses[last]
+        relative[first] = chain_of(chain, values) @ np.linalg.inv(chain_of(chain, zero)) @ between
+    assert relative["a"] @ relative["c"] == pytest.approx(np.eye(4), abs=1e-9)
+    if kind != "screw":
+        # the first axis is that of the joint in its parent, the second one turns with it
+        anchor = poses["c"] @ kinematics.pose(ElementTree.fromstring("<pose>0.1 0.2 0 0.3 0.1 0</pose>"))
+        turn = kinematics.pose(ElementTree.fromstring("<pose>0 0 0 0.15 0 0</pose>")) @ kinematics.pose(
+            ElementTree.fromstring("<pose>0 0 0 0 -0.3 0</pose>")
+        )
+        expected = np.linalg.inv(poses["a"]) @ anchor @ turn @ np.linalg.inv(anchor) @ poses["c"]
+        assert relative["a"] == pytest.approx(expected, abs=1e-9)
+
+
+def test_names_that_are_made_leave_those_of_the_file_alone(tmp_path) -> None:
+    names = ("base", "u_middle", "u_middle_2", "top", "loose", "u_axis2")
+    links = "".join(f'<link name="{name}">{LINK}</link>' for name in names)
+    joints = "".join(
+        f'<joint name="{name}" type="{kind}"><parent>{parent}</parent><child>{child}</child>'
+        "<axis><xyz>0 0 1</xyz></axis><axis2><xyz>0 1 0</xyz></axis2></joint>"
+        for name, kind, parent, child in (
+            ("u", "universal", "base", "u_middle"),
+            ("u_axis2", "prismatic", "u_middle", "u_middle_2"),
+            ("loose_free", "revolute", "base", "top"),
+            ("s", "screw", "top", "u_axis2"),
+        )
+    )
+    path = tmp_path / "m.sdf"
+    path.write_text(f'<sdf version="1.10"><model name="m">{links}{joints}</model></sdf>')
+    library = read_sdf(path)
+    bones = bones_of(library)
+    kinds = {"u": JointKind.REVOLUTE, "u_axis2": JointKind.PRISMATIC, "loose_free": JointKind.REVOLUTE}
+    assert {name: bones[name].kind for name in kinds} == kinds
+    assert len(bones) == 7
+    assert set(names) <= {node.name for node in library.nodes()}
+    script = tmp_path / "scene.py"
+    script.write_text(f"from morse.builder import *\nrobot = Robot({str(path)!r})\nenv = Environment('empty')\n")
+    with morse.load(script) as simulation:
+        simulation.step(2)
+
+
 def test_a_loop_is_closed_by_constraints(tmp_path) -> None:
     joints = "".join(
         f'<joint name="{a}{b}" type="revolute"><parent>{a}</parent><child>{b}</child>'

@@ -218,6 +218,18 @@ def test_lights(tmp_path) -> None:
     assert lights["lamp"].light.distance == pytest.approx(2.0)  # 1 / (1 + 0.5 d) = 1/2
 
 
+def test_a_light_at_a_frame_that_does_not_exist_is_left_out(tmp_path) -> None:
+    library = load(world(tmp_path, """<light type="point" name="lamp"><pose relative_to="nowhere"/></light>
+      <light type="point" name="loop"><pose relative_to="turning"/></light>
+      <frame name="turning"><pose relative_to="turning"/></frame>
+      <light type="point" name="good"/><model name="m"><static>1</static><link name="l"/></model>"""))  # fmt: skip
+    assert [node.name for node in library.nodes() if node.kind is NodeKind.LIGHT] == ["good"]
+    assert [text.split(":")[0] for text in library.warnings] == [
+        "the light 'lamp' is left out", "the light 'loop' is left out",
+    ]  # fmt: skip
+    assert any(node.name == "l" for node in library.nodes())
+
+
 def test_a_height_map_has_its_highest_point_where_the_picture_is_brightest(tmp_path) -> None:
     pixels = np.zeros((5, 5), np.uint8)
     pixels[0, 4] = 200  # top right: +Y and +X

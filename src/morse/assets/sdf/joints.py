@@ -62,10 +62,12 @@ class JointTree:
         self.constraints: list[Constraint] = []
         self.extra: list[Link] = []
         self._names: set[str] = set()
+        self._of_file: set[str] = set()
 
     def grow(self, root: str, joints: list[FlatJoint]) -> list[FlatJoint]:
         """Add all joints that are connected with a link; return the others."""
         at: dict[str, list[FlatJoint]] = {}
+        self._of_file |= {joint.name for joint in joints}
         for joint in joints:
             at.setdefault(joint.parent, []).append(joint)
             at.setdefault(joint.child, []).append(joint)
@@ -91,7 +93,7 @@ class JointTree:
         origin = self._poses[parent].inverted() @ self._poses[child]
         free = JointDynamics(limited=False)
         self.joints.append(
-            Joint(self._unique(f"{child}_free"), "floating", parent, child, origin, (0.0, 0.0, 1.0), 0.0, 0.0, free)
+            Joint(self._made(f"{child}_free"), "floating", parent, child, origin, (0.0, 0.0, 1.0), 0.0, 0.0, free)
         )
 
     def fix(self, parent: str, child: str) -> None:
@@ -116,11 +118,13 @@ class JointTree:
             axes, tags = [joint.axes[0]] * 2, ["axis", "axis"]
         if sign < 0.0:
             kinds, axes, tags = kinds[::-1], axes[::-1], tags[: len(kinds)][::-1]
-        names = [self._unique(joint.name), *(self._unique(f"{joint.name}_axis2") for _ in kinds[1:])]
+        names = [self._unique(joint.name), *(self._made(f"{joint.name}_axis2") for _ in kinds[1:])]
+        if sign < 0.0:
+            names.reverse()
         above = parent
         for number_, (kind, axis, tag) in enumerate(zip(kinds, axes or [Vector((0.0, 0.0, 1.0))], tags, strict=False)):
             last = number_ == len(kinds) - 1
-            below = child if last else f"{joint.name}_middle"
+            below = child if last else free_name(f"{joint.name}_middle", self._poses.__contains__)
             if not last:
                 self.extra.append(Link(below))
                 self._poses[below] = self._poses[child]
@@ -209,6 +213,10 @@ class JointTree:
     def settle_mimics(self) -> None:
         """See `morse.assets.urdf.structure.settle_mimics`."""
         settle_mimics(self.joints, self._warn)
+
+    def _made(self, name: str) -> str:
+        """A name for a joint that the file does not have; those of the file keep theirs."""
+        return self._unique(free_name(name, self._of_file.__contains__))
 
     def _unique(self, name: str) -> str:
         unique = free_name(name, self._names.__contains__)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from morse.assets.gazebo.plugins import unknown_plugins
 from morse.assets.gazebo.values import ValueMistakeError, boolean, number, text_of, vector
 from morse.assets.sdf.actors import add_actors
+from morse.assets.sdf.scope import FrameMistakeError
 from morse.mathutils import Vector
 from morse.mathutils.light import linear_light
 from morse.scene import Light, Node, NodeKind
@@ -30,7 +31,7 @@ def add_world(library: Library, scope: Scope, element: Element, includes: Includ
     for light, frame in scope.lights:
         try:
             library.roots.append(light_node(light, scope.place_of(frame)))
-        except ValueMistakeError as error:
+        except (ValueMistakeError, FrameMistakeError) as error:
             includes.warn(f"the light '{(light.get('name') or '')[:80]}' is left out: {error}")
     add_actors(library, scope.actors, includes)
     if scope.joints:
