@@ -29,10 +29,10 @@ class PackageBuildHook(BuildHookInterface[Any]):
         build_view(root, self.app)
         if self.target_name != "sdist":
             build_index(root)
-            build_kernel(root, self.app, build_data)
+            build_kernel(root, build_data)
 
 
-def build_kernel(root: Path, app: Any, build_data: dict[str, Any]) -> None:
+def build_kernel(root: Path, build_data: dict[str, Any]) -> None:
     """Compile the kernel for one platform; the wheel is for this platform alone, and for any Python."""
     sys.path.insert(0, str(root / "src"))
     try:
@@ -45,8 +45,7 @@ def build_kernel(root: Path, app: Any, build_data: dict[str, Any]) -> None:
         raise RuntimeError(f"{TARGET}={name!r}: expected one of {', '.join(map(str, targets.ALL))}")
     target = next((one for one in targets.ALL if str(one) == name), None) or targets.host()
     if target is None:
-        app.display_warning("There is no native kernel for this platform: numpy does its work, slowly")
-        return
+        raise RuntimeError(f"MORSE has no native kernel for this platform, but for {', '.join(map(str, targets.ALL))}")
     # not the whole folder, which may hold the libraries of other platforms
     include = build_data.setdefault("force_include", {})
     for library in build(target):

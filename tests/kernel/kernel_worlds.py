@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh, primitives
+from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh
+from morse.kernel.rays.arrays import CAPSULE, CYLINDER, MESH, SPHERE
 
 KINDS = range(6)
 
@@ -19,11 +20,11 @@ def rotations(rng, count):
 
 def half_sizes(kind, size):
     """Half extents of the bounding box of a primitive."""
-    if kind == primitives.SPHERE:
+    if kind == SPHERE:
         return [size[0]] * 3
-    if kind == primitives.CYLINDER:
+    if kind == CYLINDER:
         return [size[0], size[0], size[1]]
-    if kind == primitives.CAPSULE:
+    if kind == CAPSULE:
         return [size[0], size[0], size[1] + size[0]]
     return list(size)
 
@@ -70,7 +71,7 @@ def random_world(seed, count=20, slots=5, away=0.0, spread=2.5, largest=200):
     rng = np.random.default_rng(seed)
     kinds = rng.integers(0, len(KINDS), count)
     sizes = rng.uniform(0.1, 2.0, (count, 3))
-    meshes = [soup(rng, int(rng.integers(0, largest))) if kind == primitives.MESH else None for kind in kinds]
+    meshes = [soup(rng, int(rng.integers(0, largest))) if kind == MESH else None for kind in kinds]
     boxes = [mesh and (mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for mesh in meshes]
     centres = np.array([np.zeros(3) if box is None else (box[0] + box[1]) / 2 for box in boxes]).reshape(count, 3)
     halves = [

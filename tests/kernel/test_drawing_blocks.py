@@ -10,7 +10,7 @@ from kernel_drawings import RandomDrawing
 
 from effort import examples
 from morse.kernel.drawing.native import NativeDrawer
-from morse.kernel.drawing.reference import ReferenceDrawer
+from tests.kernel.twins.drawing import ReferenceDrawer
 
 some = settings(max_examples=examples(12), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 

@@ -6,7 +6,7 @@ import numpy as np
 from kernel_drawings import RandomDrawing
 
 from morse.kernel.drawing.native import NativeDrawer
-from morse.kernel.drawing.reference import ReferenceDrawer
+from tests.kernel.twins.drawing import ReferenceDrawer
 
 
 def crowd(seed):

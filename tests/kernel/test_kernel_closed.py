@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from morse.builder.assembly import shapes
-from morse.kernel.drawing import native_closed, reference_closed
+from morse.kernel.drawing import native_closed
+from tests.kernel.twins import closed
 
 
 def some_mesh(seed):
@@ -38,7 +39,7 @@ def some_mesh(seed):
 def test_random_meshes_alike(build, seed):
     mesh = some_mesh(seed)
     labels = native_closed.closed_labels(build, *mesh)
-    np.testing.assert_array_equal(labels, reference_closed.closed_labels(*mesh))
+    np.testing.assert_array_equal(labels, closed.closed_labels(*mesh))
 
 
 def test_random_meshes_have_parts_of_both_kinds(build):

@@ -12,7 +12,7 @@ from effort import examples
 from morse.kernel import threads
 from morse.kernel.drawing.arrays import NO_SURFACE, bounds_for
 from morse.kernel.drawing.native import NativeDrawer
-from morse.kernel.drawing.reference import ReferenceDrawer
+from tests.kernel.twins.drawing import ReferenceDrawer
 
 some = settings(max_examples=examples(25), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.kernel.driving import reference, turns
+from morse.kernel.driving import turns
 from morse.kernel.driving.arrays import ChassisArrays, GliderArrays, PlaneArrays, StanceArrays
 from morse.kernel.driving.native import NativeChassis, NativeGliders, NativePlanes
+from tests.kernel.twins import driving
 
 
 def rotations(chance, count):
@@ -59,7 +60,7 @@ def stances_of(arrays):
 def test_gliders_are_driven_alike(build, strange):
     for seed in range(200):
         (mine, turned), (theirs, _) = gliders(seed, strange), gliders(seed, strange)
-        native, twin = NativeGliders(build, mine), reference.Gliders(theirs)
+        native, twin = NativeGliders(build, mine), driving.Gliders(theirs)
         left = native.begin(turned)
         assert left == twin.begin(turned)
         assert mine.others[:left].tolist() == theirs.others[:left].tolist()
@@ -74,7 +75,7 @@ def test_robots_that_push_are_driven_alike(build, strange):
     driven = settled = 0
     for seed in range(200):
         (mine, turned), (theirs, _) = gliders(seed, strange), gliders(seed, strange)
-        native, twin = NativeGliders(build, mine), reference.Gliders(theirs)
+        native, twin = NativeGliders(build, mine), driving.Gliders(theirs)
         # some stand as in the last tick, at a height that the stance has
         places = np.where(np.arange(12) % 2, 0.0, 1e-8)[:, None] * np.ones(3)
         mine.stances.ups[::3] = theirs.stances.ups[::3] = turned[::3, 6:]
@@ -99,7 +100,7 @@ def test_robots_that_push_are_driven_alike(build, strange):
 def test_a_glider_ends_where_the_arc_ends(build):
     arrays, _ = gliders(0)
     one = np.zeros(1)
-    for work in (lambda a: NativeGliders(build, a), reference.Gliders):
+    for work in (lambda a: NativeGliders(build, a), driving.Gliders):
         arrays.slots, arrays.forward, arrays.aside = np.zeros(1, dtype=np.int64), one + 0.5, one.copy()
         arrays.rate, arrays.shifts = one + 3.0, np.zeros(1, dtype=np.uint8)
         arrays.done, arrays.cosines, arrays.sines = np.zeros(1, dtype=np.uint8), one.copy(), one.copy()
@@ -142,7 +143,7 @@ def test_robots_on_wheels_are_moved_alike(build, strange):
         for pairs in (0, seed % 17):
             with np.errstate(all="ignore"):
                 NativeChassis(build, mine).pull(turned, pairs, 9.81)
-                reference.Chassis(theirs).pull(turned, pairs, 9.81)
+                driving.Chassis(theirs).pull(turned, pairs, 9.81)
             same = np.array_equal(mine.velocities, theirs.velocities, equal_nan=True)
             assert same
             assert mine.dimensions.tobytes() == theirs.dimensions.tobytes()
@@ -185,7 +186,7 @@ def test_planes_below_robots_are_selected_alike(build, strange):
         (mine, positions), (theirs, _) = planes(seed, strange), planes(seed, strange)
         with np.errstate(all="ignore"):
             NativePlanes(build, mine).select(positions)
-            reference.Planes(theirs).select(positions)
+            driving.Planes(theirs).select(positions)
         assert mine.types.tobytes() == theirs.types.tobytes()
         assert mine.affinities.tobytes() == theirs.affinities.tobytes()
         selected += int((mine.types >= 1 << 27).any())

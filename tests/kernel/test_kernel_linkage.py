@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from morse.kernel.linkage import reference
 from morse.kernel.linkage.arrays import FIXED, PRISMATIC, REVOLUTE, LinkageArrays
 from morse.kernel.linkage.native import NativeLinkage
+from tests.kernel.twins import linkage
 
 
 def rotations(chance, count):
@@ -56,7 +56,7 @@ def some_linkage(seed):
 def test_both_give_the_same_bits(build):
     for seed in range(150):
         mine, theirs = some_linkage(seed), some_linkage(seed)
-        assert NativeLinkage(build, mine).move() == reference.Linkage(theirs).move()
+        assert NativeLinkage(build, mine).move() == linkage.Linkage(theirs).move()
         for name in ("frames", "locals", "poses", "geom_positions", "geom_quaternions"):
             assert getattr(mine, name).tobytes() == getattr(theirs, name).tobytes(), (seed, name)
 
@@ -75,7 +75,7 @@ def test_shapes_are_where_matrices_put_them(axis):
     })  # fmt: skip
     angle, shift = 0.7, -0.3
     arrays.moves[:] = (math.cos(angle), math.sin(angle)), (shift, 0.0)
-    reach, lowest = reference.Linkage(arrays).move()
+    reach, lowest = linkage.Linkage(arrays).move()
 
     def matrix(pose):
         result = np.eye(4)

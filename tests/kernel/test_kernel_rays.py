@@ -10,9 +10,10 @@ from kernel_worlds import random_world, rotations, soup
 
 from effort import examples
 from morse.kernel import threads
-from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh, native, primitives
+from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh, native
+from morse.kernel.rays.arrays import BOX, MESH
 from morse.kernel.rays.native import NativeRays
-from morse.kernel.rays.reference import ReferenceRays
+from tests.kernel.twins.rays import ReferenceRays
 
 some = settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 NUMBERS = [np.nan, np.inf, -np.inf, 1e308, -1e300, 1e40, 1e-320, 0.0, -0.0]
@@ -57,7 +58,7 @@ def test_many_solids(build, count):
 def test_a_large_mesh(build):
     rng = np.random.default_rng(3)
     made = random_world(3, 1)
-    made.solids.kinds[:] = primitives.MESH
+    made.solids.kinds[:] = MESH
     made.solids.meshes[:] = [soup(rng, 20_000)]
     made.solids.halves[:] = 6.0
     fan = made.fan(sensors=2, rays=60)
@@ -95,7 +96,7 @@ def test_of_surfaces_at_the_same_distance_the_first_counts(build):
     mesh, count = TriangleMesh(vertices, faces), 30
     places = np.zeros((count, 3))
     solids = SolidArrays(
-        np.full(count, primitives.MESH),
+        np.full(count, MESH),
         np.ones((count, 3)),
         np.zeros(count, dtype=int),
         places,
@@ -128,7 +129,7 @@ def test_no_ray_slips_through_an_edge(build):
     rng = np.random.default_rng(0)
     turn = rotations(rng, 1)
     solids = SolidArrays(
-        [primitives.MESH],
+        [MESH],
         np.ones((1, 3)),
         [0],
         np.zeros((1, 3)),
@@ -213,7 +214,7 @@ def test_empty_arrays(build, solids, sensors, rays):
 def test_many_boxes_at_one_place(build):
     """A tree cannot separate them."""
     made = random_world(4, 2000, slots=1)
-    made.solids.kinds[:], made.solids.centres[:] = primitives.BOX, 0.0
+    made.solids.kinds[:], made.solids.centres[:] = BOX, 0.0
     made.solids.places[:] = 1.0
     made.solids.sizes[:] = made.solids.halves[:] = 0.5
     fan = made.fan(sensors=1, rays=20)
@@ -223,7 +224,7 @@ def test_many_boxes_at_one_place(build):
 def test_boxes_whose_sizes_grow_without_bounds(build):
     """The deepest possible tree: each split separates one box from all others."""
     made = random_world(4, 400, slots=1)
-    made.solids.kinds[:], made.solids.centres[:] = primitives.BOX, 0.0
+    made.solids.kinds[:], made.solids.centres[:] = BOX, 0.0
     scale = 1.3 ** np.arange(400)
     made.solids.places[:] = scale[:, None] * [1.0, 0.0, 0.0]
     made.solids.sizes[:] = made.solids.halves[:] = scale[:, None] * 0.01

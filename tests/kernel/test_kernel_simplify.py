@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from morse.builder.assembly import shapes
-from morse.kernel.drawing import Simplification, native_simplify, reference_simplify
+from morse.kernel.drawing import Simplification, native_simplify
+from tests.kernel.twins import simplify
 
 
 def some_mesh(seed):
@@ -51,7 +52,7 @@ def test_random_meshes_alike(build, seed):
     its = copied(mine)
     for limit in (0.03, 0.2):
         left = native_simplify.simplify(build, its, limit)
-        assert left == reference_simplify.simplify(mine, limit) == its.alive.sum()
+        assert left == simplify.simplify(mine, limit) == its.alive.sum()
         chosen = its.alive > 0
         np.testing.assert_array_equal(its.alive, mine.alive)
         for name in ("vertices", "look", "errors"):

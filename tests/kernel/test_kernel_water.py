@@ -5,8 +5,8 @@ from ctypes import byref
 
 import numpy as np
 
-from morse.kernel.water import reference
 from morse.kernel.water.values import WaterValues
+from tests.kernel.twins import water
 
 
 def some_water(seed, **given):
@@ -34,12 +34,12 @@ def test_both_give_the_same_bits(build):
     for seed in range(200):
         mine, theirs = some_water(seed), some_water(seed)
         build.morse_water(byref(mine))
-        reference.push(theirs)
+        water.push(theirs)
         assert results(mine) == results(theirs)
 
 
 def test_a_submerged_box_is_lifted_by_all_its_cells_and_slowed_by_the_square_of_its_speed():
     values = some_water(1, depth=100.0, half=0.5, lift=10.0, most=math.inf)
     values.up[:], values.angular[:], values.drag[:], values.linear[:] = (0, 0, 1), (0, 0, 0), (2, 3, 4), (3, -1, 0)
-    reference.push(values)
+    water.push(values)
     assert list(values.force) == [-2.0 * 3.0**2, 3.0 * 1.0**2, 8 * 10.0]

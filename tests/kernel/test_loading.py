@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import shutil
 import subprocess
@@ -24,18 +23,11 @@ def forget(monkeypatch):
     loading.library.cache_clear()
 
 
-def test_it_can_be_switched_off(monkeypatch, caplog):
-    monkeypatch.setenv(loading.VARIABLE, "off")
-    assert loading.library() is None
-    assert not caplog.records
-
-
 def test_the_highest_build_that_the_processor_can_run_is_taken(build):
     assert HOST is not None
     lowest = loading.load(HOST, HOST.levels[0])
     level = max((known for known in HOST.levels if known <= lowest.morse_processor_level()), default=HOST.levels[0])
     found = loading.library()
-    assert found is not None
     assert os.path.basename(found._name) == HOST.file_name(level)
 
 
@@ -43,48 +35,59 @@ def test_the_highest_build_that_the_processor_can_run_is_taken(build):
 def test_a_build_may_be_named(build, monkeypatch):
     monkeypatch.setenv(loading.VARIABLE, "V2")
     found = loading.library()
-    assert found is not None
     assert found._name.endswith("_v2.so")
 
 
-def test_without_a_library_numpy_works_and_one_line_says_so(monkeypatch, tmp_path, caplog):
+def test_a_missing_library_is_an_error_that_names_the_command(monkeypatch, tmp_path):
     monkeypatch.setattr(targets, "FOLDER", tmp_path)
-    with caplog.at_level(logging.WARNING):
-        assert loading.library() is None
-        assert loading.library() is None
-    (record,) = caplog.records
-    assert "was not built" in record.message
-    assert "numpy" in record.message
+    with pytest.raises(loading.KernelError, match=r"was not built; run python -m morse\.kernel\.build"):
+        loading.library()
 
 
-def test_a_file_that_is_no_library_is_not_used(build, monkeypatch, tmp_path, caplog):
+def test_a_run_without_a_library_says_so_in_one_line(tmp_path):
+    (tmp_path / "scene.py").write_text("from morse.builder import *\nrobot = ATRV()\nEnvironment('empty')\n")
+    program = (
+        "import sys, pathlib\n"
+        "from morse.kernel import targets\n"
+        f"targets.FOLDER = pathlib.Path({str(tmp_path)!r})\n"
+        "from morse.cli import main\n"
+        "main()\n"
+    )
+    command = [sys.executable, "-c", program, "run", "--headless", "--duration", "0.1", "scene.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 1
+    assert "was not built; run python -m morse.kernel.build" in done.stderr + done.stdout
+    assert "Traceback" not in done.stderr + done.stdout
+
+
+def test_a_file_that_is_no_library_is_not_used(build, monkeypatch, tmp_path):
     assert HOST is not None
     monkeypatch.setattr(targets, "FOLDER", tmp_path)
     for level in HOST.levels:
         (tmp_path / HOST.file_name(level)).write_bytes(b"no library")
-    assert loading.library() is None
-    assert len(caplog.records) == 1
+    with pytest.raises(loading.KernelError):
+        loading.library()
 
 
-def test_a_library_of_another_version_is_not_used(build, monkeypatch, tmp_path, caplog):
+def test_a_library_of_another_version_is_not_used(build, monkeypatch, tmp_path):
     assert HOST is not None
     for level in HOST.levels:
         shutil.copy(targets.FOLDER / HOST.file_name(level), tmp_path)
     monkeypatch.setattr(targets, "FOLDER", tmp_path)
     monkeypatch.setattr(loading, "INTERFACE", -1)
-    assert loading.library() is None
-    assert "another version" in caplog.records[0].message
+    with pytest.raises(loading.KernelError, match="another version"):
+        loading.library()
 
 
-def test_a_platform_without_a_library(monkeypatch, caplog):
+def test_a_platform_without_a_library(monkeypatch):
     monkeypatch.setattr(targets.platform, "machine", lambda: "riscv64")
-    assert loading.library() is None
-    assert "no native kernel for this platform" in caplog.records[0].message
+    with pytest.raises(loading.KernelError, match="no native kernel for this platform"):
+        loading.library()
 
 
 def test_a_word_that_is_none_of_the_choices_is_ignored_aloud(build, monkeypatch, caplog):
     monkeypatch.setenv(loading.VARIABLE, "v9")
-    assert loading.library() is not None
+    loading.library()
     assert "'v9' is none of" in caplog.records[0].message
 
 

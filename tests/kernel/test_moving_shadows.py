@@ -8,7 +8,7 @@ from kernel_drawings import RandomDrawing
 
 from morse.kernel.drawing.arrays import CAMERA, NO_SURFACE, bounds_for
 from morse.kernel.drawing.native import NativeDrawer
-from morse.kernel.drawing.reference import ReferenceDrawer
+from tests.kernel.twins.drawing import ReferenceDrawer
 
 MOVERS, STILL = np.array([1, 2, 4]), np.array([0, 3])
 NO_CAMERAS = np.zeros(0, CAMERA)

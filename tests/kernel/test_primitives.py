@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from effort import examples
-from morse.kernel.rays import primitives
+from morse.kernel.rays.arrays import BOX, CAPSULE, CYLINDER, ELLIPSOID, MESH, SPHERE
+from tests.kernel.twins import primitives
 
-PRIMITIVES = (primitives.BOX, primitives.SPHERE, primitives.CYLINDER, primitives.CAPSULE, primitives.ELLIPSOID)
+PRIMITIVES = (BOX, SPHERE, CYLINDER, CAPSULE, ELLIPSOID)
 anything = st.floats(allow_nan=True, allow_infinity=True)
 sane = st.floats(-1e3, 1e3)
 either = settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -57,5 +58,5 @@ def test_numbers_that_make_no_sense(build, kind, rows):
 
 def test_a_kind_that_does_not_exist_is_met_by_no_ray(build):
     ones = np.ones((3, 3))
-    answers = by_kernel(build, np.array([primitives.MESH, -1, 10**6], dtype=np.int32), ones, ones, ones)
+    answers = by_kernel(build, np.array([MESH, -1, 10**6], dtype=np.int32), ones, ones, ones)
     assert np.isinf(answers).all()

@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from test_rays import directions, engine, eye, look, names
+from test_rays import directions, eye, look, names
 from worlds import box, node, robot, scene
 
 from effort import examples
 from morse.assets.collision import resolve_shapes
 from morse.physics import World
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
-
-__all__ = ["engine"]  # each test with the kernel and with its reference
 
 
 def mesh_node(name, vertices, triangles, *, kind=PhysicsType.STATIC, bounds=None, materials=(), index=None, **settings):

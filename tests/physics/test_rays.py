@@ -10,7 +10,6 @@ from ray_formulas import first_hit, grazes
 from worlds import box, node, rigid, robot, run, sphere, world
 
 from effort import examples
-from morse.kernel import loading
 from morse.mathutils import Euler
 from morse.scene import CollisionShape, Node, PhysicsType, ShapeKind
 
@@ -20,17 +19,6 @@ FREE_OR_FIXED = st.sampled_from([PhysicsType.STATIC, PhysicsType.RIGID_BODY])
 lengths = st.floats(0.05, 2.0)
 places = st.tuples(*[st.floats(-8.0, 8.0)] * 3)
 angles = st.tuples(*[st.floats(-math.pi, math.pi)] * 3)
-
-
-@pytest.fixture(params=["native", "numpy"], autouse=True)
-def engine(request, monkeypatch):
-    """The kernel, and its reference."""
-    monkeypatch.setenv("MORSE_KERNEL", "off" if request.param == "numpy" else "on")
-    loading.library.cache_clear()
-    if request.param == "native" and loading.library() is None:
-        pytest.skip("the kernel was not built: python -m morse.kernel.build")
-    yield request.param
-    loading.library.cache_clear()
 
 
 @st.composite
@@ -77,7 +65,7 @@ def names(bundle):
 
 @settings(max_examples=examples(50), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(solids=solids, at=places, count=st.sampled_from([20, 200]), seed=st.integers(0, 1000))
-def test_rays_at_primitives_match_closed_formulas(engine, solids, at, count, seed):
+def test_rays_at_primitives_match_closed_formulas(solids, at, count, seed):
     """Few or many rays, at fixed or moving bodies, from outside or inside."""
     nodes = [
         node(f"solid{i}", shape, at=place, turned=turn, kind=kind)
@@ -95,7 +83,7 @@ def test_rays_at_primitives_match_closed_formulas(engine, solids, at, count, see
 
 @settings(max_examples=examples(25), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(solids=solids, ats=st.lists(places, min_size=2, max_size=4), seed=st.integers(0, 1000))
-def test_casting_together_changes_nothing(engine, solids, ats, seed):
+def test_casting_together_changes_nothing(solids, ats, seed):
     nodes = [
         node(f"solid{i}", shape, at=place, turned=turn, kind=kind)
         for i, (shape, place, turn, kind) in enumerate(solids)

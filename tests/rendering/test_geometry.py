@@ -7,10 +7,11 @@ import pytest
 from studio import FAR, Studio, Tripod, ball, box, floor
 
 from morse.builder.assembly import shapes
-from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh, primitives
-from morse.kernel.rays.reference import ReferenceRays
+from morse.kernel.rays import Fan, Poses, SolidArrays, TriangleMesh
+from morse.kernel.rays.arrays import MESH
 from morse.rendering import Lens
 from morse.scene import PhysicsType
+from tests.kernel.twins.rays import ReferenceRays
 
 LENS = Lens(400, 300, 380.0, 350.0, 190.0, 160.0, 0.1, FAR)
 
@@ -95,7 +96,7 @@ def test_depth_and_ids_are_those_of_rays_pixel_by_pixel():
     count = len(nodes)
     caster = ReferenceRays(
         SolidArrays(
-            np.full(count, primitives.MESH, np.int32), np.ones((count, 3)), np.zeros(count, np.int64),
+            np.full(count, MESH, np.int32), np.ones((count, 3)), np.zeros(count, np.int64),
             np.array(places), np.array(turns), np.zeros((count, 3)), np.full((count, 3), 3.0), meshes,
         )
     )  # fmt: skip

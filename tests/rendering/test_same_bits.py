@@ -52,7 +52,7 @@ def digests(*small, **variables):
 def levels():
     """The builds that this machine can run."""
     host = targets.host()
-    if host is None or loading.library() is None:
+    if host is None:
         pytest.skip("the kernel was not built: python -m morse.kernel.build")
     best = loading.load(host, host.levels[0]).morse_processor_level()
     return [level for level in host.levels if not level or level <= best]
@@ -63,7 +63,3 @@ def test_threads_and_builds_and_processes(levels):
     found = [digests(**choice, MORSE_THREADS=threads) for choice in choices for threads in ("1", "2")]
     assert len(found[0]) == 3
     assert all(one == found[0] for one in found)
-
-
-def test_numpy_draws_the_same(levels):
-    assert digests("small") == digests("small", MORSE_KERNEL="off")

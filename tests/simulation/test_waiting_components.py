@@ -100,23 +100,13 @@ def restless(monkeypatch):
 
 
 @pytest.mark.parametrize("extra", ["", "sideways", "rates", "wheels"])
-@pytest.mark.parametrize("kernel", ["", "off"])
-def test_bits_are_those_of_components_that_act_in_each_tick(monkeypatch, request, extra, kernel):
+def test_bits_are_those_of_components_that_act_in_each_tick(request, extra):
     with morse.load(scene(extra)) as simulation:
         waiting = hashes(simulation, 200)
     request.getfixturevalue("restless")
-    if kernel:
-        from morse.kernel import loading
-
-        loading.library.cache_clear()
-        monkeypatch.setenv("MORSE_KERNEL", kernel)
-    try:
-        with morse.load(scene(extra)) as simulation:
-            touch(simulation)
-            assert hashes(simulation, 200) == waiting
-    finally:
-        if kernel:
-            loading.library.cache_clear()
+    with morse.load(scene(extra)) as simulation:
+        touch(simulation)
+        assert hashes(simulation, 200) == waiting
 
 
 def test_readers_change_nothing():

@@ -1,7 +1,7 @@
 """Native code: small C files that are compiled with the package and called without the GIL.
 
-Every function has a twin in numpy, which is the reference; the tests compare both. The library is loaded by the first
-call of `library`.
+The tests compare every function with a twin in numpy (``tests/kernel/twins``). The first call of `library` loads the
+library.
 """
 
 from morse.kernel.loading import library

@@ -49,7 +49,6 @@ class Courses:
         arrays = address(self.positions), address(self.rotations)
         self._all = ctypes.byref(_ConvoyStructure(ctypes.addressof(self._places), *arrays, groups))
         kernel = library()
-        assert kernel is not None
         self._run = kernel.morse_convoy_run
         self._run.argtypes, self._run.restype = (c_void_p, c_void_p, c_int64, c_int64, c_void_p), None
 
@@ -75,7 +74,6 @@ class Lanes:
         self._lanes = (Lane * rows)()
         self._keep: list[object] = [None] * rows
         kernel = library()
-        assert kernel is not None
         self._cast = kernel.morse_convoy_cast
         self._cast.argtypes, self._cast.restype = (c_void_p, c_void_p, c_int64), None
 

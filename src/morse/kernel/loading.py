@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import logging
+import sysconfig
 from functools import cache
 from pathlib import Path
 
@@ -18,22 +19,26 @@ VARIABLE = "MORSE_KERNEL"
 _SOURCES = Path(__file__).parent / "c"
 
 
-@cache
-def library() -> ctypes.CDLL | None:
-    """The kernel; None if numpy is used.
+class KernelError(OSError):
+    """The native kernel cannot be loaded."""
 
-    The environment variable ``MORSE_KERNEL`` selects: ``off`` for numpy, ``v2`` or ``v3`` for a level of the
-    instruction set; by default, the highest level that the processor supports.
+
+@cache
+def library() -> ctypes.CDLL:
+    """The kernel.
+
+    The environment variable ``MORSE_KERNEL`` selects a level of the instruction set, ``v2`` or ``v3``; by default, it
+    is the highest level that the processor supports.
+
+    Raises:
+        KernelError: it was not compiled for this platform, or belongs to another version of MORSE.
     """
     choice = variables.word(VARIABLE)
-    if choice == "off":
-        return None
     target = targets.host()
     if target is None:
-        logger.warning(
-            "There is no native kernel for this platform: rays and camera images are computed by numpy, which is slow"
-        )
-        return None
+        names = ", ".join(map(str, targets.ALL))
+        here = sysconfig.get_platform()
+        raise KernelError(f"MORSE has no native kernel for this platform, {here}, but for {names}")
     file_names = {f"v{level}": level for level in target.levels if level}
     if is_stale(target):
         logger.warning(
@@ -43,11 +48,7 @@ def library() -> ctypes.CDLL | None:
     try:
         return load(target, file_names[choice]) if choice in file_names else _best(target)
     except OSError as error:
-        logger.warning(
-            "The native kernel is not used (%s): rays and camera images are computed by numpy, which is slow",
-            error,
-        )
-        return None
+        raise KernelError(f"the native kernel cannot be loaded: {error}") from None
 
 
 def is_stale(target: targets.Target) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import numbers
@@ -222,7 +223,8 @@ def review_settings() -> None:
     variables.review()
     # both warn about their own variables, when they are first called
     threads.count()
-    loading.library()
+    with contextlib.suppress(loading.KernelError):  # the world that is created says so
+        loading.library()
 
 
 def resolve(scene: Scene) -> None:

@@ -14,7 +14,6 @@ import numpy as np
 from morse.core.rows.columns import columns_of
 from morse.core.rows.sensor_rows import SensorRows
 from morse.kernel.convoy import Courses, Lanes
-from morse.kernel.loading import library
 from morse.kernel.rays import Hits
 from morse.physics.poses.snapshot import Snapshot
 from morse.physics.rays.bundle import RayBundle, Scan, Sight
@@ -48,7 +47,7 @@ class Convoy:
         self._owed, self._left = np.zeros(count, np.int64), np.zeros(count, np.int64)
         self._columns: list[_Column] = []
         self._courses: Courses | None = None
-        self._is_possible = library() is not None and count >= _LEAST
+        self._is_possible = count >= _LEAST
 
     def read(self, column: DataColumn) -> None:
         """Take note of data that are read after each step."""

@@ -11,7 +11,7 @@ logger = logging.getLogger(__name__)
 #: smallest and largest value of variables that are numbers
 _NUMBERS = {"MORSE_THREADS": (1, 256), "MORSE_SOCKET_PORT": (0, 65535)}
 #: the values of variables that are words
-_WORDS = {"MORSE_KERNEL": ("off", "on", "v2", "v3")}
+_WORDS = {"MORSE_KERNEL": ("on", "v2", "v3")}
 #: variables with paths and names
 _OTHERS = (
     "MORSE_BLENDER", "MORSE_CACHE", "MORSE_IMAGE_PATH", "MORSE_NODE", "MORSE_RESOURCE_PATH", "MORSE_ROOT",

@@ -1,4 +1,4 @@
-"""Camera images rendered from triangles: the C functions, and their twins in numpy."""
+"""Camera images rendered from triangles."""
 
 from __future__ import annotations
 
@@ -15,36 +15,38 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from morse.kernel.drawing.reference import ReferenceDrawer
-
 __all__ = ["Drawing", "Kept", "Light", "Pictures", "Poses", "Simplification", "closed_labels", "drawer", "simplify"]
 
 
-def drawer(drawing: Drawing) -> NativeDrawer | ReferenceDrawer:
-    """The renderer: the C functions, or numpy without the kernel."""
-    native = library()
-    if native is None:
-        from morse.kernel.drawing.reference import ReferenceDrawer
-
-        return ReferenceDrawer(drawing)
-    return NativeDrawer(native, drawing)
+def drawer(drawing: Drawing) -> NativeDrawer:
+    """The renderer."""
+    return NativeDrawer(library(), drawing)
 
 
 def closed_labels(points: NDArray[np.float32], index: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The closed parts of a mesh; see `morse.kernel.drawing.reference_closed.closed_labels`."""
-    native = library()
-    if native is None:
-        from morse.kernel.drawing.reference_closed import closed_labels as of_numpy
+    """Find the closed parts of a mesh.
 
-        return of_numpy(points, index)
-    return native_closed.closed_labels(native, points, index)
+    Args:
+        points: (V, 3) positions of the vertices, without -0.
+        index: (T, 3) vertices of the triangles, at least one triangle.
+
+    Returns:
+        (T,) the first triangle of the part of each triangle, -1 if the part is not closed.
+    """
+    return native_closed.closed_labels(library(), points, index)
 
 
 def simplify(mesh: Simplification, limit: float) -> int:
-    """Simplify a mesh up to an error; see `morse.kernel.drawing.reference_simplify.simplify`."""
-    native = library()
-    if native is None:
-        from morse.kernel.drawing.reference_simplify import simplify as by_python
+    """Simplify a mesh up to a limit of the error, in place; the next call, with a larger limit, goes on.
 
-        return by_python(mesh, limit)
-    return native_simplify.simplify(native, mesh, limit)
+    A vertex moves onto the neighbour where the error is smallest. Vertices whose surroundings have changed wait for the
+    next pass.
+
+    Args:
+        mesh: the mesh.
+        limit: largest error, m.
+
+    Returns:
+        The number of triangles that remain.
+    """
+    return native_simplify.simplify(library(), mesh, limit)

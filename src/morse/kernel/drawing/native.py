@@ -30,7 +30,7 @@ _SAMPLES = {count: np.array(positions, np.float32) for count, positions in SAMPL
 
 
 class NativeDrawer:
-    """Renders images; the twin of `morse.kernel.drawing.reference.ReferenceDrawer`.
+    """Renders images.
 
     Attributes:
         drawing: the scene.

@@ -26,7 +26,7 @@ class _Search(ctypes.Structure):
 
 
 def closed_labels(library: ctypes.CDLL, points: NDArray[np.float32], index: NDArray[np.int32]) -> NDArray[np.int32]:
-    """See `morse.kernel.drawing.reference_closed.closed_labels`."""
+    """See `morse.kernel.drawing.closed_labels`."""
     vertices, triangles = len(points), len(index)
     # at most half of a table is filled
     points_size, edges_size = (1 << (2 * count).bit_length() for count in (vertices, 3 * triangles))

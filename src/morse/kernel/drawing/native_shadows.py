@@ -44,7 +44,7 @@ class _Movers(ctypes.Structure):
 
 
 class NativeMovers:
-    """The shadows of parts that may move; the twin of `morse.kernel.drawing.reference_shadows.ReferenceMovers`.
+    """The shadows of parts that may move.
 
     Args:
         parts: (M,) the parts.

@@ -27,7 +27,7 @@ class _Structure(ctypes.Structure):
 
 
 def simplify(library: ctypes.CDLL, mesh: Simplification, limit: float) -> int:
-    """See `morse.kernel.drawing.reference_simplify.simplify`."""
+    """See `morse.kernel.drawing.simplify`."""
     vertices, triangles = len(mesh.points), len(mesh.alive)
     room = (
         np.empty(vertices + 1, np.int32),

@@ -51,8 +51,8 @@ class Course:
     ) -> None:
         kernel = library()
         self._robots: GliderWork | None = None
-        self._is_able = kernel is not None and functions is not None
-        if kernel is None or functions is None:
+        self._is_able = functions is not None
+        if functions is None:
             return
         self._keep = arrays = (qpos, positions, rotations, positions_before, rotations_before)
         self._structure = _CourseStructure(None, model, data, *functions, *map(address, arrays), len(positions))

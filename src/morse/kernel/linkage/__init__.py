@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.kernel.linkage import reference
 from morse.kernel.linkage.native import NativeLinkage
 from morse.kernel.loading import library
 
@@ -15,6 +14,5 @@ __all__ = ["linkage"]
 
 
 def linkage(arrays: LinkageArrays) -> LinkageWork:
-    """The function that moves a linkage: C, or Python without the kernel."""
-    kernel_library = library()
-    return reference.Linkage(arrays) if kernel_library is None else NativeLinkage(kernel_library, arrays)
+    """The function that moves a linkage."""
+    return NativeLinkage(library(), arrays)

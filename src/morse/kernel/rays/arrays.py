@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+#: indices of the kinds of shapes in arrays
+BOX, SPHERE, CYLINDER, CAPSULE, ELLIPSOID, MESH = range(6)
+
 
 @dataclass(eq=False)
 class TriangleMesh:
@@ -48,7 +51,7 @@ class SolidArrays:
     """Solids, one row each.
 
     Attributes:
-        kinds: (S,) see `morse.kernel.rays.primitives`.
+        kinds: (S,) `BOX` to `MESH`.
         sizes: (S, 3) of primitives.
         slots: (S,) the rigid group of each solid.
         places, turns: (S, 3) metres and (S, 3, 3), the pose in the group.

@@ -93,7 +93,7 @@ def _below(numbers: NDArray[np.float64]) -> NDArray[np.float32]:
 
 
 class NativeRays:
-    """Casts rays at solids; the twin of `morse.kernel.rays.reference.ReferenceRays`."""
+    """Casts rays at solids."""
 
     def __init__(self, library: ctypes.CDLL, solids: SolidArrays) -> None:
         self._library = library

@@ -6,7 +6,6 @@ from ctypes import byref
 from typing import TYPE_CHECKING
 
 from morse.kernel.loading import library
-from morse.kernel.water import reference
 from morse.kernel.water.values import WaterValues
 
 if TYPE_CHECKING:
@@ -16,10 +15,7 @@ __all__ = ["WaterValues", "pusher"]
 
 
 def pusher(values: WaterValues) -> Callable[[], object]:
-    """The function that computes force and torque in values: C, or Python without the kernel."""
-    kernel_library = library()
-    if kernel_library is None:
-        return lambda: reference.push(values)
-    kernel_library.morse_water.restype = None
-    push, place = kernel_library.morse_water, byref(values)
+    """The function that computes force and torque in values."""
+    push, place = library().morse_water, byref(values)
+    push.restype = None
     return lambda: push(place)

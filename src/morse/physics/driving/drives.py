@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.driving.pushing import body_velocity
 from morse.kernel.driving.turns import arc, turn_by
 from morse.physics.driving.command import Command, midway
 from morse.physics.driving.drag import Drag
@@ -17,6 +16,8 @@ from morse.physics.model.layout import Motion
 from morse.physics.poses import rigid
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from morse.core.values import StateData
@@ -28,6 +29,40 @@ if TYPE_CHECKING:
     from morse.physics.state.engine_state import EngineState
     from morse.physics.state.saved import SavedDrives
     from morse.scene import Node
+
+
+Six = tuple[float, float, float, float, float, float]
+
+
+def body_velocity(
+    r: Sequence[float],
+    old: Sequence[float],
+    linear: Sequence[float],
+    angular: Sequence[float],
+    ground: bool,
+    shift: bool,
+) -> Six:
+    """The velocity of a driven body.
+
+    Args:
+        r: (9,) its rotation, row by row.
+        old: (6,) its present velocity: linear in the axes of the world, angular in its own axes.
+        linear, angular: the command in its own axes, m/s and rad/s.
+        ground: keep the vertical speed, and the roll and pitch rates.
+        shift: leave axes without a command to gravity and contacts.
+    """
+    x, y, z = linear
+    wx, wy, wz = angular
+    a, b, c, d, e, f, g, h, i = r
+    vx, vy, vz = a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
+    if ground:
+        # the yaw rate about the world Z axis changes; roll and pitch rates do not: w' = w + R^T z (target - z.R w)
+        _, _, up, roll, pitch, yaw = old
+        change = g * wx + h * wy + i * wz - (g * roll + h * pitch + i * yaw)
+        return vx, vy, up, roll + g * change, pitch + h * change, yaw + i * change
+    if shift:
+        return vx, vy, vz or old[2], wx or old[3], wy or old[4], wz
+    return vx, vy, vz, wx, wy, wz
 
 
 class Drives:

@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.kernel.driving.arrays import StanceArrays
-from morse.kernel.driving.pushing import stands_still
 from morse.physics.gliding.glide import FIRST_WAIT, LONGEST_WAIT
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence
 
     from morse.physics.state.saved import SavedStand
+
+
+#: changes of height (m) and tilt per tick below which a robot has settled
+_SETTLED = 1e-9
 
 
 class Stances:
@@ -83,3 +86,19 @@ class Stances:
             arrays.ticks[index], arrays.heights[index] = stand.tick, stand.height
             arrays.ups[index], arrays.until[index] = stand.up, stand.until
             self._waits[index] = stand.wait
+
+
+def stands_still(stances: StanceArrays, slot: int, tick: int, height: float, up: Sequence[float]) -> bool:
+    """Record the stance of a robot; return whether it has settled since the last tick and may glide."""
+    ticks, heights, ups, until = stances.views
+    first, (x, y, z) = 3 * slot, up
+    still = (
+        ticks[slot] == tick - 1
+        and abs(height - heights[slot]) < _SETTLED
+        and abs(x - ups[first]) < _SETTLED
+        and abs(y - ups[first + 1]) < _SETTLED
+        and abs(z - ups[first + 2]) < _SETTLED
+    )
+    ticks[slot], heights[slot] = tick, height
+    ups[first], ups[first + 1], ups[first + 2] = x, y, z
+    return bool(still and tick >= until[slot])

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from morse.kernel.linkage.reference import quaternion as quaternion
 from morse.mathutils.rotations import cross as cross
 from morse.mathutils.rotations import turn as turn
 from morse.mathutils.rotations import turn_back as turn_back
@@ -83,3 +82,19 @@ def rotation_of_quaternion(q: Sequence[float]) -> tuple[float, ...]:
         2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
         2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
     )  # fmt: skip
+
+
+def quaternion(r: Sequence[float]) -> tuple[float, float, float, float]:
+    """w, x, y, z of a rotation (Shepperd's method: the largest component first)."""
+    trace = r[0] + r[4] + r[8]
+    if trace > 0.0:
+        s = 2.0 * math.sqrt(trace + 1.0)
+        return 0.25 * s, (r[7] - r[5]) / s, (r[2] - r[6]) / s, (r[3] - r[1]) / s
+    if r[0] > r[4] and r[0] > r[8]:
+        s = 2.0 * math.sqrt(1.0 + r[0] - r[4] - r[8])
+        return (r[7] - r[5]) / s, 0.25 * s, (r[1] + r[3]) / s, (r[2] + r[6]) / s
+    if r[4] > r[8]:
+        s = 2.0 * math.sqrt(1.0 + r[4] - r[0] - r[8])
+        return (r[2] - r[6]) / s, (r[1] + r[3]) / s, 0.25 * s, (r[5] + r[7]) / s
+    s = 2.0 * math.sqrt(1.0 + r[8] - r[0] - r[4])
+    return (r[3] - r[1]) / s, (r[2] + r[6]) / s, (r[5] + r[7]) / s, 0.25 * s

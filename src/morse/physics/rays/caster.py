@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.rays import Fan, Poses, SolidArrays, primitives, ray_caster
+from morse.kernel.rays import Fan, Poses, SolidArrays, ray_caster
+from morse.kernel.rays.arrays import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from morse.kernel.rays.native import NativeRays
-from morse.mathutils.portable import matmul
+from morse.mathutils.portable import matmul, norm
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -122,5 +123,23 @@ class Caster:
             local = mesh.normals[face]
         else:
             here = matmul(rotation.T, point - self._rays.positions[solid])
-            local = primitives.normal(int(self._solids.kinds[solid]), here, self._solids.sizes[solid])
+            local = _normal(int(self._solids.kinds[solid]), here, self._solids.sizes[solid])
         return np.asarray(matmul(rotation, local), dtype=np.float64)
+
+
+def _normal(kind: int, point: NDArray[np.float64], size: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Outward unit normal (3,) of a primitive at a point (3,) of its surface."""
+    if kind == BOX:
+        axis = int(np.argmax(np.abs(point) / size))
+        result = np.zeros(3)
+        result[axis] = np.copysign(1.0, point[axis])
+        return result
+    if kind == ELLIPSOID:
+        result = point / size**2
+    elif kind == CYLINDER:
+        on_end = abs(point[2]) / size[1] > np.hypot(point[0], point[1]) / size[0]
+        result = np.array([0.0, 0.0, point[2]]) if on_end else np.array([point[0], point[1], 0.0])
+    else:
+        half = size[1] if kind == CAPSULE else 0.0
+        result = point - np.array([0.0, 0.0, np.clip(point[2], -half, half)])
+    return np.asarray(result / norm(result), dtype=np.float64)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.rays import primitives
+from morse.kernel.rays import arrays as kinds
 from morse.mathutils.portable import matmul
 from morse.physics.model.inertia import half_sizes
 from morse.physics.model.layout import Motion
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 _WITHOUT_MATERIAL = Material("default")
 #: kinds of solids; arrays contain the index
 KINDS = {
-    ShapeKind.BOX: primitives.BOX,
-    ShapeKind.SPHERE: primitives.SPHERE,
-    ShapeKind.CYLINDER: primitives.CYLINDER,
-    ShapeKind.CAPSULE: primitives.CAPSULE,
-    ShapeKind.ELLIPSOID: primitives.ELLIPSOID,
-    ShapeKind.CONVEX: primitives.MESH,
+    ShapeKind.BOX: kinds.BOX,
+    ShapeKind.SPHERE: kinds.SPHERE,
+    ShapeKind.CYLINDER: kinds.CYLINDER,
+    ShapeKind.CAPSULE: kinds.CAPSULE,
+    ShapeKind.ELLIPSOID: kinds.ELLIPSOID,
+    ShapeKind.CONVEX: kinds.MESH,
 }
 
 
@@ -73,7 +73,7 @@ class Solids:
         parts = [np.array(_remissions(node)[:1]) if mesh is None else mesh.remissions for node, _, mesh in rows]
         self._remissions = np.concatenate([*parts, np.zeros(1)])
         self._first_remissions = np.cumsum([0, *(len(part) for part in parts)])
-        self.kinds = np.full(count, primitives.MESH, dtype=np.int32)
+        self.kinds = np.full(count, kinds.MESH, dtype=np.int32)
         self.sizes, self.centres, self.halves = np.ones((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
         for index, (_, shape, mesh) in enumerate(rows):
             if shape is not None:

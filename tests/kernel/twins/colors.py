@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.drawing.arrays import ENCODED, SAMPLES, SHADELESS
-from morse.kernel.drawing.reference_light import dot, lit, mixed, sky_in, tone, unit, within
-from morse.kernel.drawing.reference_normals import along, normals_at
+from tests.kernel.twins.light import dot, lit, mixed, sky_in, tone, unit, within
+from tests.kernel.twins.normals import along, normals_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
-    from morse.kernel.drawing.reference_project import Projected
+    from tests.kernel.twins.project import Projected
 
     Floats = NDArray[np.float32]
 

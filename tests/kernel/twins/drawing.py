@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.drawing import reference_colors, reference_normals, reference_shadows
 from morse.kernel.drawing.arrays import DITHERED, MASKED, SAMPLES, TILE, Pictures, number_tiles
-from morse.kernel.drawing.reference_project import Projected, project
+from tests.kernel.twins import colors, normals, shadows
+from tests.kernel.twins.project import Projected, project
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,14 +49,14 @@ class ReferenceDrawer:
     def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
         """Draw parts into the shadow map; returns the texels (N, 4) that each part may have filled."""
         with np.errstate(all="ignore"):
-            return reference_shadows.cast(self.drawing, parts, poses, light)
+            return shadows.cast(self.drawing, parts, poses, light)
 
     def bound_shadows(self, light: Light) -> None:
         """Do nothing: bounds only save time, and this drawer always reads the texels."""
 
-    def moving_shadows(self, parts: NDArray[np.integer], light: Light) -> reference_shadows.ReferenceMovers:
+    def moving_shadows(self, parts: NDArray[np.integer], light: Light) -> shadows.ReferenceMovers:
         """Return the shadows of parts that may move, in a map that has the shadows of the others already."""
-        return reference_shadows.ReferenceMovers(self.drawing, parts, light)
+        return shadows.ReferenceMovers(self.drawing, parts, light)
 
     def _draw(self, camera: NDArray[np.void], poses: Poses, light: Light, samples: int) -> Pictures:
         count = samples if camera["color"] else 1
@@ -72,11 +72,11 @@ class ReferenceDrawer:
         depth = np.where(who < 0, np.float32(0), np.float32(1) / inverse[0].ravel())
         rgba = np.zeros((len(who), 4), np.uint8)
         if camera["color"]:
-            rgba = reference_colors.paint(self.drawing, camera, poses, light, projected, visible.reshape(count, -1))
-        normals = np.zeros((len(who), 3), np.float32)
+            rgba = colors.paint(self.drawing, camera, poses, light, projected, visible.reshape(count, -1))
+        facing = np.zeros((len(who), 3), np.float32)
         if camera["normals"]:
-            normals = reference_normals.normals(self.drawing, camera, poses, projected, who)
-        return Pictures(rgba, depth.astype(np.float32), ids.astype(np.int32), normals)
+            facing = normals.normals(self.drawing, camera, poses, projected, who)
+        return Pictures(rgba, depth.astype(np.float32), ids.astype(np.int32), facing)
 
     def _cover(
         self,

@@ -11,9 +11,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from morse.kernel.rays import primitives
-from morse.kernel.rays.arrays import Hits
-from morse.kernel.rays.triangles import ReferenceMesh
+from morse.kernel.rays.arrays import MESH, Hits
+from tests.kernel.twins import primitives
+from tests.kernel.twins.triangles import ReferenceMesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -113,7 +113,7 @@ class ReferenceRays:
         kinds = self._solids.kinds[solids]
         for kind in np.unique(kinds).tolist():
             some = np.flatnonzero(kinds == kind)
-            if kind != primitives.MESH:
+            if kind != MESH:
                 sizes = self._solids.sizes[solids[some]]
                 distances[some] = primitives.first_surface(kind, local[some].T, ways[some].T, sizes.T)
                 continue

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from morse.kernel.driving import pushing
 from morse.kernel.driving.turns import GLIDES, SHIFTS, TURNS, arc, turn_by
+from tests.kernel.twins import pushing
 
 if TYPE_CHECKING:
     from morse.kernel.driving.arrays import ChassisArrays, Floats, GliderArrays, PlaneArrays

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from morse.kernel.linkage.arrays import PRISMATIC, REVOLUTE
+from morse.physics.poses.rigid import quaternion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -80,19 +81,3 @@ def composed(outer: Sequence[float], inner: Sequence[float]) -> list[float]:
         for row in (0, 3, 6)
         for column in range(3)
     ]
-
-
-def quaternion(r: Sequence[float]) -> tuple[float, float, float, float]:
-    """w, x, y, z of a rotation (Shepperd's method: the largest component first)."""
-    trace = r[0] + r[4] + r[8]
-    if trace > 0.0:
-        s = 2.0 * math.sqrt(trace + 1.0)
-        return 0.25 * s, (r[7] - r[5]) / s, (r[2] - r[6]) / s, (r[3] - r[1]) / s
-    if r[0] > r[4] and r[0] > r[8]:
-        s = 2.0 * math.sqrt(1.0 + r[0] - r[4] - r[8])
-        return (r[7] - r[5]) / s, 0.25 * s, (r[1] + r[3]) / s, (r[2] + r[6]) / s
-    if r[4] > r[8]:
-        s = 2.0 * math.sqrt(1.0 + r[4] - r[0] - r[8])
-        return (r[2] - r[6]) / s, (r[1] + r[3]) / s, 0.25 * s, (r[5] + r[7]) / s
-    s = 2.0 * math.sqrt(1.0 + r[8] - r[0] - r[4])
-    return (r[3] - r[1]) / s, (r[2] + r[6]) / s, (r[5] + r[7]) / s, 0.25 * s

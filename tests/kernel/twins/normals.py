@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.kernel.drawing.reference_light import unit
+from tests.kernel.twins.light import unit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.kernel.drawing.arrays import Drawing, Poses
-    from morse.kernel.drawing.reference_project import Projected
+    from tests.kernel.twins.project import Projected
 
     Floats = NDArray[np.float32]
 

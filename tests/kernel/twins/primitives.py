@@ -19,8 +19,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.mathutils.portable import norm
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -29,8 +27,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Interval = tuple[Floats, Floats]
 
-#: indices of the kinds of shapes in arrays
-BOX, SPHERE, CYLINDER, CAPSULE, ELLIPSOID, MESH = range(6)
 #: replaces a direction component of 0: finite quotients, no NaN
 _PARALLEL = 1e-200
 
@@ -128,21 +124,3 @@ def first_surface(kind: int, origins: Floats, directions: Floats, sizes: Floats)
     distance[distance < 0.0] = np.inf
     # no -0.0: IEEE 754 does not define which zero a minimum returns
     return np.asarray(distance + 0.0)
-
-
-def normal(kind: int, point: Floats, size: Floats) -> Floats:
-    """Outward unit normal (3,) of a primitive at a point (3,) of its surface."""
-    if kind == BOX:
-        axis = int(np.argmax(np.abs(point) / size))
-        result = np.zeros(3)
-        result[axis] = np.copysign(1.0, point[axis])
-        return result
-    if kind == ELLIPSOID:
-        result = point / size**2
-    elif kind == CYLINDER:
-        on_end = abs(point[2]) / size[1] > np.hypot(point[0], point[1]) / size[0]
-        result = np.array([0.0, 0.0, point[2]]) if on_end else np.array([point[0], point[1], 0.0])
-    else:
-        half = size[1] if kind == CAPSULE else 0.0
-        result = point - np.array([0.0, 0.0, np.clip(point[2], -half, half)])
-    return np.asarray(result / norm(result), dtype=np.float64)
