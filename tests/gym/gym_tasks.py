@@ -4,6 +4,7 @@ import numpy as np
 from gymnasium import spaces
 
 from morse.gym import Command, Read, Task, Touch
+from morse.many import uniform
 
 
 def look_around():
@@ -81,3 +82,31 @@ class Meet(Task):
     def reward(self, before, now):
         x = now["observation"][:, 0]
         return -np.abs(x - 2.0), x > 2.0, {}
+
+
+def drive_about():
+    from morse.builder import ATRV, Environment, MotionVW, Pose
+
+    robot = ATRV("robot")
+    pose = Pose("pose")
+    pose.noise(gaussian=0.01)
+    for part in (MotionVW("motion"), pose):
+        robot.append(part)
+    Environment("empty")
+
+
+class DriveAbout(Task):
+    """Short episodes from places at random, a noisy sensor, and infos of all forms."""
+
+    scene, ticks, limit = drive_about, 2, 7
+    action = Command("robot.motion", v=(-1.0, 1.0), w=(-1.0, 1.0))
+    observation = Read("robot.pose", "x", "y", "yaw")
+    vary = {"robot": {"mass": uniform(20.0, 30.0)}}  # noqa: RUF012
+
+    def start(self, rows, rngs):
+        self.many.place(rows, "robot", [[*rng.uniform(-2.0, 2.0, 2), 0.0] for rng in rngs])
+
+    def reward(self, before, now):
+        x = now["observation"][:, 0]
+        names = np.array(["far" if abs(value) > 1.0 else "quite near" for value in x])
+        return x, np.abs(x) > 2.02, {"x": x, "ticks": self.ticks, "where": names, "pair": np.stack([x, -x], 1)}

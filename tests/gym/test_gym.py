@@ -297,8 +297,7 @@ def test_pettingzoo_checks_three_robots_that_cross():
 def test_a_process_that_dies_is_named():
     env = morse.gym.vector(Reach, 2, workers=2)
     env.reset(seed=1)
-    os.kill(env._processes[1].pid, signal.SIGKILL)
-    env._processes[1].join(60.0)
+    os.kill(env._parts.workers[1].pid, signal.SIGKILL)
     with pytest.raises(RuntimeError, match="the process of the rows 1 to 1 has ended by SIGKILL"):
         env.step(np.zeros((2, 2)))
     other = morse.gym.vector(Reach, 2)
@@ -320,6 +319,86 @@ def test_a_program_that_does_not_close_a_vector_leaves_nothing_behind():
     )
     outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
     assert (outcome.returncode, outcome.stderr) == (0, "")
+
+
+class _Told(Meet):
+    """Infos in all forms: a number for all rows, a text, an array, a list, a vector for each row."""
+
+    def reward(self, before, now):
+        rows = len(now["observation"])
+        infos = {"goal": 2.0, "name": "near", "x": now["observation"][:, 0], "list": [1] * rows, "none": None}
+        return 0.0, False, infos | {"pair": np.ones((rows, 2))}
+
+
+class _ToldAlone(_Told):
+    action, observation = Command("r0.motion", v=(-1.0, 1.0), w=(-1.0, 1.0)), Read("r0.pose", "x", "y", "yaw")
+
+    def start(self, rows, rngs):
+        pass
+
+
+def test_infos_have_the_same_forms_alone_in_vectors_and_for_agents():
+    def alone(infos):
+        return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in infos.items()}
+
+    env, agents = morse.gym.TaskEnv(_ToldAlone), morse.gym.parallel(_Told, ["r0", "r1"])
+    env.reset(seed=0)
+    expected = alone(env.step(np.zeros(2))[4])
+    assert expected | {"x": 0} == {"goal": 2.0, "name": "near", "x": 0, "list": 1, "none": None, "pair": [1.0, 1.0]}
+    assert type(expected["name"]) is str
+    env.close()
+    agents.reset(seed=0)
+    for infos in agents.step(dict.fromkeys(["r0", "r1"], np.zeros(2)))[4].values():
+        assert alone(infos) | {"x": 0} == expected | {"x": 0}
+    agents.close()
+    for workers in (0, 2):
+        vector = morse.gym.vector(_ToldAlone, 2, workers=workers)
+        vector.reset(seed=0)
+        infos = vector.step(np.zeros((2, 2)))[4]
+        for row in range(2):
+            assert all(infos[f"_{name}"][row] for name in expected)
+            assert alone({name: infos[name][row] for name in expected}) == expected
+        vector.close()
+
+
+@pytest.mark.parametrize("value", [[1.0, 2.0, 3.0], np.zeros((1, 2))])
+def test_an_info_with_another_number_of_rows_is_named(value):
+    class Wrong(LookAround):
+        def reward(self, before, now):
+            return 0.0, False, {"many": value}
+
+    env = morse.gym.vector(Wrong, 2)
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match=r"Wrong.reward has returned the info 'many' .* or an array \(2, ...\)"):
+        env.step(np.zeros((2, 2)))
+    env.close()
+
+
+def test_components_are_named_in_one_way_in_batches_teams_and_cameras():
+    def of(task, change):
+        return type("Other", (task,), change)
+
+    for make in (
+        lambda name: morse.gym.TaskEnv(of(LookAround, {"observation": Read(name, "x")})),
+        lambda name: morse.gym.parallel(of(Meet, {"observation": Read(name, "x")}), ["r0", "r1"]),
+    ):
+        for name, message in (
+            ("nobody.pose", "no robot 'nobody'"),
+            ("nobody", "no robot 'nobody'"),
+            (7, "a component is given by its full name"),
+        ):
+            with pytest.raises((KeyError, TypeError), match=message):
+                make(name)
+    for task, robot in ((LookAround, "robot"), (Meet, "r0")):
+        with pytest.raises(KeyError, match=rf"{robot} has no 'posse'; did you mean 'pose'"):
+            morse.gym.TaskEnv(
+                of(task, {"action": Command(f"{robot}.motion", v=(0.0, 1.0)), "observation": Read(f"{robot}.posse")})
+            )
+    env = morse.gym.TaskEnv(of(Picture, {"camera": "robot.camra"}), render_mode="rgb_array")
+    env.reset(seed=0)
+    with pytest.raises(KeyError, match=r"robot has no 'camra'; did you mean 'camera'"):
+        env.render()
+    env.close()
 
 
 class _Reward:
@@ -474,8 +553,9 @@ def test_a_page_shows_a_single_environment_and_agents():
 
 
 SPAWNED = """
-import morse.gym.workers
-morse.gym.workers._kind_of_start = lambda: "spawn"  # as on systems that cannot copy processes
+import morse.system.worker_pool
+morse.system.worker_pool.kind_of_start = lambda: "spawn"  # as on systems that cannot copy processes
+import morse.gym
 from morse.gym.reach import Reach
 """
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from morse.gym.checks import actions_of
 from morse.gym.env import check_render_mode
-from morse.gym.episodes import Episodes, row_of
+from morse.gym.episodes import Episodes
 from morse.gym.team import Team
-from morse.gym.values import Observation
+from morse.gym.values import Observation, row_of
 from morse.gym.variety import scenes_of
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ class TeamEnv(ParallelEnv[str, Observation, np.ndarray]):
             {agent: float(rewards[row]) for agent, row in rows.items()},
             {agent: bool(ended[row]) for agent, row in rows.items()},
             {agent: bool(late[row]) for agent, row in rows.items()},
-            {agent: {name: value[row] for name, value in values.items()} for agent, row in rows.items()},
+            {agent: row_of(values, row) for agent, row in rows.items()},
         )
         self.agents = [agent for agent, row in rows.items() if not (ended[row] or late[row])]
         return result

@@ -9,11 +9,12 @@ import numpy as np
 from morse.core.reports.hints import nearest
 from morse.core.values import Fields
 from morse.gym.task import Command, Task
+from morse.gym.values import columns_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from numpy.typing import NDArray
+
+    from morse.gym.values import Arrays
 
 
 class Data(Fields):
@@ -67,14 +68,12 @@ def actions_of(actions: object, shape: tuple[int, ...]) -> NDArray[np.float32]:
     return array
 
 
-def outcome(
-    task: Task, values: object, rows: int
-) -> tuple[NDArray[np.float64], NDArray[np.bool_], Mapping[str, np.ndarray]]:
-    """Return what the method ``reward`` of a task has returned, as arrays (N,) and a dictionary.
+def outcome(task: Task, values: object, rows: int) -> tuple[NDArray[np.float64], NDArray[np.bool_], Arrays]:
+    """Return what the method ``reward`` of a task has returned, as arrays (N,) and infos (N, ...) by name.
 
     Raises:
         TypeError: it is no triple of numbers, booleans and a dictionary.
-        ValueError: an array has another length, or a reward is NaN.
+        ValueError: an array or an info has another length, or a reward is NaN.
     """
     name = f"{type(task).__name__}.reward"
     form = "rewards (N,), whether the episodes are over (N,), and a dictionary of infos"
@@ -88,4 +87,4 @@ def outcome(
         arrays.append(np.broadcast_to(array.astype(kind), (rows,)).copy())
     if np.isnan(arrays[0]).any():
         raise ValueError(f"{name} has returned NaN for row {task.first_row + int(np.isnan(arrays[0]).argmax())}")
-    return arrays[0], arrays[1], values[2]
+    return arrays[0], arrays[1], columns_of(values[2], rows, name)

@@ -8,8 +8,8 @@ import gymnasium
 import numpy as np
 
 from morse.gym.checks import actions_of
-from morse.gym.episodes import Episodes, row_of
-from morse.gym.values import Observation
+from morse.gym.episodes import Episodes
+from morse.gym.values import Observation, row_of
 from morse.gym.variety import scenes_of
 from morse.many.batch import batch
 
@@ -60,8 +60,8 @@ class TaskEnv(gymnasium.Env[Observation, np.ndarray]):
     def step(self, action: object) -> tuple[Observation, float, bool, bool, Infos]:
         """Do an action."""
         rewards, ended, late, infos = self._episodes.step(actions_of(action, self.action_space.shape or ())[None])
-        info = {name: values[0] for name, values in infos.items()}
-        return row_of(self._episodes.observations(), 0), float(rewards[0]), bool(ended[0]), bool(late[0]), info
+        seen, info = row_of(self._episodes.observations(), 0), row_of(infos, 0)
+        return seen, float(rewards[0]), bool(ended[0]), bool(late[0]), info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture (H, W, 3), if ``render_mode`` is ``rgb_array``."""

@@ -13,6 +13,7 @@ from morse.gym.checks import Data, actions_of, check_task, outcome
 from morse.gym.spaces import action_space, fitted, space_of
 from morse.gym.task import Read, Task, Touch
 from morse.gym.variety import draw
+from morse.simulation.handles.component_handles import handle_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -36,18 +37,20 @@ class Episodes:
     Args:
         task: a task, or its class.
         load: loads the batch of a task.
+        first_row: number of the first row in the whole vector.
 
     Raises:
         TypeError: the task lacks an attribute, or has one of a wrong type.
     """
 
-    def __init__(self, task: Task | Callable[[], Task], load: Callable[[Task], Any]) -> None:
+    def __init__(self, task: Task | Callable[[], Task], load: Callable[[Task], Any], first_row: int = 0) -> None:
         self.task = task = task if isinstance(task, Task) or not callable(task) else task()
         check_task(task)
+        task.first_row = first_row
         self.many = many = load(task)
         task.many = many
         self._rows = len(many)
-        self.generators = [np.random.default_rng(row) for row in range(self._rows)]
+        self.generators = [np.random.default_rng(first_row + row) for row in range(self._rows)]
         try:
             commands = task.commands
             self._drives = [many.command(command.component, *command.ranges) for command in commands]
@@ -83,6 +86,11 @@ class Episodes:
         raise TypeError(f"'{name}' is a Read, a Touch or a space of Gymnasium with a shape, not {part!r:.80}")
 
     # -- episodes --------------------------------------------------------------------------
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether all rows have an episode, which may be over."""
+        return bool(self._now)
 
     def begin(self, rows: Sequence[int], seeds: Sequence[int] | None = None) -> None:
         """Begin episodes in some rows.
@@ -123,7 +131,7 @@ class Episodes:
         task, space = self.task, self.action_space
         if self._is_closed:
             raise ClosedEnvironmentError("this environment is closed: make it again")
-        if not self._now:
+        if not self.has_begun:
             raise ResetNeeded("no episode has begun: call reset() before step()")
         self._actions = np.clip(actions_of(actions, self._actions.shape), space.low, space.high)
         first = 0
@@ -136,7 +144,7 @@ class Episodes:
         before, self._now = self._now, self._look()
         rewards, terminated, infos = outcome(task, task.reward(before, self._now), self._rows)
         late = np.zeros(self._rows, bool) if task.limit is None else self._age >= task.limit
-        return rewards, terminated, late & ~terminated, dict(infos)
+        return rewards, terminated, late & ~terminated, infos
 
     def _look(self) -> Data:
         data = Data((name, np.array(values)) for name, values in self._data.items())
@@ -157,11 +165,8 @@ class Episodes:
         """Return (H, W, 3) the image of the camera of the task, or a view of the scene."""
         simulation = self.many[row]
         if self.task.camera:
-            robot, *parts = self.task.camera.split(".")
-            handle = simulation[robot]
-            for part in parts:
-                handle = handle.parts[part]
-            image: NDArray[np.uint8] = np.ascontiguousarray(handle.data["image"][..., :3])
+            data = handle_of(simulation, self.task.camera).data
+            image: NDArray[np.uint8] = np.ascontiguousarray(data["image"][..., :3])
             return image
         view: NDArray[np.uint8] = simulation.picture(320, 240)
         return view
@@ -176,10 +181,3 @@ class Episodes:
             "an environment holds running simulations and cannot be copied or pickled: pass a function that makes it, "
             "such as lambda: gymnasium.make('morse/Reach-v0')"
         )
-
-
-def row_of(values: Any, row: int) -> object:
-    """Return the values of a row, of an array or a dictionary of arrays."""
-    if isinstance(values, dict):
-        return {name: array[row] for name, array in values.items()}
-    return values[row]

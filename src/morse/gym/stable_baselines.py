@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.gym.values import row_infos
 from morse.gym.vector import vector
 
 try:
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
     from morse.gym.task import Task
     from morse.gym.values import Infos, Observation
     from morse.viewer.notebook import Frame
-
-#: infos of the vector that a learner gets as others
-_OWN = ("final_obs", "final_info")
 
 
 class BaselinesVecEnv(VecEnv):
@@ -38,7 +36,7 @@ class BaselinesVecEnv(VecEnv):
         """Begin an episode in each row, with the seeds of ``seed(s)`` if it was called; return the observations."""
         seeds = None if any(seed is None for seed in self._seeds) else [int(seed) for seed in self._seeds]
         observations, infos = self.envs.reset(seed=seeds)
-        self.reset_infos = [_info(infos, row) for row in range(self.num_envs)]
+        self.reset_infos = [row_infos(infos, row) for row in range(self.num_envs)]
         self._reset_seeds()
         self._reset_options()
         return observations
@@ -53,11 +51,11 @@ class BaselinesVecEnv(VecEnv):
         done = ended | late
         rows = []
         for row in range(self.num_envs):
-            info = _info(infos["final_info"] if done[row] else infos, row)
+            info = row_infos(infos["final_info"] if done[row] else infos, row)
             info["TimeLimit.truncated"] = bool(late[row] and not ended[row])
             if done[row]:
                 info["terminal_observation"] = infos["final_obs"][row]
-                self.reset_infos[row] = _info(infos, row)
+                self.reset_infos[row] = row_infos(infos, row)
             rows.append(info)
         return observations, np.asarray(rewards, np.float32), done, rows
 
@@ -96,12 +94,6 @@ class BaselinesVecEnv(VecEnv):
     def env_is_wrapped(self, wrapper_class: type, indices: object = None) -> list[bool]:
         """Return that no row is wrapped."""
         return [False for _ in self._get_indices(indices)]
-
-
-def _info(infos: Infos, row: int) -> Infos:
-    """The infos of a row of the vector."""
-    names = [name for name in infos if not name.startswith("_") and name not in _OWN]
-    return {name: infos[name][row] for name in names if infos.get(f"_{name}", ())[row]}
 
 
 def baselines(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import fields_of_component
-from morse.core.reports.hints import nearest
 from morse.gym.variety import AGENT
 from morse.launch.load import load
 from morse.many.commands import CommandColumn
@@ -13,6 +12,7 @@ from morse.many.layout import Layout
 from morse.many.readings import ContactColumn, DataColumn
 from morse.many.scenes import Scenes
 from morse.many.window import Window
+from morse.simulation.handles.component_handles import handle_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -58,16 +58,12 @@ class Team:
         return fields_of_component(self._handles(name)[0].component)
 
     def _handles(self, name: str, simulation: Simulation | None = None) -> list[ComponentHandle]:
-        handles = []
-        for agent in self.agents:
-            robot, *parts = name.replace(AGENT, agent).split(".")
-            handle = (simulation or self._simulation)[robot]
-            for part in parts:
-                if part not in handle.parts:
-                    raise KeyError(f"{handle.fqn} has no '{part}'{nearest(part, list(handle.parts))}")
-                handle = handle.parts[part]
-            handles.append(handle)
-        return handles
+        one = simulation or self._simulation
+        return [handle_of(one, self._full(name, agent)) for agent in self.agents]
+
+    @staticmethod
+    def _full(name: str, agent: str) -> str:
+        return name.replace(AGENT, agent) if isinstance(name, str) else name
 
     def command(self, component: str, *fields: str) -> np.ndarray:
         """See `morse.many.batch.Batch.command`."""
@@ -118,13 +114,13 @@ class Team:
     def place(self, rows: Sequence[int], name: str, poses: Sequence[Sequence[float]]) -> None:
         """See `morse.many.batch.Batch.place`."""
         for row, pose in zip(rows, poses, strict=True):
-            self._simulation.place(name.replace(AGENT, self.agents[row]), pose)
+            self._simulation.place(self._full(name, self.agents[row]), pose)
 
     def vary(self, name: str, *, rows: Sequence[int], **values: object) -> None:
         """See `morse.many.batch.Batch.vary`."""
         for row in rows:
             for what, value in values.items():
-                getattr(self._simulation, f"set_{what}")(name.replace(AGENT, self.agents[row]), value)
+                getattr(self._simulation, f"set_{what}")(self._full(name, self.agents[row]), value)
 
     def _update(self) -> None:
         for reading in self._readings:

@@ -10,14 +10,16 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from morse.gym.env import check_render_mode
-from morse.gym.episodes import Episodes, row_of
-from morse.gym.values import Observation
+from morse.gym.episodes import Episodes
+from morse.gym.values import Observation, masked, row_of, stacked
 from morse.gym.variety import scenes_of
 from morse.many.batch import batch
 from morse.many.rows import seeds_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
 
     from morse.core.values import Options
     from morse.gym.task import Task
@@ -42,6 +44,36 @@ def mode_of(mode: AutoresetMode | str) -> AutoresetMode:
         raise ValueError(f"autoreset_mode is one of {names}, not {mode!r:.80}") from None
 
 
+def mask_of(options: Options | None, rows: int) -> NDArray[np.bool_]:
+    """Return (N,) which rows begin an episode: those of the option ``reset_mask``, or all.
+
+    Raises:
+        ValueError: the mask is something else.
+    """
+    mask: Any = (options or {}).get("reset_mask")
+    if mask is None:
+        return np.ones(rows, bool)
+    array = np.asarray(mask)
+    if array.dtype != bool or array.shape != (rows,):
+        raise ValueError(f"reset_mask is an array of {rows} booleans, not {mask!r:.80}")
+    return array.copy()
+
+
+def check_over(over: NDArray[np.bool_], mode: AutoresetMode, first: int = 0) -> None:
+    """Raise an error if rows whose episodes are over are to be stepped, and no step begins them anew.
+
+    Args:
+        over: (N,) which rows these are.
+        first: number of the first row.
+
+    Raises:
+        ResetNeeded: the message names the rows.
+    """
+    if over.any() and mode is AutoresetMode.DISABLED:
+        rows = (np.flatnonzero(over) + first).tolist()
+        raise ResetNeeded(f'the episodes of the rows {rows} are over: call reset(options={{"reset_mask": …}})')
+
+
 class Rows:
     """Rows of a task, whose episodes begin anew as the mode says.
 
@@ -52,35 +84,31 @@ class Rows:
     def __init__(self, task: Task | Callable[[], Task], count: int, first: int, mode: AutoresetMode) -> None:
         self._mode = mode
         self._over = np.zeros(count, bool)  # rows whose episode has ended and that have not begun another
-        self.episodes = Episodes(task, lambda one: batch(scenes_of(one, first, count), count, seed=first))
-        self.episodes.task.first_row = first
+        self.episodes = Episodes(task, lambda one: batch(scenes_of(one, first, count), count, seed=first), first)
         self.count = count
 
-    def reset(self, seeds: Sequence[int] | None, mask: np.ndarray | None = None) -> tuple[Observation, Infos]:
-        """Begin episodes in all rows, or in those of a mask."""
-        rows = list(range(self.count)) if mask is None else np.flatnonzero(mask).tolist()
-        self.episodes.begin(rows, None if seeds is None else [seeds[row] for row in rows])
+    def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> tuple[Observation, Infos]:
+        """Begin episodes in the rows of a mask; in all rows if none has begun yet."""
+        episodes = self.episodes
+        rows = np.flatnonzero(mask).tolist() if episodes.has_begun else list(range(self.count))
+        episodes.begin(rows, None if seeds is None else [seeds[row] for row in rows])
         self._over[rows] = False
-        return self.episodes.observations(), _drawn(self.episodes, rows, self.count)
+        return episodes.observations(), self._drawn(rows)
+
+    def _drawn(self, rows: Sequence[int]) -> Infos:
+        return stacked({row: self.episodes.drawn[row] for row in rows}, self.count)
 
     def step(self, actions: np.ndarray) -> Outcome:
         """Do an action in all rows; see `TaskVectorEnv.step`."""
         episodes, over = self.episodes, self._over.copy()
-        if over.any() and self._mode is AutoresetMode.DISABLED:
-            rows = (np.flatnonzero(over) + episodes.task.first_row).tolist()
-            raise ResetNeeded(f'the episodes of the rows {rows} are over: call reset(options={{"reset_mask": …}})')
+        check_over(over, self._mode, episodes.task.first_row)
         rewards, ended, late, values = episodes.step(actions)
-        infos: Infos = {}
-        for name, value in values.items():
-            infos[name] = np.broadcast_to(np.asarray(value), (self.count, *np.shape(value)[1:])).copy()
-            infos[f"_{name}"] = np.ones(self.count, bool)
+        infos = masked(values, ~over)
         if over.any():  # the step in which these begin another episode does nothing else
             rewards[over], ended[over], late[over] = 0.0, False, False
-            for name in values:
-                infos[f"_{name}"][over] = False
             rows = np.flatnonzero(over).tolist()
             episodes.begin(rows)
-            infos |= _drawn(episodes, rows, self.count)
+            infos |= self._drawn(rows)
         done = ended | late
         observations = episodes.observations()
         if self._mode is not AutoresetMode.SAME_STEP:
@@ -90,24 +118,16 @@ class Rows:
             final = np.full(self.count, None, object)
             for row in rows:
                 final[row] = row_of(observations, row)
-            last = {name: value.copy() for name, value in infos.items()}
-            infos |= {"final_obs": final, "_final_obs": done.copy(), "final_info": last, "_final_info": done.copy()}
+            infos |= {"final_obs": final, "_final_obs": done.copy()}
+            infos |= {"final_info": masked(values, done), "_final_info": done.copy()}
             episodes.begin(rows)
             observations = episodes.observations()
-            infos |= _drawn(episodes, rows, self.count)
+            infos |= self._drawn(rows)
         return observations, rewards, ended, late, infos
 
-
-def _drawn(episodes: Episodes, rows: Sequence[int], count: int) -> Infos:
-    infos: Infos = {}
-    for name in episodes.drawn[rows[0]] if rows else ():
-        one = np.asarray(episodes.drawn[rows[0]][name])
-        kind = object if one.dtype.kind not in "biuf" else np.float64
-        values, there = np.zeros((count, *one.shape), kind), np.zeros(count, bool)
-        for row in rows:
-            values[row], there[row] = episodes.drawn[row][name], True
-        infos |= {name: values, f"_{name}": there}
-    return infos
+    def pictures(self) -> tuple[np.ndarray, ...]:
+        """Return a picture (H, W, 3) of each row."""
+        return tuple(self.episodes.picture(row) for row in range(self.count))
 
 
 class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
@@ -141,10 +161,15 @@ class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
         """Begin an episode in each row; the seed of row ``k`` is ``seed + k``.
 
         Args:
-            options: ``reset_mask``, (N,) booleans: only these rows.
+            seed: a number, or a seed for each row; None to go on with the random numbers of each row, which at first
+                depend on the number of the row alone.
+            options: ``reset_mask``, (N,) booleans: only these rows. The first reset begins all rows.
+
+        Raises:
+            ValueError: there is another number of seeds than rows, or ``reset_mask`` is no mask.
         """
         seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
-        return self._rows.reset(seeds, (options or {}).get("reset_mask"))
+        return self._rows.reset(seeds, mask_of(options, self.num_envs))
 
     def step(self, actions: np.ndarray) -> Outcome:
         """Do an action in each row: (N, ...) observations, (N,) rewards, terminated, truncated, and infos."""
@@ -152,9 +177,7 @@ class TaskVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
 
     def render(self) -> np.ndarray | tuple[np.ndarray, ...] | None:
         """Return a picture (H, W, 3) of each row, if ``render_mode`` is ``rgb_array``."""
-        if self.render_mode is None:
-            return None
-        return tuple(self._rows.episodes.picture(row) for row in range(self.num_envs))
+        return None if self.render_mode is None else self._rows.pictures()
 
     def show(self, row: int = 0, *, height: int = 480, port: int = 0) -> Frame:
         """Open a page that shows a row while it runs; see `morse.many.batch.Batch.show`."""

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
-import multiprocessing
-import os
 import pickle
-import signal
 import weakref
 from multiprocessing import resource_tracker
 from multiprocessing.shared_memory import SharedMemory
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 from gymnasium import spaces
@@ -22,15 +18,15 @@ from gymnasium.vector.utils import batch_space
 from morse.core.reports.faults import describe
 from morse.gym.checks import actions_of
 from morse.gym.env import check_render_mode
-from morse.gym.values import Observation
-from morse.gym.vector import METADATA, Rows, mode_of
-from morse.many.pool import ONE_THREAD, can_fork
+from morse.gym.values import Observation, joined
+from morse.gym.vector import METADATA, Rows, check_over, mask_of, mode_of
 from morse.many.rows import only_row_of, seeds_of
+from morse.system.worker_pool import GRACE, Worker, WorkerError, WorkerPool, close_all
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from multiprocessing.connection import Connection
-    from multiprocessing.process import BaseProcess
+    from collections.abc import Callable, Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from morse.core.values import Options
     from morse.gym.task import Task
@@ -38,6 +34,7 @@ if TYPE_CHECKING:
     from morse.viewer.notebook import Frame
 
 
+T = TypeVar("T")
 #: why a process may end at once, where processes cannot be copied
 _MAIN = "a program that starts processes does so below `if __name__ == '__main__':` (needed on Windows and macOS)"
 
@@ -97,66 +94,202 @@ class _Shared:
             self.memory.unlink()
 
 
-def _kind_of_start() -> str:
-    """How processes are started: as copies where that is possible, so that a program needs no ``__main__`` guard."""
-    return "fork" if can_fork() else "spawn"
+class _Part:
+    """The rows of one process, which answers questions about them."""
+
+    def __init__(self, task: Task | Callable[[], Task], place: slice, mode: AutoresetMode) -> None:
+        self._task, self._place, self._mode = task, place, mode
+        self._rows: Rows
+        self._shared: _Shared | None = None
+
+    def answer(self, question: bytes) -> bytes:
+        """Do an order with its arguments; return whether that was possible, and the result or the text of an error."""
+        order, arguments = pickle.loads(question)
+        try:
+            return pickle.dumps((True, getattr(self, order)(*arguments)))
+        except Exception as error:
+            first, last = self._place.start, self._place.stop - 1
+            return pickle.dumps((False, f"in the process of the rows {first} to {last}: {describe(error)}"))
+
+    def open(self) -> tuple[Any, ...]:
+        """Load the simulations; return the spaces of a row."""
+        self._rows = Rows(self._task, self._place.stop - self._place.start, self._place.start, self._mode)
+        return self._rows.episodes.observation_space, self._rows.episodes.action_space
+
+    def share(self, rows: int, memory: str) -> None:
+        """Use the memory that all processes share.
+
+        Args:
+            rows: number of all rows.
+        """
+        episodes = self._rows.episodes
+        self._shared = _Shared(episodes.observation_space, episodes.action_space, rows, memory)
+
+    def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> Infos:
+        """See `Rows.reset`."""
+        observations, infos = self._rows.reset(seeds, mask)
+        self._memory.put(self._place, observations)
+        return infos
+
+    def step(self) -> Infos:
+        """See `Rows.step`."""
+        shared, place = self._memory, self._place
+        observations, shared.reward[place], shared.ended[place], shared.late[place], infos = self._rows.step(
+            shared.action[place]
+        )
+        shared.put(place, observations)
+        return infos
+
+    def render(self) -> tuple[np.ndarray, ...]:
+        """Return a picture of each row."""
+        return self._rows.pictures()
+
+    def show(self, row: int, height: int, port: int) -> Frame:
+        """Show a row of all rows."""
+        frame: Frame = self._rows.episodes.many.show(row - self._place.start, height=height, port=port)
+        return frame
+
+    @property
+    def _memory(self) -> _Shared:
+        assert self._shared is not None
+        return self._shared
+
+    def close(self) -> None:
+        """End the simulations."""
+        if self._shared is not None:
+            self._shared.close(unlink=False)
+            self._rows.episodes.close()
 
 
-def _work(
-    connection: Connection,
-    task: Task | Callable[[], Task],
-    place: slice,
-    mode: AutoresetMode,
-    inherited: Sequence[Connection],
-) -> None:
-    """Serve one part of the rows until the connection is closed.
+class _Parts:
+    """The processes of all rows, and the memory that they share; for one thread.
 
     Args:
-        inherited: ends of connections that only the other process is to have, so that its end is noticed.
+        places: rows of each process.
     """
-    for one in inherited:
-        one.close()
-    os.environ.update(ONE_THREAD)
-    rows: Rows | None = None
-    shared: _Shared | None = None
-    first, count = place.start, place.stop - place.start
-    with contextlib.suppress(EOFError, ConnectionError, KeyboardInterrupt):
-        while True:
-            order, content = connection.recv()
+
+    def __init__(self, task: Task | Callable[[], Task], places: Sequence[slice], mode: AutoresetMode) -> None:
+        self._task, self._places, self._mode, self._count = task, places, mode, places[-1].stop
+        self.workers: dict[int, Worker] = {}
+        self._spaces: tuple[Any, Any] = None, None
+        self._shared: _Shared | None = None
+        self._over = np.zeros(self._count, bool)
+        # rows whose process has ended go on with new seeds: those of the start would do the same again
+        self._seeds = np.random.default_rng([len(places), self._count])
+
+    def open(self) -> tuple[Any, ...]:
+        """Start the processes that are not there; return the spaces of a row, and the numbers of these processes."""
+        # before the processes start, which else have trackers of their own that remove the memory when they end
+        resource_tracker.ensure_running()
+        gone = [number for number, worker in self.workers.items() if not worker.is_alive]
+        close_all(self.workers.pop(number) for number in gone)
+        new = [number for number in range(len(self._places)) if number not in self.workers]
+        try:
+            for number in new:
+                self.workers[number] = self._start(self._places[number])
+            if new:
+                self._spaces = self._ask("open", dict.fromkeys(new, ()))[0]
+                self._shared = self._shared or _Shared(*self._spaces, self._count)
+                self._ask("share", dict.fromkeys(new, (self._count, self._shared.memory.name)))
+        except BaseException:
+            close_all(self.workers.pop(number) for number in new if number in self.workers)
+            raise
+        return *self._spaces, new
+
+    def _start(self, place: slice) -> Worker:
+        try:
+            return Worker.copy(_Part, self._task, place, self._mode)
+        except (AttributeError, TypeError, pickle.PicklingError) as error:
+            raise TypeError(
+                f"the task cannot be sent to another process: {error}; on this system, a task for several processes is "
+                "a class at the top of a file"
+            ) from None
+
+    def _ask(self, order: str, arguments: Mapping[int, tuple[object, ...]]) -> list[Any]:
+        """Give processes an order, and return their answers.
+
+        Args:
+            arguments: of the order, by number of the process.
+
+        Raises:
+            RuntimeError: a process has failed or has ended; the message says where.
+        """
+        answers: list[object] = []
+        problems: list[str] = []
+        for number, values in arguments.items():
+            self.workers[number].send(pickle.dumps((order, values)))
+        for number in arguments:
             try:
-                answer: Any = None
-                if order == "open":
-                    rows = Rows(task, count, first, mode)
-                    answer = rows.episodes.observation_space, rows.episodes.action_space
-                elif order == "share":
-                    shared = _Shared(*content)
-                elif rows is not None and shared is not None:
-                    if order == "reset":
-                        observations, answer = rows.reset(*content)
-                    elif order == "step":
-                        observations, reward, ended, late, answer = rows.step(shared.action[place])
-                        shared.reward[place], shared.ended[place], shared.late[place] = reward, ended, late
-                    elif order == "show":
-                        row, height, port = content
-                        if first <= row < first + count:
-                            answer = rows.episodes.many.show(row - first, height=height, port=port)
-                    else:
-                        answer = [rows.episodes.picture(row) for row in range(count)]
-                    if order in ("reset", "step"):
-                        shared.put(place, observations)
-                connection.send((True, answer))
-            except Exception as error:
-                connection.send(
-                    (False, f"in the process of the rows {first} to {first + count - 1}: {describe(error)}")
-                )
-    if shared is not None:
-        shared.close(unlink=False)
-    if rows is not None:
-        rows.episodes.close()
+                good, answer = pickle.loads(self.workers[number].receive())
+            except WorkerError as cause:
+                first, last = self._places[number].start, self._places[number].stop - 1
+                mend = _MAIN if order == "open" else "reset() starts another one"
+                good, answer = False, f"the process of the rows {first} to {last} has ended{cause}; {mend}"
+            (answers if good else problems).append(answer)
+        if problems:
+            raise RuntimeError("\n".join(problems))
+        return answers
+
+    def _ask_all(self, order: str) -> list[Any]:
+        return self._ask(order, dict.fromkeys(range(len(self._places)), ()))
+
+    def _infos(self, parts: Sequence[Infos]) -> Infos:
+        return joined(list(zip(self._places, parts, strict=True)), self._count)
+
+    @property
+    def _memory(self) -> _Shared:
+        assert self._shared is not None
+        return self._shared
+
+    def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> tuple[Observation, Infos]:
+        """Begin episodes in the rows of a mask, and in those of processes that had ended."""
+        *_, new = self.open()
+        arguments: dict[int, tuple[object, ...]] = {}
+        for number, place in enumerate(self._places):
+            own = None if seeds is None else seeds[place]
+            if number in new:
+                mask[place] = True
+                own = own or self._seeds.integers(2**31, size=place.stop - place.start).tolist()
+            arguments[number] = own, mask[place]
+        infos = self._infos(self._ask("reset", arguments))
+        self._over[mask] = False
+        return self._memory.observations(), infos
+
+    def step(self, actions: np.ndarray) -> Outcome:
+        """Do an action in each row."""
+        check_over(self._over, self._mode)
+        shared = self._memory
+        shared.action[:] = actions
+        infos = self._infos(self._ask_all("step"))
+        ended, late = shared.ended.copy(), shared.late.copy()
+        self._over = ended | late
+        return shared.observations(), shared.reward.copy(), ended, late, infos
+
+    def render(self) -> tuple[np.ndarray, ...]:
+        """Return a picture of each row."""
+        return tuple(itertools.chain(*self._ask_all("render")))
+
+    def show(self, row: int, height: int, port: int) -> Frame:
+        """Show a row."""
+        number = next(number for number, place in enumerate(self._places) if row < place.stop)
+        frame: Frame
+        (frame,) = self._ask("show", {number: (row, height, port)})
+        return frame
+
+    def close(self) -> None:
+        """End the processes, and release the memory."""
+        workers, self.workers = self.workers, {}
+        close_all(workers.values())
+        if self._shared is not None:
+            self._shared.close(unlink=True)
 
 
 class WorkersVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
-    """N simulations of a task in several processes; see `morse.gym.vector`."""
+    """N simulations of a task in several processes; see `morse.gym.vector`.
+
+    A step, or another call, that an error interrupts (Ctrl+C, an error of a signal handler) is completed in all rows or
+    has not begun in any: the vector can be used further.
+    """
 
     metadata: ClassVar[Infos] = METADATA
 
@@ -172,179 +305,56 @@ class WorkersVectorEnv(VectorEnv[Observation, np.ndarray, np.ndarray]):
         if not 1 <= workers <= num_envs:
             raise ValueError(f"{num_envs} rows need 1 to {num_envs} workers, not {workers}")
         self.render_mode, self.num_envs = render_mode, num_envs
-        self.metadata = METADATA | {"autoreset_mode": mode_of(autoreset_mode)}  # type: ignore[misc]
-        self._task = task
-        self._memory: list[_Shared] = []
-        self._connections: list[Connection] = []
-        self._processes: list[BaseProcess] = []
-        # also at the end of a program that does not close it
-        self._end = weakref.finalize(self, _end, self._connections, self._processes, self._memory)
+        mode = mode_of(autoreset_mode)
+        self.metadata = METADATA | {"autoreset_mode": mode}  # type: ignore[misc]
         edges = [num_envs * worker // workers for worker in range(workers + 1)]
-        self._places = [slice(a, b) for a, b in itertools.pairwise(edges)]
-        # before the processes start, which else have trackers of their own that remove the memory when they end
-        resource_tracker.ensure_running()
+        self._parts = parts = _Parts(task, list(itertools.starmap(slice, itertools.pairwise(edges))), mode)
+        self._pool = WorkerPool(1, lambda: parts)
+        # also at the end of a program that does not close it
+        self._end = weakref.finalize(self, _end, self._pool, parts)
         try:
-            for number in range(workers):
-                self._start(number)
-            self.single_observation_space, self.single_action_space = self._ask("open", [None] * workers)[0]
-            self._memory.append(_Shared(self.single_observation_space, self.single_action_space, num_envs))
-            self._ask("share", [self._about()] * workers)
+            self.single_observation_space, self.single_action_space, _ = self._pool.call(_Parts.open)
         except BaseException:
-            self.close_extras()
+            self._end()
             raise
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
 
-    def _start(self, number: int) -> None:
-        """Start a process, in the place of an earlier one that has ended."""
-        place, kind = self._places[number], _kind_of_start()
-        context: Any = multiprocessing.get_context(kind)
-        ours, theirs = context.Pipe()
-        self._connections[number : number + 1] = [ours]
-        process = context.Process(
-            target=_work,
-            args=(
-                theirs,
-                self._task,
-                place,
-                self.metadata["autoreset_mode"],
-                list(self._connections) if kind == "fork" else [],
-            ),
-            daemon=True,
-        )
-        try:
-            process.start()
-        except (AttributeError, TypeError, pickle.PicklingError) as error:
-            raise TypeError(
-                f"the task cannot be sent to another process: {error}; on this system, a task for several processes is "
-                "a class at the top of a file"
-            ) from None
-        theirs.close()
-        self._processes[number : number + 1] = [process]
-
-    def _replace(self) -> list[int]:
-        """Start processes for those that have ended, and return their numbers."""
-        numbers = [number for number, process in enumerate(self._processes) if not process.is_alive()]
-        for number in numbers:
-            self._connections[number].close()
-            self._start(number)
-            self._ask("open", [None], [number])
-            self._ask("share", [self._about()], [number])
-        return numbers
-
-    def _about(self) -> tuple[Any, ...]:
-        return self.single_observation_space, self.single_action_space, self.num_envs, self._shared.memory.name
-
-    @property
-    def _shared(self) -> _Shared:
-        if not self._memory:
+    def _call(self, job: Callable[[_Parts], T]) -> T:
+        if not self._end.alive:
             raise ClosedEnvironmentError("this environment is closed: make it again")
-        return self._memory[0]
-
-    def _ask(self, order: str, contents: Sequence[Any], numbers: Sequence[int] | None = None) -> list[Any]:
-        """Give processes an order, and return their answers.
-
-        Args:
-            numbers: of the processes; None for all.
-
-        Raises:
-            RuntimeError: a process has failed or has ended; the message says where.
-        """
-        answers: list[object] = []
-        problems: list[str] = []
-        asked = range(len(self._processes)) if numbers is None else numbers
-        for number, content in zip(asked, contents, strict=True):
-            with contextlib.suppress(ConnectionError):
-                self._connections[number].send((order, content))
-        for number in asked:
-            place = self._places[number]
-            try:
-                good, answer = self._connections[number].recv()
-            except (EOFError, ConnectionError):
-                mend = _MAIN if order == "open" else "reset() starts another one"
-                cause = _cause(self._processes[number])
-                good = False
-                answer = f"the process of the rows {place.start} to {place.stop - 1} has ended{cause}; {mend}"
-            (answers if good else problems).append(answer)
-        if problems:
-            raise RuntimeError("\n".join(problems))
-        return answers
+        return self._pool.call(job)
 
     def reset(
         self, *, seed: int | Sequence[int] | None = None, options: Options | None = None
     ) -> tuple[Observation, Infos]:
         """Begin an episode in each row; see `morse.gym.TaskVectorEnv.reset`. Processes that have ended are replaced."""
-        shared, others = self._shared, self._replace()
+        mask = mask_of(options, self.num_envs)
         seeds = None if seed is None else seeds_of(seed, range(self.num_envs))
-        mask = (options or {}).get("reset_mask")
-        contents = [
-            (
-                None if seeds is None else seeds[place],
-                None if mask is None or number in others else np.asarray(mask)[place],
-            )
-            for number, place in enumerate(self._places)
-        ]
-        infos = self._ask("reset", contents)
-        return shared.observations(), self._together(infos)
+        return self._call(lambda parts: parts.reset(seeds, mask))
 
     def step(self, actions: object) -> Outcome:
         """Do an action in each row; see `morse.gym.TaskVectorEnv.step`."""
-        shared = self._shared
-        shared.action[:] = actions_of(actions, shared.action.shape)
-        infos = self._together(self._ask("step", [None] * len(self._places)))
-        return shared.observations(), shared.reward.copy(), shared.ended.copy(), shared.late.copy(), infos
-
-    def _together(self, parts: Sequence[Infos]) -> Infos:
-        """The infos of all rows."""
-        infos: Infos = {}
-        for place, part in zip(self._places, parts, strict=True):
-            for name, value in part.items():
-                if isinstance(value, dict):
-                    parts_of_it = [one.get(name, {}) for one in parts]
-                    infos[name] = self._together(parts_of_it)
-                    continue
-                if name not in infos:
-                    empty: Any = None if value.dtype == object else 0
-                    infos[name] = np.full((self.num_envs, *value.shape[1:]), empty, value.dtype)
-                infos[name][place] = value
-        return infos
+        array = actions_of(actions, self.action_space.shape or ())
+        return self._call(lambda parts: parts.step(array))
 
     def render(self) -> np.ndarray | tuple[np.ndarray, ...] | None:
         """Return a picture (H, W, 3) of each row, if ``render_mode`` is ``rgb_array``."""
-        if self.render_mode is None:
-            return None
-        return tuple(picture for part in self._ask("render", [None] * len(self._places)) for picture in part)
+        return None if self.render_mode is None else self._call(_Parts.render)
 
     def show(self, row: int = 0, *, height: int = 480, port: int = 0) -> Frame:
         """Open a page that shows a row while it runs; see `morse.many.batch.Batch.show`."""
-        row = only_row_of(row, self.num_envs)
-        frame: Frame
-        (frame,) = filter(None, self._ask("show", [(row, height, port)] * len(self._places)))
-        return frame
+        number = only_row_of(row, self.num_envs)
+        return self._call(lambda parts: parts.show(number, height, port))
 
     def close_extras(self, **kwargs: object) -> None:
         """End the processes."""
         self._end()
 
 
-def _end(connections: list[Connection], processes: list[BaseProcess], memory: list[_Shared]) -> None:
-    """End the processes of a vector, and release the memory that they share."""
-    for connection in connections:
-        connection.close()
-    for process in processes:
-        process.join(10.0)
-        if process.is_alive():
-            process.kill()
-            process.join()
-    while memory:
-        memory.pop().close(unlink=True)
-
-
-def _cause(process: BaseProcess) -> str:
-    """What has ended a process, as the continuation of a sentence."""
-    process.join(1.0)
-    code = process.exitcode
-    if code is None or code >= 0:
-        return ""
-    name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
-    return f" by {name}, perhaps because there was no memory left" if name == "SIGKILL" else f" by {name}"
+def _end(pool: WorkerPool[_Parts], parts: _Parts) -> None:
+    """End the processes of a vector, and release the memory that they share; one that still works is not waited for."""
+    if not pool.close(0.1):
+        for worker in list(parts.workers.values()):
+            worker.kill()
+        pool.close(GRACE)

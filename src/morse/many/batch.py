@@ -19,6 +19,7 @@ from morse.many.readings import ContactColumn, DataColumn
 from morse.many.rows import names_of, only_row_of, rows_of, seeds_of, values_of, vectors_of
 from morse.many.scenes import Scenes
 from morse.many.window import Window
+from morse.simulation.handles.component_handles import handle_of
 from morse.simulation.ownership import Ownership
 from morse.simulation.states.state import State
 
@@ -203,10 +204,8 @@ class Batch:
 
     def _handles(self, name: str) -> list[ComponentHandle]:
         self._check_open()
-        if not isinstance(name, str):
-            raise TypeError(f"a component is given by its full name, such as 'robot.pose', not {name!r:.80}")
         self._rows(None)
-        return [_handle(simulation, name) for simulation in self._simulations]
+        return [handle_of(simulation, name) for simulation in self._simulations]
 
     def _layout(self, component: str, fields: tuple[str, ...]) -> Layout:
         """The sizes of the data are those of a measurement in a simulation of the scene that is then closed."""
@@ -481,18 +480,3 @@ def _columns(what: str, values: object, rows: Sequence[int]) -> list[Any]:
 
 def _nothing() -> None:
     """A step of all rows is completed in any case."""
-
-
-def _handle(simulation: Simulation, name: str) -> ComponentHandle:
-    """Return the handle of a robot or a component, given its full name or attribute names joined by dots.
-
-    Raises:
-        KeyError: there is no such component.
-    """
-    robot, *parts = name.split(".")
-    handle: ComponentHandle = simulation[robot]
-    for part in parts:
-        if part not in handle.parts:
-            raise KeyError(f"{handle.fqn} has no '{part}'{nearest(part, list(handle.parts))}")
-        handle = handle.parts[part]
-    return handle

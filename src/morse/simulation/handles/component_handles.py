@@ -72,6 +72,26 @@ def normalized(name: str) -> str:
     return normalize_name(name)
 
 
+def handle_of(simulation: Handles, name: str) -> ComponentHandle:
+    """Return the handle of a robot or a component, given its full name or attribute names joined by dots.
+
+    Raises:
+        KeyError: there is no such component.
+        TypeError: the name is no text.
+    """
+    if not isinstance(name, str):
+        raise TypeError(f"a component is given by its full name, such as 'robot.pose', not {name!r:.80}")
+    robot, *parts = name.split(".")
+    handle = simulation[robot]
+    if not isinstance(handle, ComponentHandle):
+        raise KeyError(f"'{robot}' are {len(handle)} robots: name one of them, such as '{handle[0].fqn}'")
+    for part in parts:
+        if part not in handle.parts:
+            raise KeyError(f"{handle.fqn} has no '{part}'{nearest(part, list(handle.parts))}")
+        handle = handle.parts[part]
+    return handle
+
+
 def _depth(name: str) -> int:
     return name.count(".")
 
