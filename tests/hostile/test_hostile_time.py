@@ -27,7 +27,7 @@ from morse.middleware.yarp.bottle import decode
 from morse.middleware.yarp.bottle import encode as bottle
 from morse.middleware.yarp.port import Port
 from morse.rosmsgs.cdr import CdrError, encode
-from morse.rosmsgs.sizes import check_size, largest
+from morse.rosmsgs.topics.stream import check_size, largest
 from morse.wire.connection import Connection
 from morse.wire.listener import listen, port_of
 

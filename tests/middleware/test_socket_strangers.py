@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from socket_bench import Bench, Peer, wait_until
 
+from morse.wire.lines import FirstLine
 from morse.wire.listener import listen, port_of
-from morse.wire.strangers import FirstLine
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

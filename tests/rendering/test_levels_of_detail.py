@@ -8,7 +8,7 @@ from studio import Studio, Tripod, body
 
 from morse.builder.assembly import shapes
 from morse.rendering import Lens
-from morse.rendering.levels import levels_of
+from morse.rendering.meshes import levels_of
 
 LENS = Lens.of_focal_length(120, 120, 32.0, 0.1, 200.0)
 RADIUS, AWAY = 2.0, 25.0

@@ -6,16 +6,142 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from morse.kernel.drawing import Simplification, simplify
 from morse.kernel.drawing.arrays import CLUSTER, VERTEX
+from morse.mathutils.portable import norm
 from morse.rendering.closed import closed_parts
-from morse.rendering.levels import levels_of
-from morse.rendering.rows import different
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.rendering.closed import ClosedParts
     from morse.scene import Mesh
+
+
+def different(
+    rows: NDArray[np.float32], owner: NDArray[np.integer] | None = None
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """One of each group of equal rows (N, K), in the order of owners, and the index of the group of each row.
+
+    Args:
+        rows: finite numbers without -0; K is at most 9.
+        owner: (N,) rows of different owners are different.
+    """
+    flat = np.ascontiguousarray(rows)
+    # one number for each row, so that sorting is fast; rows with equal numbers are compared below
+    words = flat.view(np.uint32).astype(np.uint64)
+    factors = np.random.default_rng(1).integers(1, 2**63, size=9, dtype=np.uint64) | np.uint64(1)
+    mixed = words * factors[: flat.shape[1]]
+    mixed ^= mixed >> np.uint64(29)
+    key = mixed.sum(axis=1, dtype=np.uint64)
+    if owner is not None:
+        key = (key & np.uint64(0xFFFFFFFF)) | (owner.astype(np.uint64) << np.uint64(32))
+    first, inverse = _grouped(key)
+    if len(flat) and not np.array_equal(flat[first][inverse], flat):
+        first = inverse = np.arange(len(flat))  # hash collision of two rows, not expected
+    return first, inverse
+
+
+def _grouped(key: NDArray[np.uint64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """One member of each group of equal keys, and the index of the group of each member.
+
+    ``np.unique`` does the same with stable sorts, which take three times as long.
+    """
+    order = np.argsort(key)
+    ordered = key[order]
+    begins = np.ones(len(key), bool)
+    np.not_equal(ordered[1:], ordered[:-1], out=begins[1:])
+    group = np.empty(len(key), np.intp)
+    group[order] = np.cumsum(begins) - 1
+    return order[begins], group
+
+
+#: smallest number of triangles of a mesh that is simplified
+_FEWEST = 64
+#: the errors of the levels are the size of the mesh divided by these numbers
+_SHARES = (256, 128, 64, 32, 16, 8)
+#: a level has at most this share of the triangles of the level before
+_LESS = 0.7
+
+
+class Level(NamedTuple):
+    """A simplified copy of a mesh.
+
+    Attributes:
+        error: bound of the distance between the copy and the mesh, m.
+        rows: (T, 3, 8) float32, position, normal and texture coordinates of the corners.
+        origin: (T,) the triangle of the mesh that each triangle replaces.
+    """
+
+    error: float
+    rows: NDArray[np.float32]
+    origin: NDArray[np.intp]
+
+
+def levels_of(rows: NDArray[np.float32], slot: NDArray[np.integer], *, textured: bool) -> list[Level]:
+    """Simplify a mesh, the finest level first; empty if the mesh has too few triangles.
+
+    Each point of a copy is at most its error away from the mesh, and the other way round. Edges, closed parts and
+    borders between materials remain closed.
+
+    Args:
+        rows: (T, 3, 8) float32, position, normal and texture coordinates of the corners.
+        slot: (T,) material slot.
+        textured: whether the texture coordinates are used.
+    """
+    levels: list[Level] = []
+    if len(rows) < _FEWEST:
+        return levels
+    corners = rows.reshape(-1, 8)
+    size = float(norm(np.ptp(corners[:, :3], axis=0).astype(np.float64)))
+    if not size > 0.0:
+        return levels
+    mesh, places, looks = _mesh(corners, slot, textured=textured)
+    count = len(rows)
+    for share in _SHARES:
+        limit = size / share
+        remaining = simplify(mesh, limit)
+        if remaining > _LESS * count or not remaining:
+            continue
+        count = remaining
+        triangles = np.flatnonzero(mesh.alive)
+        picked = np.concatenate([places[mesh.vertices[triangles]], looks[mesh.look[triangles]]], axis=2)
+        levels.append(Level(float(mesh.errors[triangles].max()), picked, triangles))
+        if count < _FEWEST:
+            break
+    return levels
+
+
+def _mesh(
+    corners: NDArray[np.float32], slot: NDArray[np.integer], *, textured: bool
+) -> tuple[Simplification, NDArray[np.float32], NDArray[np.float32]]:
+    """The mesh, and its different positions and attributes."""
+    slots = np.repeat(slot, 3).astype(np.float32)
+    # equal rows first, because positions and attributes repeat among the different ones only
+    first, row = different(np.column_stack([corners, slots]))
+    rows, slots = corners[first], slots[first]
+    first, vertices = different(rows[:, :3])
+    places = rows[first, :3]
+    vertices = vertices[row]
+    first, look = different(np.column_stack([rows[:, 3:], slots]))
+    look, looks, slots = look[row], rows[first, 3:], slots[first]
+    units = looks.astype(np.float64)
+    square = units[:, 0] * units[:, 0] + units[:, 1] * units[:, 1] + units[:, 2] * units[:, 2]
+    units[:, :3] /= np.sqrt(np.maximum(square, 1e-30))[:, None]
+    index = vertices.reshape(-1, 3).astype(np.int32)
+    a, b, c = index.T
+    mesh = Simplification(
+        points=places.astype(np.float64),
+        looks=units,
+        slots=slots.astype(np.int32),
+        vertices=index,
+        look=look.reshape(-1, 3).astype(np.int32),
+        errors=np.zeros(len(index)),
+        alive=((a != b) & (b != c) & (c != a)).astype(np.uint8),
+        textured=textured,
+    )
+    return mesh, places, looks
+
 
 #: largest valid coordinate of a mesh, m
 _FARTHEST = 1e7

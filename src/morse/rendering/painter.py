@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import lru_cache
 from threading import Lock
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from morse.kernel.drawing import Light, drawer
 from morse.rendering.distortion import DistortedLens
-from morse.rendering.exposures import averaged, cropped, joined
+from morse.rendering.light_codes import LIGHT, encoded
 from morse.rendering.orders import cameras_of, cut, kept_of, pixels_of, views_of
 from morse.rendering.picture import Picture
 from morse.rendering.shadows import Shadows
 from morse.rendering.spot_shadows import SpotShadows
-from morse.rendering.submerged import submerged
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,10 +23,61 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.kernel.drawing import Poses
+    from morse.rendering.lens import Lens
     from morse.rendering.lights import Lamps
     from morse.rendering.motion import Motion
     from morse.rendering.orders import Order
     from morse.rendering.scenery import Frames, Scenery
+
+
+@lru_cache(maxsize=256)
+def cropped(lens: Lens, first: int, last: int) -> Lens:
+    """Return the lens of some rows of an image."""
+    return replace(lens, height=last - first, cy=lens.cy - first)
+
+
+def averaged(pictures: Sequence[Picture]) -> Picture:
+    """Return the mean light of images; depth, ids and normals are those of the middle one."""
+    middle = pictures[len(pictures) // 2]
+    if len(pictures) == 1 or middle.rgba is None:
+        return middle
+    light = np.zeros((*middle.rgba.shape[:2], 3), np.float32)
+    for picture in pictures:
+        light += LIGHT[picture.rgb]
+    rgba = middle.rgba.copy()
+    rgba[..., :3] = encoded(light * np.float32(1 / len(pictures)))
+    return middle._replace(rgba=rgba)
+
+
+def joined(bands: Sequence[Picture]) -> Picture:
+    """Return the image of its bands of rows."""
+    parts: dict[str, Any] = {
+        name: None if getattr(bands[0], name) is None else np.concatenate([getattr(band, name) for band in bands])
+        for name in ("rgba", "depth", "ids", "normals")
+    }
+    return bands[-1]._replace(**parts)
+
+
+#: colour of clear sea water near the surface, linear RGB
+_TINT = np.array([0.012, 0.155, 0.2])
+#: m: depth at which a quarter of the light is left, and distance at which water hides everything
+_DARKER, _SIGHT = 16.0, 26.0
+
+
+def submerged(sky: NDArray[np.float32], depth: float) -> NDArray[np.float32]:
+    """Return the sky (20,) of a camera under water; see `morse.kernel.drawing.Light`.
+
+    Args:
+        sky: above the water.
+        depth: of the camera, m.
+    """
+    under = sky.copy()
+    water = _TINT / (1.0 + depth / _DARKER) ** 2
+    for begin, share in ((0, 1.0), (3, 2.2), (6, 0.35), (9, 0.0)):  # all around, up, down, around the sun
+        under[begin : begin + 3] = water * share
+    under[15:17] = 0.0, _SIGHT
+    return under
+
 
 #: maximum number of pixels per call, so that many large cameras do not exhaust the memory
 _MOST_PIXELS = 1 << 25

@@ -49,7 +49,7 @@ def cast(drawing: Drawing, parts: NDArray[np.integer], poses: Poses, light: Ligh
 
 
 class ReferenceMovers:
-    """The shadows of parts that may move; the twin of `morse.kernel.drawing.native_shadows.NativeMovers`.
+    """The shadows of parts that may move; the twin of `morse.kernel.drawing.native.NativeMovers`.
 
     Args:
         parts: (M,) the parts.

@@ -13,7 +13,7 @@
 // Number of moved parts above which all of them are drawn again.
 #define MANY_MOVED 256
 
-// The parts that may move, and what a shadow map has of them; MOVERS in morse/kernel/drawing/native_shadows.py.
+// The parts that may move, and what a shadow map has of them; MOVERS in morse/kernel/drawing/native.py.
 enum { STOOD = 1, MOVED = 2 };
 
 typedef struct {

@@ -1,4 +1,4 @@
-// The data that cameras draw; the twin of morse/kernel/drawing/structures.py.
+// The data that cameras draw; the twin of morse/kernel/drawing/native.py.
 #pragma once
 #include <stdint.h>
 

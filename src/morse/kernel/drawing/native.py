@@ -10,9 +10,7 @@ import numpy as np
 from morse.kernel import threads
 from morse.kernel.drawing.arrays import CHUNK, ENCODED, SAMPLES, SEEN, Pictures, number_tiles
 from morse.kernel.drawing.native_kept import Lit, NativeKept
-from morse.kernel.drawing.native_shadows import NativeMovers
-from morse.kernel.drawing.structures import FrameStructure
-from morse.kernel.memory import aligned, pointer
+from morse.kernel.memory import address, aligned, pointer
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,6 +19,132 @@ if TYPE_CHECKING:
 
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
     from morse.kernel.drawing.kept import Kept
+
+_ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
+    closed guards levels
+    models turns cameras shadow sun near_shadow near_sun lamp_shadow lamp_frame
+    shadow_bounds near_bounds lamp_bounds shadow_changes near_changes points corners point_counts boxes
+    jobs found starts counts chunks shares seen bounds firsts members tiles drawn kept rgba depth ids normals"""
+_NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_count shadow_width shadow_height
+    near_width near_height lamp_width lamp_height cluster_count chunk_count thread_count"""
+_SIZES = "seen_count member_count member_room drawn_count change"
+#: four stages of an image, each with four ranges of work of three numbers, and the number of complete pieces
+_Stages = ctypes.c_int64 * (4 * (4 * 3 + 1))
+
+
+class FrameStructure(ctypes.Structure):
+    """``Frame``. It holds references to the arrays that it points to."""
+
+    _fields_ = (
+        *[(name, ctypes.c_void_p) for name in _ADDRESSES.split()],
+        *[(name, ctypes.c_int32) for name in _NUMBERS.split()],
+        *[(name, ctypes.c_int64) for name in _SIZES.split()],
+        ("stages", _Stages),
+        ("arrived", ctypes.c_int64),
+    )
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._kept: dict[str, NDArray[np.generic] | None] = {}
+
+    def point(self, **arrays: NDArray[np.generic] | None) -> None:
+        """Set addresses to those of contiguous arrays, or to null."""
+        memory = self._kept
+        for name, array in arrays.items():
+            # the memory of an array does not move
+            if name not in memory or memory[name] is not array:
+                setattr(self, name, address(array))
+                memory[name] = array
+
+    def restart(self) -> None:
+        """Begin with the first piece of the first stage."""
+        self.stages, self.arrived = _Stages(), 0
+
+    def forget(self, *names: str) -> None:
+        """Release arrays that the frame points to."""
+        self.point(**dict.fromkeys(names))
+
+
+class _Movers(ctypes.Structure):
+    """``Movers`` of ``c/draw_shadow.c``."""
+
+    _fields_ = (
+        *[
+            (name, ctypes.c_void_p)
+            for name in (
+                *(
+                    "parts",
+                    "left_out",
+                    "base",
+                    "models",
+                    "touched",
+                    "extents",
+                    "again",
+                    "changed",
+                    "stale",
+                    "bounds",
+                    "changes",
+                ),
+            )
+        ],
+        ("count", ctypes.c_int32),
+        ("spare", ctypes.c_int32),
+    )
+
+
+class NativeMovers:
+    """The shadows of parts that may move.
+
+    Args:
+        parts: (M,) the parts.
+        light: with the map, which has the shadows of all other parts already.
+
+    Attributes:
+        touched: (M, 4) int32, the texels that each part may fill: x0, y0, x1, y1, one past the end; zeros if the map
+            does not show it.
+        extents: (M, 4) the same; not zeros for parts whose shadows no camera sees.
+    """
+
+    def __init__(self, library: ctypes.CDLL, frame: FrameStructure, parts: NDArray[np.integer], light: Light) -> None:
+        shadow, bounds = light.shadow, light.shadow_bounds
+        assert shadow is not None
+        self._function, self._frame, self._light = library.morse_draw_movers, frame, light
+        count = len(parts)
+        self.touched = np.zeros((count, 4), np.int32)
+        # one more than needed: an empty array has no address
+        self.extents = np.zeros((count, 4), np.int32)
+        self._left_out = np.zeros(count + 1, np.uint8)
+        self._arrays: dict[str, NDArray[np.generic] | None] = {
+            "parts": np.append(parts, 0).astype(np.int32),
+            "left_out": self._left_out,
+            "base": shadow.copy(),
+            "models": np.zeros((count + 1, 12), np.float32),
+            "touched": self.touched,
+            "extents": self.extents,
+            "again": np.zeros(count + 1, np.uint8),
+            "changed": np.zeros((2 * count + 1, 4), np.int32),
+            "stale": None if bounds is None else np.zeros(bounds.shape[:2], np.uint8),
+            "bounds": bounds,
+            "changes": light.shadow_changes,
+        }
+        self._movers = _Movers(**{name: address(array) for name, array in self._arrays.items()}, count=count)
+
+    def update(self, poses: Poses, cameras: NDArray[np.void], left_out: NDArray[np.bool_] | None = None) -> None:
+        """Draw the shadows of parts that have moved again, if a camera may see them.
+
+        Args:
+            cameras: (K,) `CAMERA`.
+            left_out: (M,) the parts whose shadows are not needed.
+        """
+        frame, light = self._frame, self._light
+        assert light.shadow is not None
+        self._left_out[:-1] = False if left_out is None else left_out
+        frame.point(shadow=light.shadow, sun=light.sun, models=poses.models, cameras=cameras)
+        frame.camera_count = len(cameras)
+        frame.shadow_height, frame.shadow_width = light.shadow.shape
+        self._function(ctypes.byref(frame), ctypes.byref(self._movers))
+        frame.forget("cameras")
+
 
 _OF_ONE_CALL = ("cameras", "rgba", "depth", "ids", "normals")
 #: the largest number of chunks of a camera; see ``c/draw_find.c``

@@ -4,27 +4,103 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
 
+from morse.kernel.rays import TriangleMesh
 from morse.kernel.rays import arrays as kinds
 from morse.mathutils.portable import matmul
 from morse.physics.model.inertia import half_sizes
 from morse.physics.model.layout import Motion
 from morse.physics.poses import rigid
 from morse.physics.poses.poses import as_array
-from morse.physics.rays.hulls import hulls_of
-from morse.physics.rays.triangles import Triangles
 from morse.scene import Bounds, CollisionShape, Material, PhysicsType, ShapeKind
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from morse.physics.objects.gameobject import GameObject
     from morse.physics.objects.object_world import ObjectWorld
-    from morse.scene import Mesh, Node
+    from morse.scene import CollisionShape, Mesh, Node
+
+    Hull = tuple[NDArray[np.float64], NDArray[np.int32]]
+
+#: hulls by the bytes of their points: most scenes are loaded several times in a process
+_hulls: dict[bytes, Hull] = {}
+_MOST = 1000
+
+
+def hulls_of(shapes: Sequence[CollisionShape]) -> dict[CollisionShape, Hull]:
+    """Return vertices (V, 3) in the frame of the node and faces (T, 3) of convex shapes; the arrays are shared.
+
+    MuJoCo computes the hulls, as for contacts, so that rays and contacts use the same geometry.
+    """
+    keys = {shape: np.ascontiguousarray(shape.vertices, dtype=np.float32).tobytes() for shape in shapes}
+    here = {key: _hulls[key] for key in keys.values() if key in _hulls}
+    if missing := list(dict.fromkeys(key for key in keys.values() if key not in here)):
+        here.update(zip(missing, _computed(missing), strict=True))
+        if len(_hulls) > _MOST:
+            _hulls.clear()
+        _hulls.update(here)
+    return {shape: here[key] for shape, key in keys.items()}
+
+
+def _computed(points: Sequence[bytes]) -> list[Hull]:
+    spec = mujoco.MjSpec()
+    for number, rows in enumerate(points):
+        spec.add_mesh(
+            name=str(number),
+            uservert=np.frombuffer(rows, dtype=np.float32),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
+        )
+    model = spec.compile()
+    hulls = []
+    for number in range(len(points)):
+        mesh = model.mesh(str(number)).id
+        first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+        # the compiler has moved the mesh to its centre of mass and principal axes
+        rotation = np.reshape(rigid.rotation_of_quaternion(model.mesh_quat[mesh]), (3, 3))
+        vertices = matmul(model.mesh_vert[first : first + count].astype(np.float64), rotation.T) + model.mesh_pos[mesh]
+        first, count = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
+        faces = model.mesh_face[first : first + count].astype(np.int32)
+        vertices.flags.writeable = faces.flags.writeable = False
+        hulls.append((vertices, faces))
+    return hulls
+
+
+class Triangles(TriangleMesh):
+    """A triangle mesh with its own frame.
+
+    Attributes:
+        vertices: (V, 3) m.
+        faces: (T, 3) indices of vertices; degenerate triangles are excluded.
+        normals: (T, 3) unit vectors.
+        remissions: (T,) reflectance of each triangle, 0..1.
+    """
+
+    def __init__(
+        self, vertices: NDArray[np.float64], faces: NDArray[np.int32], remissions: NDArray[np.float64]
+    ) -> None:
+        corners = vertices[faces]
+        crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        lengths = np.linalg.norm(crosses, axis=1)
+        good = np.isfinite(lengths) & (lengths > 0.0)
+        super().__init__(vertices, np.ascontiguousarray(faces[good], dtype=np.int32))
+        self.remissions = remissions[good]
+        self.normals = crosses[good] / lengths[good, None]
+
+    @property
+    def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the centre (3,) and half sizes (3,) of the bounding box, m."""
+        corners = self.vertices[self.faces].reshape(-1, 3)
+        if not len(corners):
+            return np.zeros(3), np.zeros(3)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        return (low + high) / 2, (high - low) / 2
+
 
 _WITHOUT_MATERIAL = Material("default")
 #: kinds of solids; arrays contain the index
