@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from morse.core.clients.arrivals import Arrivals
     from morse.core.clients.complaints import Complaints
     from morse.core.clock import Clock
-    from morse.core.object import Object
     from morse.core.services import ServiceDeclaration
     from morse.core.serving import Request
     from morse.core.values import Fields
@@ -211,7 +210,7 @@ class Middleware(Protocol):
     def connect(self, component: Component, declaration: StreamDeclaration) -> None:
         """Open a stream for a component."""
 
-    def disconnect(self, component: Object) -> None:
+    def disconnect(self, component: Component) -> None:
         """Close the streams of a component that is deleted."""
 
     @property
