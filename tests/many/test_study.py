@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import json
 import os
 import signal
@@ -10,8 +11,10 @@ import sys
 import time
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from morse.cli.sweep import ProgressLine
@@ -96,6 +99,189 @@ def test_a_second_start_does_nothing_and_other_code_gets_other_names(tmp_path, p
     assert (tmp_path / "r" / "rows.jsonl").read_bytes() == lines
     other = study_of(tmp_path, STUDY + "\n# another version\n", "other")
     assert {run.name for run in other.runs()}.isdisjoint({row["run"] for row in table})
+
+
+SLOW = """
+import time
+from morse.many import Study
+
+def scene():
+    from morse.builder import ATRV, Environment
+    ATRV("robot")
+    Environment("empty")
+
+def run(sim):
+    end = time.monotonic() + 0.6
+    while time.monotonic() < end:
+        sim.step()
+    return {"x": 1.0}
+
+study = Study(scene, run, seeds=2, timeout=0.3)
+"""
+
+
+@pytest.mark.parametrize("workers", [0, 1])
+def test_a_timeout_that_is_longer_does_the_runs_again(tmp_path, caplog, workers):
+    short = study_of(tmp_path, SLOW)
+    long = Study(short.scene, short.run_function, seeds=2, timeout=60.0)
+    assert len(short.run(tmp_path / "r", workers=workers).failures) == 2
+    table = long.run(tmp_path / "r", workers=workers)
+    assert table["x"] == [1.0, 1.0]
+    assert not table.failures
+    assert "contains 2 runs of another study (timeout: 0.3, now 60.0): they stay in rows.jsonl" in caplog.text
+    assert Table.read(tmp_path / "r").rows == table.rows
+    caplog.clear()
+    assert long.run(tmp_path / "r", workers=workers).rows == table.rows
+    assert not caplog.text
+
+
+def test_a_folder_of_an_earlier_version_is_told(tmp_path, caplog):
+    study = study_of(tmp_path, SLOW.replace("timeout=0.3", ""))
+    study.run(tmp_path / "r", workers=0)
+    facts = json.loads((tmp_path / "r" / "study.json").read_text())
+    rows = [json.loads(line) for line in (tmp_path / "r" / "rows.jsonl").read_text().splitlines()]
+    (tmp_path / "r" / "study.json").write_text(json.dumps(facts | {"identity": None, "code": "0"}))
+    text = "".join(json.dumps(row | {"run": f"{number:012x}"}) + "\n" for number, row in enumerate(rows))
+    (tmp_path / "r" / "rows.jsonl").write_text(text)
+    assert len(Table.read(tmp_path / "r")) == 2
+    study.run(tmp_path / "r", workers=0)
+    assert "2 runs of another study (an earlier version of MORSE, which did not compare timeout" in caplog.text
+    assert len(Table.read(tmp_path / "r")) == 2
+    assert len((tmp_path / "r" / "rows.jsonl").read_text().splitlines()) == 4
+
+
+def bare(size=1.0):
+    from morse.builder import ATRV, Environment
+
+    robot = ATRV("robot")
+    robot.translate(size)
+    Environment("empty")
+
+
+def first(sim, gain=1):
+    pass
+
+
+def second(sim, gain=1):
+    pass
+
+
+def closure(value):
+    def run(sim, gain=1):
+        return value
+
+    return run
+
+
+class Called:
+    def __init__(self, value):
+        self.value = value
+
+    def __call__(self, sim, gain=1):
+        pass
+
+    def method(self, sim, gain=1):
+        pass
+
+
+def cell(text):
+    """A function of a notebook, which is in no file."""
+    names = {"__name__": "__main__"}
+    exec(compile(text, "<cell>", "exec"), names)
+    return names["run"]
+
+
+IDENTITIES = {
+    "function": (Study(bare, first), Study(bare, second)),
+    "scene": (Study(bare, first), Study(partial(bare, 2.0), first)),
+    "partial": (Study(bare, partial(first, gain=1)), Study(bare, partial(first, gain=2))),
+    "closure": (Study(bare, closure([1, 2.0])), Study(bare, closure([1, 3.0]))),
+    "function in a closure": (Study(bare, closure(first)), Study(bare, closure(second))),
+    "array in a closure": (Study(bare, closure(np.zeros(3))), Study(bare, closure(np.ones(3)))),
+    "default": (Study(bare, lambda sim, k=1: k), Study(bare, lambda sim, k=2: k)),
+    "lambda": (Study(bare, lambda sim: 1), Study(bare, lambda sim: 2)),
+    "object": (Study(bare, Called(1)), Study(bare, Called(2))),
+    "method": (Study(bare, Called(1).method), Study(bare, Called(1).__call__)),
+    "object of a method": (Study(bare, Called(1).method), Study(bare, Called(2).method)),
+    "timeout": (Study(bare, first, timeout=1), Study(bare, first, timeout=2)),
+    "no timeout": (Study(bare, first), Study(bare, first, timeout=2)),
+    "options": (Study(bare, first, options={"strict": True}), Study(bare, first)),
+    "value of an option": (
+        Study(bare, first, options={"on_failure": "raise"}), Study(bare, first, options={"on_failure": "deactivate"})
+    ),
+    "arguments": (Study(bare, first, arguments=["a"]), Study(bare, first, arguments=["b"])),
+    "cell of a notebook": (Study(bare, cell("def run(sim): return 1")), Study(bare, cell("def run(sim): return 2"))),
+    "helper in a notebook": (
+        Study(bare, cell("def help(): return 1\ndef run(sim): return help()")),
+        Study(bare, cell("def help(): return 2\ndef run(sim): return help()")),
+    ),
+    "number in a notebook": (
+        Study(bare, cell("G = 1\ndef run(sim): return G")), Study(bare, cell("G = 2\ndef run(sim): return G"))
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", IDENTITIES)
+def test_what_determines_a_run_belongs_to_its_name(what):
+    one, other = IDENTITIES[what]
+    assert {run.name for run in one.runs()}.isdisjoint(run.name for run in other.runs())
+
+
+def test_the_versions_belong_to_the_name_of_a_run(monkeypatch):
+    names = {Study(bare, first).one({}, 0).name}
+    for module, version in (("mujoco-core", "9.9"), ("numpy", "9.9")):
+        real = importlib.metadata.version
+        with monkeypatch.context() as patch:
+            patch.setattr("morse.many.run.version", lambda name: version if name == module else real(name))  # noqa: B023
+            names.add(Study(bare, first).one({}, 0).name)
+    monkeypatch.setattr("morse.many.run.__version__", "9.9")
+    names.add(Study(bare, first).one({}, 0).name)
+    assert len(names) == 4
+
+
+def test_the_same_study_has_the_same_names_in_another_process(tmp_path):
+    """Also of scenes that are data, and of values that the order of a set or an address could change."""
+    text = """
+import morse
+from functools import partial
+from morse.builder import ATRV, Environment
+from morse.builder.script import build
+from morse.many import Study
+
+def scene(size=1.0):
+    robot = ATRV("robot")
+    robot.translate(size)
+    Environment("empty")
+
+def run(sim, *, names, what):
+    pass
+
+def closed(value):
+    return lambda sim: value
+
+class Thing:
+    pass
+
+for number in range(2):
+    data = morse.load(partial(scene, 1.0 + number), sockets=False)
+    described = data.context.scene
+    data.close()
+    for study in (
+        Study(described, closed({"b", "a", "c", "d"})),
+        Study(scene, partial(run, names={"x": 1, "y": 2}, what=Thing())),
+    ):
+        print(study.one({}, 0).name)
+"""
+    (tmp_path / "names.py").write_text(text.replace("from morse.builder.script import build\n", ""))
+    outputs = [
+        subprocess.run(
+            [sys.executable, "names.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=True,
+            env=os.environ | {"PYTHONHASHSEED": seed},
+        ).stdout.split()
+        for seed in ("1", "2")
+    ]  # fmt: skip
+    assert outputs[0] == outputs[1]
+    assert len(set(outputs[0])) == 3  # the two scenes differ, the second study is the same
 
 
 def test_all_executors_give_the_same_bits(tmp_path, pids):

@@ -144,8 +144,8 @@ def _rerun(folder: str, run: str, file: str, *, name: str | None) -> int:
     except (LookupError, ImportError, AttributeError, OSError, ValueError) as error:
         raise CommandError(str(error)) from None
     say(f"{row['run']}: {row['error'] or 'no error'}; {row['ticks']} ticks, {row['wall']:.2f} s")
-    if not row["same_code"]:
-        say("The code has changed since then.")
+    if not row["same_identity"]:
+        say("The code, the arguments, the options, the timeout or the versions have changed since then.")
     say("The state at the end is the same, bit for bit." if row["same"] else "The state at the end is another one.")
     say(f"Recording: {os.path.join(folder, row['recording'])}")
     return 0 if row["same"] else 1

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import platform
 import re
 import time
@@ -37,7 +39,7 @@ class Run(NamedTuple):
     """One run of a study.
 
     Attributes:
-        name: the first twelve digits of the SHA-256 of the code, the parameters and the seed.
+        name: see `name_of`.
         parameters: value of each parameter.
         seed: seed of its simulation.
     """
@@ -45,6 +47,16 @@ class Run(NamedTuple):
     name: str
     parameters: Row
     seed: int
+
+
+def name_of(identity: Row, parameters: Row, seed: int) -> str:
+    """Return the name of a run: the first twelve digits of the SHA-256 of all that it depends on.
+
+    Args:
+        identity: what all runs of the study have in common, see `morse.many.study.Study.identity`.
+    """
+    inputs = json.dumps([identity, parameters, seed], sort_keys=True)
+    return hashlib.sha256(inputs.encode()).hexdigest()[:12]
 
 
 class Runs(Protocol):
@@ -58,8 +70,8 @@ class Runs(Protocol):
         """The values of each parameter."""
 
     @property
-    def code(self) -> str:
-        """SHA-256 of the code of the runs."""
+    def identity(self) -> Row:
+        """What the results of all runs depend on."""
 
     def runs(self) -> Iterator[Run]:
         """All runs."""
@@ -199,5 +211,13 @@ def processor() -> str:
 @cache
 def versions() -> str:
     """The versions of what determines the data."""
-    python, engine = platform.python_version(), version("mujoco-core")
-    return f"morse {__version__}, mujoco {engine}, numpy {version('numpy')}, python {python}"
+    return ", ".join(f"{name} {number}" for name, number in _versions(platform.python_version()).items())
+
+
+def decisive_versions() -> dict[str, str]:
+    """The versions with which another result is another run; all releases of Python 3.x give the same."""
+    return _versions(".".join(platform.python_version_tuple()[:2]))
+
+
+def _versions(python: str) -> dict[str, str]:
+    return {"morse": __version__, "mujoco": version("mujoco-core"), "numpy": version("numpy"), "python": python}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import json
 import os
@@ -12,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from morse.core.reports.hints import nearest
 from morse.many import sources
 from morse.many.parameters import axis, combinations
-from morse.many.run import RESERVED, Run, run_once
+from morse.many.run import RESERVED, Run, decisive_versions, name_of, run_once
+from morse.many.values import plain
 from morse.scene import Scene
 
 if TYPE_CHECKING:
@@ -59,10 +59,11 @@ class Study:
         if not callable(run):
             raise TypeError(f"run is a function of a simulation, not {run!r:.80}")
         self.scene = str(Path(scene).resolve()) if isinstance(scene, (str, os.PathLike)) else scene
-        self.run_function, self.arguments, self.options = run, list(arguments), dict(options or {})
+        self.run_function, self.arguments = run, list(arguments)
+        self.options = {name: _option(name, value) for name, value in (options or {}).items()}
         if timeout is not None and not (isinstance(timeout, (int, float)) and 0.0 < timeout < 1e9):
             raise ValueError(f"timeout is a time in seconds, or None, not {timeout!r:.80}")
-        self.timeout = timeout
+        self.timeout = None if timeout is None else float(timeout)
         self.seeds = list(range(seeds)) if isinstance(seeds, int) else [int(seed) for seed in seeds]
         self.axes = {name: axis(name, values) for name, values in parameters.items()}
         self._parameters_of = {
@@ -70,7 +71,7 @@ class Study:
         }
         for name in self.axes:
             self._check_parameter(name)
-        self._code: str | None = None
+        self._identity: Row | None = None
 
     def _check_parameter(self, name: str) -> None:
         if name in RESERVED:
@@ -85,11 +86,21 @@ class Study:
             )
 
     @property
-    def code(self) -> str:
-        """SHA-256 of the code of the runs: of the files of ``run`` and scene, and modules beside them."""
-        if self._code is None:
-            self._code = sources.code_of([self.run_function, self.scene])
-        return self._code
+    def identity(self) -> Row:
+        """What all runs depend on besides parameters and seeds: with another identity they are other runs.
+
+        Of the code, this is the digest of the files of ``run`` and scene, of modules beside them, and of the values
+        that both carry along.
+        """
+        if self._identity is None:
+            self._identity = {
+                "code": sources.code_of([self.run_function, self.scene]),
+                "arguments": self.arguments,
+                "options": self.options,
+                "timeout": self.timeout,
+                "versions": decisive_versions(),
+            }
+        return self._identity
 
     def runs(self) -> Iterator[Run]:
         """All runs, in the order of the parameters; the seed changes first."""
@@ -98,8 +109,7 @@ class Study:
 
     def one(self, parameters: Row, seed: int) -> Run:
         """The run with these parameters."""
-        inputs = json.dumps([self.code, parameters, seed, self.arguments], sort_keys=True)
-        return Run(hashlib.sha256(inputs.encode()).hexdigest()[:12], parameters, seed)
+        return Run(name_of(self.identity, parameters, seed), parameters, seed)
 
     def __len__(self) -> int:
         count = len(self.seeds)
@@ -173,12 +183,13 @@ class Study:
         Raises:
             LookupError: there is no such run, or there are several.
         """
+        from morse.many.ledger import read_rows
         from morse.many.table import Table
 
-        row = Table.read(folder).find(name)
+        row = Table(read_rows(folder).values(), folder).find(name)
         run = self.one({key: row[key] for key in self.axes}, row["seed"])
         again = run_once(self, run, Path(folder) / "recordings" / f"{row['run']}.mcap")
-        return again | {"same": again["hash"] == row["hash"], "same_code": run.name == row["run"]}
+        return again | {"same": again["hash"] == row["hash"], "same_identity": run.name == row["run"]}
 
     # -- for the runs ----------------------------------------------------------------------
 
@@ -228,7 +239,7 @@ class Study:
             "timeout": self.timeout,
             "axes": self.axes,
             "seeds": self.seeds,
-            "code": self.code,
+            "identity": self.identity,
         }
 
     @classmethod
@@ -247,7 +258,7 @@ class Study:
             **description["axes"],
         )
         # of the process that has named the runs: this one may find the files elsewhere
-        study._code = description["code"]
+        study._identity = description["identity"]
         return study
 
     def __reduce__(self) -> Any:
@@ -256,6 +267,11 @@ class Study:
             name = getattr(self.run_function, "__qualname__", "run")
             raise TypeError(f"{name} cannot be sent to another process: define run and scene at the top of a file")
         return Study.of, (description,)
+
+
+def _option(name: str, value: object) -> Any:
+    """An option as plain data."""
+    return os.fspath(value) if isinstance(value, os.PathLike) else plain(value, f"the option '{name}'")
 
 
 def _accepts(function: Any) -> tuple[str, ...] | None:

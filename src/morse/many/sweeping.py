@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import time
 from collections import Counter, deque
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.many.executors import ExecutorPool, InlinePool, processes
-from morse.many.ledger import Ledger
+from morse.many.ledger import ROWS, Ledger, read_facts
 from morse.many.pool import Pool, Task, can_fork
 from morse.many.progress import Progress
 from morse.many.run import machine_facts, signature
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
     from morse.many.run import Run, Runs
     from morse.many.values import Row
+
+logger = logging.getLogger(__name__)
 
 #: number of failures of each kind that are recorded
 RECORDED = 20
@@ -70,6 +73,7 @@ class Driver:
         self._trials: Counter[str] = Counter()
         self._recordings: Counter[str] = Counter()
         rows = ledger.rows
+        self._tell_of_others()
         for run in self.runs.values():
             row = rows.get(run.name)
             if row is not None and row.get("same") is not None:
@@ -83,8 +87,37 @@ class Driver:
         failures = sum(bool(rows[name]["error"]) for name in self.runs if name in rows)
         self.progress = Progress(len(self.runs), successes, failures)
         ledger.describe(
-            {"study": repr(study), "axes": study.axes, "runs": len(self.runs), "code": study.code, **machine_facts()}
+            {
+                "study": repr(study), "axes": study.axes, "runs": len(self.runs), "identity": study.identity,
+                **machine_facts(),
+            }
         )  # fmt: skip
+
+    def _tell_of_others(self) -> None:
+        """Say why runs that the folder contains are done again."""
+        folder, now = self._ledger.folder, self._study.identity
+        others = sum(name not in self.runs for name in self._ledger.rows)
+        try:
+            before = read_facts(folder).get("identity")
+        except (OSError, ValueError):  # there is no study, or none that can be read
+            before = None
+        if not others or before == now:
+            return
+        if isinstance(before, dict):
+            changes = "; ".join(
+                f"another {name}" if name == "code" else f"{name}: {before.get(name)!r:.200}, now {now[name]!r:.200}"
+                for name in now
+                if before.get(name) != now[name]
+            )
+        else:
+            changes = "an earlier version of MORSE, which did not compare timeout, options and versions"
+        logger.warning(
+            "%s contains %d runs of another study (%s): they stay in %s, and do not count",
+            folder,
+            others,
+            changes,
+            ROWS,
+        )
 
     def go(self, executor: Executor | None) -> None:
         """Do all runs."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.many.ledger import read_facts, read_rows
-from morse.many.run import RESERVED
+from morse.many.run import RESERVED, name_of
 
 if TYPE_CHECKING:
     import os
@@ -29,13 +29,22 @@ class Table:
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str]) -> Table:
-        """Read all rows of a folder.
+        """Read the rows of the study that a folder describes: of the one that was last begun there.
 
         Raises:
             FileNotFoundError: it is no folder of results.
             ValueError: its description is damaged.
         """
-        return cls(read_rows(folder).values(), folder, read_facts(folder)["axes"])
+        facts = read_facts(folder)
+        axes, identity = facts["axes"], facts.get("identity")
+        rows: Iterable[Row] = read_rows(folder).values()
+        if isinstance(identity, dict):  # else an earlier version has written it
+            rows = [
+                row
+                for row in rows
+                if row["run"] == name_of(identity, {name: row.get(name) for name in axes}, row["seed"])
+            ]
+        return cls(rows, folder, axes)
 
     @property
     def failures(self) -> list[Row]:
