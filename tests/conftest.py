@@ -4,15 +4,20 @@ import contextlib
 import importlib.util
 import os
 import re
+import shutil
 import signal
+import socket
+import sys
 import tempfile
 import threading
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, Phase, find, settings
 from hypothesis import strategies as st
+from hypothesis.configuration import set_hypothesis_home_dir
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator
@@ -50,6 +55,15 @@ _NOT_QUICK = ("long", "slow", "soak", "browser", "blender")
 #: sets of ports there are below the ports that the system gives to clients
 _FIRST_PORT, _PORTS, _SETS_OF_PORTS = 20_000, 200, 60
 
+#: the variables that tests see: where the programs and libraries of this machine are, how it reaches the network, and
+#: those of pytest itself. All others belong to the person who runs the tests: languages, settings of MORSE, Python and ROS
+_KEPT_VARIABLES = re.compile(
+    r"PATH|LD_LIBRARY_PATH|DYLD_\w+|TMPDIR|TEMP|TMP|SYSTEMROOT|SYSTEMDRIVE|WINDIR|COMSPEC|PATHEXT|NUMBER_OF_PROCESSORS"
+    r"|PROCESSOR_\w+|https?_proxy|no_proxy|all_proxy|SSL_CERT_\w+|PIP_\w+|UV_\w+|NPM_CONFIG_\w+|CI|GITHUB_ACTIONS"
+    r"|PYTEST_\w+|HYPOTHESIS_\w+|MORSE_TEST_\w+|MORSE_CHROMIUM",
+    re.IGNORECASE,
+)
+
 # other programs that take the processor are not a reason to fail; `pytest --hypothesis-profile nightly` tries all
 settings.register_profile("everyday", deadline=None, max_examples=25)
 settings.register_profile("nightly", deadline=None, max_examples=100)
@@ -61,23 +75,72 @@ if settings.get_current_profile_name() != "nightly":
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Each worker of pytest-xdist has ports of its own, and so has each of several runs on one machine. A worker inherits
-# the port of the process that has started it, and ignores it
 _worker = os.environ.get("PYTEST_XDIST_WORKER", "")
-if _worker or not os.environ.get("MORSE_SOCKET_PORT"):
-    _run = int(os.environ["PYTEST_XDIST_TESTRUNUID"], 16) if _worker else os.getpid()
-    _set = (_run + int(_worker.removeprefix("gw") or 0)) % _SETS_OF_PORTS
-    os.environ["MORSE_SOCKET_PORT"] = str(_FIRST_PORT + _PORTS * _set)
+
+
+def _forget_the_person() -> None:
+    """Give this process and its children an empty home directory, and no settings of the person who runs the tests.
+
+    A locale that Python has adopted stays that of this process, but workers and other children start without it. What
+    ``PYTHONPATH`` adds is removed, except for the folders from which pytest and MORSE itself come.
+    """
+    own = {Path(found.origin).parents[1] for name in ("pytest", "morse") if (found := importlib.util.find_spec(name))}
+    added = [entry for entry in os.environ.get("PYTHONPATH", "").split(os.pathsep) if entry]
+    kept = [entry for entry in added if Path(entry).absolute() in own]
+    sys.path[:] = [entry for entry in sys.path if entry in kept or entry not in added]
+    for name in [name for name in os.environ if not _KEPT_VARIABLES.fullmatch(name)]:
+        del os.environ[name]
+    session = tempfile.mkdtemp(prefix="morse-tests-")
+    (home := Path(session) / "home").mkdir()
+    homes = dict.fromkeys(("HOME", "USERPROFILE", "APPDATA", "LOCALAPPDATA"), str(home))
+    paths = {"PYTHONPATH": os.pathsep.join(kept)} if kept else {}
+    # the cache of collision shapes is shared by all workers, and by tests with homes of their own
+    os.environ.update(homes, **paths, MORSE_CACHE=str(Path(session) / "cache"), MORSE_TEST_SESSION=session)
+    os.umask(0o022)
+
+
+def _own_ports() -> tuple[int, socket.socket]:
+    """The first port of a set that no program uses, and the socket that keeps other tests from it."""
+    begin = int(os.environ["PYTEST_XDIST_TESTRUNUID"], 16) if _worker else os.getpid()
+    begin += int(_worker.removeprefix("gw") or 0)
+    for i in range(_SETS_OF_PORTS):
+        first = _FIRST_PORT + _PORTS * ((begin + i) % _SETS_OF_PORTS)
+        guard = socket.socket()
+        try:
+            guard.bind(("127.0.0.1", first + _PORTS - 1))
+            for port in range(first, first + _PORTS - 1):
+                with socket.socket() as probe:
+                    probe.bind(("127.0.0.1", port))
+        except OSError:
+            guard.close()
+            continue
+        return first, guard
+    raise RuntimeError(f"all ports from {_FIRST_PORT} to {first + _PORTS - 1} are in use")
+
+
+# workers, and tests of tests, have the home directory of the run that has started them
+_begins = "MORSE_TEST_SESSION" not in os.environ
+if _begins:
+    _forget_the_person()
+_port, _guard = _own_ports()
+os.environ["MORSE_SOCKET_PORT"] = str(_port)
+# examples that have failed are tried first the next time
+set_hypothesis_home_dir(os.environ.get("HYPOTHESIS_STORAGE_DIRECTORY") or Path(__file__).parents[1] / ".hypothesis")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Give all workers one cache of collision shapes, which is empty at first."""
-    if not _worker:
-        folder = tempfile.TemporaryDirectory(prefix="morse-tests-cache-", ignore_cleanup_errors=True)
-        os.environ["MORSE_CACHE"] = folder.name
-        config.add_cleanup(folder.cleanup)
-    elif config.args == config.getini("testpaths"):
+    """Delete the home directory at the end; begin with other folders than other workers."""
+    if _begins:
+        config.add_cleanup(partial(shutil.rmtree, os.environ["MORSE_TEST_SESSION"], ignore_errors=True))
+    elif _worker and config.args == config.getini("testpaths"):
         config.args = _folders_of_this_worker(config)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _empty_working_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Programs look for scenes and models in the working folder: that of a person may have any."""
+    with contextlib.chdir(tmp_path_factory.mktemp("working-folder")):
+        yield
 
 
 def _folders_of_this_worker(config: pytest.Config) -> list[str]:

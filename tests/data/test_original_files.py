@@ -1,7 +1,7 @@
 """The original data files of MORSE 1.4 as worlds and as objects.
 
 They are in Debian's package morse-simulator-data (``usr/share/morse/data``) and are not part of this repository: the
-environment variable ``MORSE_ORIGINAL_DATA`` is their directory.
+environment variable ``MORSE_TEST_ORIGINAL_DATA`` is their directory.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from morse.simulation.options import RunOptions
 if TYPE_CHECKING:
     from morse.scene import Node
 
-DATA = Path(os.environ.get("MORSE_ORIGINAL_DATA", ""))
+DATA = Path(os.environ.get("MORSE_TEST_ORIGINAL_DATA", ""))
 FILES = sorted(path.relative_to(DATA).with_suffix("").as_posix() for path in DATA.rglob("*.blend")) if DATA.name else []
 #: files that take a second or more; others like them are tried each time
 LONG = {
@@ -45,7 +45,7 @@ LONG = {
 GRAVITY = 9.81
 
 pytestmark = pytest.mark.skipif(
-    not FILES, reason="needs the files of Debian's morse-simulator-data; MORSE_ORIGINAL_DATA says where they are"
+    not FILES, reason="needs the files of Debian's morse-simulator-data; MORSE_TEST_ORIGINAL_DATA says where they are"
 )
 
 

@@ -8,7 +8,7 @@ import pytest
 from morse.kernel import loading, targets
 
 #: a library to test instead; see test_sanitizers.py
-_CHECKED = os.environ.get("MORSE_TESTED_KERNEL")
+_CHECKED = os.environ.get("MORSE_TEST_KERNEL")
 
 
 def builds() -> list[int]:

@@ -14,7 +14,7 @@ from morse.kernel import build
 
 pytestmark = pytest.mark.long
 
-CHECKED = "MORSE_TESTED_KERNEL"
+CHECKED = "MORSE_TEST_KERNEL"
 OPTIONS = ["-Og", "-g1", "-shared", "-fPIC", "-fno-omit-frame-pointer", "-Wno-psabi"]
 #: tests of Python only
 _NOT_NATIVE = ("test_build.py", "test_loading.py", "test_release.py", "test_sanitizers.py")

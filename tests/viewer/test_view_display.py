@@ -49,20 +49,32 @@ def test_a_page_tells_that_it_has_drawn_the_world(running, open_page) -> None:
 TRAIL = (
     "morse.panels.layers.list.find((one) => one.id === 'trails').trails.find((one) => one.node.name === 'robot1').count"
 )
+PLACE = "morse.world.value.find('robot1').frame.position.toArray()"
+#: two frames later: what had been asked for before has been drawn
+DRAWN = "new Promise((done) => { morse.stage.invalidate(); requestAnimationFrame(() => requestAnimationFrame(done)); })"
 
 
-def test_trails_stay_when_the_world_is_described_again(running, open_page) -> None:
+def test_robots_and_trails_stay_when_the_world_is_described_again(running, open_page) -> None:
+    """Robots stand where they were, not where the scene begins, until the first poses of the new description."""
     driver, url = running
     scene, moving = playground()
     scene.settings.view.display.overlays = ("trails",)
     driver.server.set_scene(scene, moving)
     page = open_page(url)
     until(lambda: page.evaluate(TRAIL) > 5)
+    driver.running = False
+    until(lambda: page.evaluate(PLACE) == pytest.approx(driver.poses()[2, :3].tolist()))
+    driver.shown = False  # no more poses
+    page.evaluate(DRAWN)
+    before, place = page.evaluate(TRAIL), page.evaluate(PLACE)
     page.evaluate("window.former = morse.world.value")
-    before = page.evaluate(TRAIL)
     driver.server.set_scene(scene, moving)
     until(lambda: page.evaluate("morse.world.value !== former"))
-    assert page.evaluate(TRAIL) >= before
+    page.evaluate(DRAWN)
+    assert page.evaluate(PLACE) == place
+    assert page.evaluate(TRAIL) == before
+    driver.running, driver.shown = True, True
+    until(lambda: page.evaluate(TRAIL) > before)
 
 
 IN_PICTURE = "morse.world.value.find('robot1').frame.position.clone().project(morse.stage.view.camera).toArray()"

@@ -40,7 +40,7 @@ def main(wheel: Path | None) -> int:
         (real, *_), libraries = build.build(_LINUX), _libraries(wheel, place)
         recording = {
             **os.environ,
-            "MORSE_TESTED_KERNEL": str(recorder),
+            "MORSE_TEST_KERNEL": str(recorder),
             "MORSE_RECORDED_KERNEL": str(real),
             "MORSE_RECORDED_CALLS": str(calls),
             "OPENBLAS_NUM_THREADS": "1",

@@ -145,14 +145,15 @@ export class App {
     const answer = await fetchFile(url);
     if (!answer.ok) throw new Error(`The world cannot be fetched: ${answer.status} ${answer.statusText}`);
     const description = (await answer.json()) as SceneDescription;
-    const first = this.stage.world?.description.key !== description.key;
     const anisotropy = this.stage.renderer.capabilities.getMaxAnisotropy();
     const world = await World.load(description, Math.min(8, anisotropy), this.stage.invalidate);
     for (const message of this.appearances.values()) world.change(message);
+    const earlier = this.stage.world?.description.key === description.key ? this.stage.world : null;
+    if (earlier) world.continue(earlier);
     const unlit = this.stage.show(world);
     if (unlit.length > 0) this.tell(`${unlit.length} lamps are not shown: ${unlit.slice(0, 5).join(", ")}`);
-    if (first) this.setCamera(description, world);
-    if (first) this.begin(description);
+    if (!earlier) this.setCamera(description, world);
+    if (!earlier) this.begin(description);
     if (this.poses.value) world.apply(this.poses.value);
     this.world.set(world);
     this.stage.invalidate();

@@ -1,6 +1,6 @@
 """Robots of MJCF files move as in plain MuJoCo, and keep their joints whatever else the file has.
 
-With MORSE_ROBOT_FILES, a folder with models of others, every file there is compared.
+With MORSE_TEST_ROBOT_FILES, a folder with models of others, every file there is compared.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from comparison import compare
 import morse
 from morse.assets.mjcf import read_mjcf
 
-OTHERS = os.environ.get("MORSE_ROBOT_FILES", "")
+OTHERS = os.environ.get("MORSE_TEST_ROBOT_FILES", "")
 DEFAULTS = '<option timestep="0.002"/><default><geom solref="0.015 1"/></default>'
 LEG = """<body name="leg{n}" pos="{x} {y} 0"><joint name="hip{n}" axis="0 1 0" damping="1" range="-1 1" limited="true"/>
   <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.02" mass="0.3"/>
@@ -127,7 +127,7 @@ def test_a_model_attaches_others(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not OTHERS, reason="MORSE_ROBOT_FILES is not set")
+@pytest.mark.skipif(not OTHERS, reason="MORSE_TEST_ROBOT_FILES is not set")
 @pytest.mark.parametrize("path", sorted(Path(OTHERS).rglob("*.xml")) if OTHERS else [], ids=str)
 def test_files_of_others_keep_all_joints(path: Path) -> None:
     try:

@@ -51,6 +51,17 @@ export class World {
     return this.names.get(name) ?? null;
   }
 
+  /** Take over the poses that nodes have in an earlier description of this world, until the first snapshot of this one. */
+  continue(earlier: World): void {
+    for (const { name, parent, description, frame } of this.moving) {
+      const before = earlier.find(name);
+      if (!before || before.description.frame !== description.frame || before.parent?.name !== parent?.name) continue;
+      frame.position.copy(before.frame.position);
+      frame.quaternion.copy(before.frame.quaternion);
+    }
+    this.root.updateMatrixWorld();
+  }
+
   /** Apply poses; false if they belong to another world. */
   apply({ revision, poses }: PoseFrame): boolean {
     if (revision !== this.description.revision) return false;
