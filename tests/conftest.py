@@ -19,8 +19,14 @@ from hypothesis import HealthCheck, Phase, find, settings
 from hypothesis import strategies as st
 from hypothesis.configuration import set_hypothesis_home_dir
 
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator
+    from typing import IO
 
     from playwright.sync_api import Browser
 
@@ -51,12 +57,14 @@ _QUICK_FOLDERS = (
 _OTHER_PROGRAMS = re.compile(r"\b(subprocess|Popen|pexpect|SimulationProcess)\b")
 _NOT_QUICK = ("long", "slow", "soak", "browser", "blender")
 
+#: domains of ROS with ports below the ephemeral ports of the system; 0 is that of the person
+_ROS_DOMAINS = range(1, 100)
 #: the first port of the services of a worker's simulations, the distance to those of the next worker, and how many such
 #: sets of ports there are below the ports that the system gives to clients
 _FIRST_PORT, _PORTS, _SETS_OF_PORTS = 20_000, 200, 60
 
 #: the variables that tests see: where the programs and libraries of this machine are, how it reaches the network, and
-#: those of pytest itself. All others belong to the person who runs the tests: languages, settings of MORSE, Python and ROS
+#: those of pytest itself. All others belong to the person who runs the tests: languages, settings of MORSE and Python
 _KEPT_VARIABLES = re.compile(
     r"PATH|LD_LIBRARY_PATH|DYLD_\w+|TMPDIR|TEMP|TMP|SYSTEMROOT|SYSTEMDRIVE|WINDIR|COMSPEC|PATHEXT|NUMBER_OF_PROCESSORS"
     r"|PROCESSOR_\w+|https?_proxy|no_proxy|all_proxy|SSL_CERT_\w+|PIP_\w+|UV_\w+|NPM_CONFIG_\w+|CI|GITHUB_ACTIONS"
@@ -118,12 +126,31 @@ def _own_ports() -> tuple[int, socket.socket]:
     raise RuntimeError(f"all ports from {_FIRST_PORT} to {first + _PORTS - 1} are in use")
 
 
+def _own_ros_domain() -> tuple[int, IO[str] | None]:
+    """A ROS domain that no other tests on this machine use, and the locked file that keeps others from it."""
+    if fcntl is None:
+        return _ROS_DOMAINS[0], None  # the middleware is not tested there
+    for domain in _ROS_DOMAINS:
+        try:
+            file = open(Path(tempfile.gettempdir()) / f"morse-test-ros-domain-{domain}", "w")  # noqa: SIM115
+        except OSError:
+            continue  # it belongs to another user
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            file.close()
+            continue
+        return domain, file
+    raise RuntimeError("all ROS domains are in use by other tests")
+
+
 # workers, and tests of tests, have the home directory of the run that has started them
 _begins = "MORSE_TEST_SESSION" not in os.environ
 if _begins:
     _forget_the_person()
 _port, _guard = _own_ports()
-os.environ["MORSE_SOCKET_PORT"] = str(_port)
+_domain, _lock = _own_ros_domain()
+os.environ.update(MORSE_SOCKET_PORT=str(_port), ROS_DOMAIN_ID=str(_domain))
 # examples that have failed are tried first the next time
 set_hypothesis_home_dir(os.environ.get("HYPOTHESIS_STORAGE_DIRECTORY") or Path(__file__).parents[1] / ".hypothesis")
 

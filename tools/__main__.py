@@ -1,7 +1,7 @@
 """Writes what is derived from the components, and the files of a release.
 
-``python -m tools [stubs] [pictures [NAME...]]``: the stubs of `morse.builder`, and those pictures of the component
-library that are missing. With the names of components, their pictures are taken again.
+``python -m tools [stubs] [pictures [NAME...]] [library]``: the stubs of `morse.builder`, those pictures of the
+component library that are missing, and its pages. With the names of components, their pictures are taken again.
 
 ``python -m tools compatibility [ARGUMENT...]``: docs/compatibility.md, from the tests with programs that others wrote.
 
@@ -25,7 +25,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-_PARTS = ("stubs", "pictures")
+_PARTS = ("stubs", "pictures", "library")
 
 
 def main(arguments: list[str]) -> int:
@@ -63,7 +63,14 @@ def main(arguments: list[str]) -> int:
 
     if part in ("all", "stubs"):
         builder_stubs.main()
-    return components.main(names) if part in ("all", "pictures") else 0
+    status = components.main(names) if part in ("all", "pictures") else 0
+    if part in ("all", "library"):
+        # as the documentation imports it
+        sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
+        import component_library
+
+        component_library.write(Path(__file__).parents[1] / "docs" / component_library.FOLDER)
+    return status
 
 
 if __name__ == "__main__":

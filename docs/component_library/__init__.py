@@ -1,11 +1,11 @@
 """A Sphinx extension that generates the component library from the declarations of the components.
 
-The pages are written to ``docs/library/`` whenever the documentation is built, and are not edited by hand.
+The pages are in ``docs/library/``, so that they can be read without building the documentation. They are written by
+``python -m tools library`` and whenever the documentation is built, and are not edited by hand.
 """
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,8 +39,7 @@ def page_names() -> list[str]:
 
 
 def write(folder: Path) -> list[Path]:
-    """Write all pages into a folder, which is emptied first, and return their paths."""
-    shutil.rmtree(folder, ignore_errors=True)
+    """Write the pages that have changed into a folder, delete all others there, and return the paths of all."""
     pages = {
         **index_page.pages(),
         **robot_pages.pages(),
@@ -54,11 +53,14 @@ def write(folder: Path) -> list[Path]:
         **world_page.pages(),
         **coverage_page.pages(),
     }
-    for name, text in pages.items():
-        path = folder / f"{name}.md"
+    paths = {folder / f"{name}.md": text for name, text in pages.items()}
+    for path in set(folder.rglob("*.md")) - set(paths):
+        path.unlink()
+    for path, text in paths.items():
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return [folder / f"{name}.md" for name in pages]
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8", newline="\n")
+    return list(paths)
 
 
 def without_picture() -> list[str]:

@@ -94,6 +94,15 @@ def test_the_container_runs_with_options_that_exist():
     assert text.index("\nUSER morse") < text.index("\nENTRYPOINT")
 
 
+def test_the_container_listens_to_this_machine_alone_and_installs_the_wheel_that_it_is_given():
+    text = (ROOT / "Containerfile").read_text(encoding="utf-8")
+    assert "--host" not in json.loads(text.partition("\nCMD ")[2])
+    (installed,) = re.findall(r"pip install (.*?) ?\\?$", text, re.MULTILINE)
+    words = [word for word in installed.split() if not word.startswith("--")]
+    assert words == ["/tmp/wheels/*.whl"], "by a name, an index could offer a newer version"
+    assert not {"--find-links", "--extra-index-url", "--index-url"} & set(installed.split())
+
+
 def test_the_package_has_a_program_of_its_name():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert project["scripts"][project["name"]] == project["scripts"]["morse"]

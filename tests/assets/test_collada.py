@@ -73,5 +73,5 @@ def test_without_the_package_the_error_says_how_to_install_it(tmp_path: Path, mo
     file.write_text(TRIANGLE)
     known = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name, *rest: None if name == "collada" else known(name))
-    with pytest.raises(AssetError, match=r"pip install 'morse-simulator\[collada\]'"):
+    with pytest.raises(AssetError, match=r'pip install "pycollada>=0.8,<1"'):
         read_meshes(file)

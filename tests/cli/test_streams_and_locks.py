@@ -18,6 +18,8 @@ pytestmark = pytest.mark.long
 FULL = Path("/dev/full")
 RUN = f"{sys.executable} -m morse run --headless --speed max --duration 0.1"
 SCENE = "from morse.builder import *\nrobot = FakeRobot()\nenv = Environment('empty', fastmode=True)\n"
+#: what is buffered is written at the end of the process
+BOTH = pytest.mark.parametrize("buffered", [{}, {"PYTHONUNBUFFERED": "1"}], ids=["buffered", "unbuffered"])
 
 
 @pytest.fixture
@@ -26,9 +28,15 @@ def shell(tmp_path):
     (tmp_path / "scene.py").write_text(SCENE)
     environment = {**os.environ, "HOME": str(tmp_path), "MORSE_SOCKET_PORT": "0"}
 
-    def run(line):
+    def run(line, **variables):
         return subprocess.run(
-            ["sh", "-c", line], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=100, check=False
+            ["sh", "-c", line],
+            cwd=tmp_path,
+            env={**environment, **variables},
+            capture_output=True,
+            text=True,
+            timeout=100,
+            check=False,
         )
 
     return run
@@ -57,14 +65,26 @@ def test_closed_streams_stop_no_run(shell, redirection):
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="the disk that is always full is Linux'")
-def test_a_full_disk_for_the_log_is_said_once(shell):
-    done = shell(f"{RUN} scene.py > {FULL}")
+@BOTH
+def test_a_full_disk_for_the_log_is_said_once(shell, buffered):
+    done = shell(f"{RUN} scene.py > {FULL}", **buffered)
     assert done.returncode == 0
     assert done.stderr == "* the log can no longer be written: No space left on device\n"
 
 
-def test_a_reader_that_leaves_is_no_error(shell):
-    done = shell(f"{RUN} scene.py | head -1")
+@pytest.mark.skipif(not FULL.exists(), reason="the disk that is always full is Linux'")
+@BOTH
+def test_a_list_that_cannot_be_written_is_an_error(shell, buffered):
+    done = shell(f"{sys.executable} -m morse demo > {FULL}", **buffered)
+    assert done.returncode == 1
+    assert "No space left on device" in done.stderr
+    assert "Exception" not in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@BOTH
+def test_a_reader_that_leaves_is_no_error(shell, buffered):
+    done = shell(f"{RUN} scene.py | head -1", **buffered)
     assert done.stderr == ""
 
 

@@ -42,6 +42,14 @@ def pages(library, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return {path.relative_to(folder).with_suffix("").as_posix(): path.read_text(encoding="utf-8") for path in written}
 
 
+def test_the_pages_in_the_repository_are_those_of_the_declarations(pages: dict[str, str]):
+    """They can be read in a copy of the repository in which nothing was built."""
+    folder = DOCS / "library"
+    there = {path.relative_to(folder).with_suffix("").as_posix(): path for path in folder.rglob("*.md")}
+    old = sorted(name for name, text in pages.items() if name not in there or there[name].read_text("utf-8") != text)
+    assert (old, set(there) - set(pages)) == ([], set()), "run: python -m tools library"
+
+
 def test_every_component_has_a_page(pages: dict[str, str], library):
     names = {"robots": robots.__all__, "sensors": sensors.__all__, "actuators": actuators.__all__}
     for kind, members in names.items():

@@ -519,7 +519,7 @@ def test_a_name_that_imports_the_tasks():
 def test_a_missing_extra_is_named():
     code = "import sys; sys.modules['gymnasium'] = None; import morse.gym"
     outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
-    assert "pip install 'morse-simulator[gym]'" in outcome.stderr.splitlines()[-1]
+    assert 'pip install "gymnasium>=1.1,<2" "pettingzoo>=1.25"' in outcome.stderr.splitlines()[-1]
 
 
 @pytest.mark.parametrize("workers", [0, 2])

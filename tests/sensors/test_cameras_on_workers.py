@@ -249,5 +249,5 @@ def test_a_cluster_renders_the_same_images_also_when_its_processes_die(cluster, 
 
 def test_without_ray_the_error_names_the_extra(load, monkeypatch):
     monkeypatch.setitem(sys.modules, "ray", None)
-    with pytest.raises(Exception, match=r"pip install 'morse-simulator\[ray\]'"):
+    with pytest.raises(Exception, match=r'pip install "ray>=2.40,<3"'):
         load(cameras_on="ray://auto")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from typing import TYPE_CHECKING, NoReturn
@@ -25,7 +26,27 @@ def run_and_exit(arguments: Sequence[str]) -> NoReturn:
     except KeyboardInterrupt:
         # Ctrl+C ends the command at any time, even while it is being loaded
         status = 130
-    sys.exit(status)
+    sys.exit(_written(status))
+
+
+def _written(status: int) -> int:
+    """Write the rest of the output, and return the status.
+
+    Otherwise Python does so at its end, and fails with status 120 where the disk is full or nobody reads any more.
+    """
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError) as error:
+        from morse.core.reports import log
+
+        with contextlib.suppress(OSError, ValueError):
+            null = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null, sys.stdout.fileno())
+            os.close(null)
+        if not isinstance(error, BrokenPipeError) and not log.is_lost():
+            log.complain(f"the output could not be written: {getattr(error, 'strerror', None) or error}")
+            return status or 1
+    return status
 
 
 def _open_closed_streams() -> None:

@@ -16,12 +16,9 @@ from typing import TYPE_CHECKING
 from morse.assets.search import MORSE_COMPONENTS
 from morse.cli import blender
 from morse.kernel import loading
-from morse.middleware.mavlink import mapping as mavlink
-from morse.middleware.moos import mapping as moos
-from morse.middleware.mqtt import mapping as mqtt
 from morse.middleware.ros import mapping as ros
 from morse.middleware.ros2.backends.choice import available
-from morse.middleware.ros2.mapping import INSTALL
+from morse.system.extras import REINSTALL, install
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -113,7 +110,7 @@ def _kernel() -> Finding:
         found,
         detail,
         "rays, camera images, driven robots",
-        "pip install --force-reinstall morse-simulator",
+        REINSTALL,
         required=True,
     )
 
@@ -126,7 +123,11 @@ def _ros2() -> Finding:
         if importlib.util.find_spec("simulation_interfaces") is not None:
             implementations = [*implementations, "simulation_interfaces"]
     return Finding(
-        "ROS 2", bool(implementations), ", ".join(implementations) or "neither rclpy nor cyclonedds", gives, INSTALL
+        "ROS 2",
+        bool(implementations),
+        ", ".join(implementations) or "neither rclpy nor cyclonedds",
+        gives,
+        install("ros2"),
     )
 
 
@@ -140,15 +141,15 @@ def _ros1() -> Finding:
 
 
 def _mqtt() -> Finding:
-    return _module("paho.mqtt", "paho-mqtt", "topics of an MQTT broker", mqtt.INSTALL)
+    return _module("paho.mqtt", "paho-mqtt", "topics of an MQTT broker", install("mqtt"))
 
 
 def _moos() -> Finding:
-    return _module("pymoos2", "pymoos2", "variables of a MOOS database", moos.INSTALL)
+    return _module("pymoos2", "pymoos2", "variables of a MOOS database", install("moos"))
 
 
 def _mavlink() -> Finding:
-    return _module("pymavlink", "pymavlink", "vehicles of MAVLink", mavlink.INSTALL)
+    return _module("pymavlink", "pymavlink", "vehicles of MAVLink", install("mavlink"))
 
 
 def _data() -> Finding:
@@ -160,7 +161,7 @@ def _data() -> Finding:
         exists,
         detail,
         "robots, environments, props",
-        "pip install --force-reinstall morse-simulator",
+        REINSTALL,
         True,
     )
 

@@ -3,7 +3,9 @@
 try:
     import gymnasium as _gymnasium  # noqa: F401
 except ImportError:
-    raise ImportError("morse.gym needs Gymnasium: pip install 'morse-simulator[gym]'") from None
+    from morse.system.extras import install as _install
+
+    raise ImportError(f"morse.gym needs Gymnasium: {_install('gym')}") from None
 
 from morse.gym.env import TaskEnv
 from morse.gym.registration import register, register_all

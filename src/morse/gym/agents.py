@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, ClassVar
 try:
     from pettingzoo import ParallelEnv
 except ImportError:
-    raise ImportError("morse.gym.parallel needs PettingZoo: pip install 'morse-simulator[gym]'") from None
+    from morse.system.extras import install
+
+    raise ImportError(f"morse.gym.parallel needs PettingZoo: {install('gym')}") from None
 
 import numpy as np
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.many.ledger import read_facts, read_rows
 from morse.many.run import RESERVED, name_of
+from morse.system.extras import install
 
 if TYPE_CHECKING:
     import os
@@ -110,7 +111,7 @@ class Table:
             import pyarrow
             from pyarrow import parquet
         except ImportError:
-            raise ImportError("Parquet needs pyarrow: pip install 'morse-simulator[parquet]'") from None
+            raise ImportError(f"Parquet needs pyarrow: {install('parquet')}") from None
         parquet.write_table(pyarrow.table(self.to_dict()), path)
 
     def to_pandas(self) -> object:

@@ -9,6 +9,8 @@ import importlib
 import threading
 from typing import TYPE_CHECKING, Any
 
+from morse.system.extras import install
+
 if TYPE_CHECKING:
     from morse.physics.world import World
 
@@ -75,5 +77,5 @@ def _modules() -> tuple[Any, Any, Any, Any]:
         )
     except ImportError as error:
         raise StudioMissingError(
-            f"--view studio needs MuJoCo's own viewer ({error}); install it with: pip install 'morse-simulator[studio]'"
+            f"--view studio needs MuJoCo's own viewer ({error}); install it with: {install('studio')}"
         ) from None

@@ -13,6 +13,7 @@ from morse.recording.errors import RecordingError
 from morse.recording.fields import FIELDS
 from morse.recording.fields.table import FieldsTable
 from morse.recording.tables import Table
+from morse.system.extras import install
 
 if TYPE_CHECKING:
     import os
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from morse.recording.mcap.reader import Channel, McapFile
     from morse.recording.mcap.records import Message
 
-INSTALL = "pip install 'morse-simulator[parquet]'"
 #: maximum number of rows in memory
 _ROWS = 1000
 #: maximum size of messages in memory, bytes
@@ -193,7 +193,7 @@ def export(
         try:
             import pyarrow.parquet  # noqa: F401
         except ImportError:
-            raise RecordingError(f"Parquet needs the package pyarrow: {INSTALL}") from None
+            raise RecordingError(f"Parquet needs the package pyarrow: {install('parquet')}") from None
     target = Path(folder)
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise RecordingError(f"{target} exists already: remove it, or give another folder; nothing is overwritten")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import Any
 
-_MISSING = "Ray is not installed: pip install 'morse-simulator[ray]'"
+from morse.system.extras import install
 
 
 class RayCluster:
@@ -29,7 +29,7 @@ class RayCluster:
         try:
             import ray
         except ImportError:
-            raise ImportError(_MISSING) from None
+            raise ImportError(f"Ray is not installed: {install('ray')}") from None
         self.ray, self._starts = ray, not ray.is_initialized()
         if self._starts:
             options: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.ERROR}

@@ -446,7 +446,7 @@ def test_without_the_extra_the_line_that_installs_it_is_said(
     start: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pymavlink.dialects.v20", None)
-    with pytest.raises(MorseError, match=r"pip install 'morse-simulator\[mavlink\]'"):
+    with pytest.raises(MorseError, match=r'pip install "pymavlink>=2.4.40,<3"'):
         start(f"udpout:127.0.0.1:{free_port()}", part("Pose", "pose"))
 
 

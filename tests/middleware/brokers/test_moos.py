@@ -204,7 +204,7 @@ def test_what_is_missing_is_named_with_the_line_that_installs_it(
     for name in [name for name in sys.modules if name.startswith("pymoos2")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "pymoos2", None)
-    with pytest.raises(MorseError, match=r"pip install 'morse-simulator\[moos\]'"):
+    with pytest.raises(MorseError, match=r'pip install "pymoos2>=0.1,<0.2"'):
         load(POSE)
 
 

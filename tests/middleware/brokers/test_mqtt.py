@@ -274,7 +274,7 @@ def test_without_the_extra_the_line_that_installs_it_is_said(
     start: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "paho.mqtt", None)
-    with pytest.raises(MorseError, match=r"pip install 'morse-simulator\[mqtt\]'"):
+    with pytest.raises(MorseError, match=r'pip install "paho-mqtt>=2,<3"'):
         start(1)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import importlib.util
 import json
 import os
@@ -29,34 +28,12 @@ PYTHON = (
     if importlib.util.find_spec("rclpy")
     else os.environ.get("MORSE_TEST_ROS_PYTHON") or (str(_MADE) if _MADE.exists() else sys.executable)
 )
-#: domains with ports below the ephemeral ports of the system
-_DOMAINS = range(1, 100)
-_kept: list[Any] = []
 #: variables that change how peers discover each other; tests with a value of a user prove nothing
 SETTINGS = ("CYCLONEDDS_URI", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")
 
 
-def _own_domain() -> int:
-    """A ROS domain that no other process of tests on this machine uses."""
-    given = os.environ.get("MORSE_TEST_ROS_DOMAIN")
-    if given:
-        return int(given)
-    for domain in _DOMAINS:
-        try:
-            file = open(Path(tempfile.gettempdir()) / f"morse-test-ros-domain-{domain}", "w")  # noqa: SIM115
-        except OSError:
-            continue  # it belongs to another user
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            file.close()
-            continue
-        _kept.append(file)  # the process holds the lock until it ends
-        return domain
-    raise RuntimeError("all ROS domains are in use by other tests")
-
-
-DOMAIN = _own_domain()
+#: a ROS domain that no other process of tests on this machine uses
+DOMAIN = int(os.environ["ROS_DOMAIN_ID"])
 
 
 def environment(python: str) -> dict[str, str]:
@@ -73,7 +50,7 @@ def lent() -> dict[str, str]:
 
     # pytest may be in a place that the environment of this Python adds
     paths = [str(Path(morse.__file__).parents[1]), sysconfig.get_path("purelib"), str(Path(pytest.__file__).parents[1])]
-    return {**environment(PYTHON), "PYTHONPATH": os.pathsep.join(paths), "MORSE_TEST_ROS_DOMAIN": str(DOMAIN)}
+    return {**environment(PYTHON), "PYTHONPATH": os.pathsep.join(paths)}
 
 
 @cache

@@ -21,7 +21,7 @@ from morse.builder import Environment, FakeRobot, Pose
 if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
 
-pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'morse-simulator[ros2]'")
+pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: see .ci/run")
 
 TOPICS, HZ = 100, 60
 

@@ -240,5 +240,5 @@ def test_where_nothing_is_installed_the_error_names_the_line_that_installs_it(
     monkeypatch.setattr("morse.middleware.ros2.backends.choice.find_spec", lambda name: None)
     scene = tmp_path / "scene.py"
     scene.write_text(SCENE.format(components="pose = Pose(); robot.append(pose)", options="", name="robot"))
-    with pytest.raises(MorseError, match=r"scene\.py:\d+.*pip install 'morse-simulator\[ros2\]'"):
+    with pytest.raises(MorseError, match=r'scene\.py:\d+.*pip install "cyclonedds>=11,<12"'):
         morse.load(scene, sockets=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from morse.assets.errors import AssetError
 from morse.assets.meshfiles.collada_counts import check_instances
 from morse.assets.xml_files import read_xml
+from morse.system.extras import install
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,7 +25,7 @@ def collada_unit(path: Path) -> float:
     if root.tag.rpartition("}")[2] != "COLLADA":
         raise AssetError(path, f"it is not COLLADA: it begins with <{root.tag:.60}>")
     if importlib.util.find_spec("collada") is None:
-        raise AssetError(path, "COLLADA files need another package: pip install 'morse-simulator[collada]'")
+        raise AssetError(path, f"COLLADA files need another package: {install('collada')}")
     check_instances(path, root)
     unit_element = root.find("./{*}asset/{*}unit")
     text = "1" if unit_element is None else unit_element.get("meter", "1")

@@ -16,6 +16,7 @@ from morse.assets.errors import AssetError
 from morse.assets.nearby_files import FOLDERS, FileRefusedError, find_near, find_package
 from morse.assets.urdf.xacro_limits import TIME_LIMIT
 from morse.assets.xml_files import parse_xml, read_xml
+from morse.system.extras import install
 from morse.system.worker_process import WorkerProcess, bare_environment
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def _package(name: str, path: Path) -> str:
 
 def _expanded(path: Path) -> bytes:
     if importlib.util.find_spec("xacro") is None:
-        raise AssetError(path, "files of xacro need: pip install 'morse-simulator[xacro]'")
+        raise AssetError(path, f"files of xacro need: {install('xacro')}")
     question = {"path": str(path.absolute()), "arguments": ARGUMENTS.get({})}
     folders = {name: os.environ[name] for name in FOLDERS if name in os.environ}
     begin = time.monotonic()

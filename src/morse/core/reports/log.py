@@ -143,7 +143,7 @@ class _ConsoleHandler(logging.StreamHandler[TextIO]):
 
     def __init__(self) -> None:
         logging.Handler.__init__(self)
-        self._has_complained = False
+        self.has_complained = False
         Folding(self)
 
     @property
@@ -163,10 +163,15 @@ class _ConsoleHandler(logging.StreamHandler[TextIO]):
         is_closed = getattr(sys.stdout, "closed", False)
         if not isinstance(error, OSError) and not is_closed:
             super().handleError(record)
-        elif not self._has_complained:
-            self._has_complained = True
+        elif not self.has_complained:
+            self.has_complained = True
             why = "the standard output was closed" if is_closed else getattr(error, "strerror", None) or error
             complain(f"the log can no longer be written: {why}")
+
+
+def is_lost() -> bool:
+    """Whether a part of the log could not be written, and this has been said."""
+    return _handler is not None and _handler.has_complained
 
 
 def complain(text: str) -> None:

@@ -26,9 +26,10 @@ from morse.middleware.mavlink.framing import Framer
 from morse.middleware.mavlink.intake import Intake
 from morse.middleware.mavlink.links import open_link
 from morse.middleware.mavlink.loop import Loop
-from morse.middleware.mavlink.mapping import INSTALL, MANAGER_OPTIONS
+from morse.middleware.mavlink.mapping import MANAGER_OPTIONS
 from morse.middleware.mavlink.telemetry import Telemetry
 from morse.middleware.mavlink.vehicle import Vehicle
+from morse.system.extras import install
 
 if TYPE_CHECKING:
     from morse.core.context import Context
@@ -67,7 +68,9 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         try:
             from pymavlink.dialects.v20 import common
         except ImportError:
-            raise MorseMiddlewareError(f"mavlink: pymavlink is not installed; to install it: {INSTALL}") from None
+            raise MorseMiddlewareError(
+                f"mavlink: pymavlink is not installed; to install it: {install('mavlink')}"
+            ) from None
         self._dialect = common
         self.axes = {name: Axes(name) for name in ("nwu", "enu", "ned")}
         self.axes["world"] = self.axes[self.options["world"]]

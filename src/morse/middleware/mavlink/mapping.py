@@ -5,7 +5,6 @@ from __future__ import annotations
 from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
-INSTALL = "pip install 'morse-simulator[mavlink]'"
 #: default ports of ground stations, and of MAVSDK
 DEVICE = "udpout:127.0.0.1:14550,udpout:127.0.0.1:14540"
 _DEVICE = "udpout:, udpin:, tcp: or tcpin: with address and port; several separated by commas"

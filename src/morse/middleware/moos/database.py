@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.moos.mapping import INSTALL
+from morse.system.extras import install
 
 if TYPE_CHECKING:
     from morse.core.values import Options
@@ -29,7 +29,7 @@ class Database:
         try:
             import pymoos2.core.MOOSMsg  # noqa: F401 - the import of `Exchange` must not fail
         except ImportError:
-            raise MorseMiddlewareError(f"moos: pymoos2 is not installed; to install it: {INSTALL}") from None
+            raise MorseMiddlewareError(f"moos: pymoos2 is not installed; to install it: {install('moos')}") from None
         from morse.middleware.moos.exchange import Exchange
 
         self._host, self._port = options["moos_host"], options["moos_port"]

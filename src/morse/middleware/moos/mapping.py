@@ -6,7 +6,6 @@ from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
 PORT = 9000
-INSTALL = "pip install 'morse-simulator[moos]'"
 
 MANAGER_OPTIONS = {
     "moos_host": Option(str, "127.0.0.1", "name or address of the database"),

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.mqtt.limits import LimitedConnections
-from morse.middleware.mqtt.mapping import INSTALL, PORT, TLS_PORT
+from morse.middleware.mqtt.mapping import PORT, TLS_PORT
+from morse.system.extras import install
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,7 +51,7 @@ class Broker:
         try:
             from paho.mqtt import client, enums
         except ImportError:
-            raise MorseMiddlewareError(f"mqtt: paho-mqtt is not installed; to install it: {INSTALL}") from None
+            raise MorseMiddlewareError(f"mqtt: paho-mqtt is not installed; to install it: {install('mqtt')}") from None
         self._host = options["host"]
         self._port = options["port"] or (TLS_PORT if options["tls"] else PORT)
         self._status = f"{options['prefix']}/status"

@@ -6,7 +6,6 @@ from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
 PORT, TLS_PORT = 1883, 8883
-INSTALL = "pip install 'morse-simulator[mqtt]'"
 
 MANAGER_OPTIONS = {
     "host": Option(str, "127.0.0.1", "name or address of the broker"),

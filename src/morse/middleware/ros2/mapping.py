@@ -11,7 +11,6 @@ BACKENDS = ("rclpy", "cyclonedds")
 LAST_DOMAIN = 232
 #: the name of the simulation in the graph of ROS
 NODE = "morse"
-INSTALL = "pip install 'morse-simulator[ros2]'"
 INSTALL_ROS = "sudo apt install ros-jazzy-ros-base && source /opt/ros/jazzy/setup.bash"
 
 MANAGER_OPTIONS = {

@@ -7,7 +7,8 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros2.mapping import BACKENDS, INSTALL
+from morse.middleware.ros2.mapping import BACKENDS
+from morse.system.extras import install
 
 if TYPE_CHECKING:
     from morse.core.values import Options
@@ -47,5 +48,5 @@ def make_backend(options: Options) -> Backend:
     reasons = "; ".join(failures) or "neither rclpy nor cyclonedds is installed"
     raise MorseMiddlewareError(
         f"ros2: {reasons}. Source the set-up file of a ROS 2 installation (source /opt/ros/jazzy/setup.bash), or "
-        f"install the backend without ROS: {INSTALL}"
+        f"install the backend without ROS: {install('ros2')}"
     )
