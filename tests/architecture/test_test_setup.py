@@ -37,9 +37,8 @@ import json, locale, os, pathlib, subprocess, sys
 from morse.cli.sites import registered
 
 PROGRAM = (
-    "import json, locale, os, sys; from morse.cli.sites import registered; from morse.kernel.loading import library;"
-    "print(json.dumps([registered(), sorted(os.environ), locale.getencoding().lower(), library() is not None,"
-    "os.listdir(), 'spam' in sys.path]))"
+    "import json, locale, os, sys; from morse.cli.sites import registered;"
+    "print(json.dumps([registered(), sorted(os.environ), locale.getencoding().lower(), os.listdir(), 'spam' in sys.path]))"
 )
 
 def test_nothing_of_the_person_is_seen():
@@ -49,11 +48,10 @@ def test_nothing_of_the_person_is_seen():
     assert os.listdir() == []
     assert "spam" not in sys.path
     said = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True)
-    projects, variables, encoding, has_kernel, files, spam = json.loads(said.stdout)
+    projects, variables, encoding, files, spam = json.loads(said.stdout)
     assert (projects, files, spam) == ([], [], False)
     assert encoding == "utf-8"
-    assert has_kernel, "MORSE_KERNEL=off is a setting of the person"
-    assert not {"MORSE_KERNEL", "MORSE_NODE", "LC_ALL", "PYTHONWARNINGS", "DISPLAY"} & set(variables)
+    assert not {"MORSE_THREADS", "MORSE_NODE", "LC_ALL", "PYTHONWARNINGS", "DISPLAY"} & set(variables)
 
 def test_a_project_that_the_person_has(tmp_path):
     (tmp_path / "scene.py").write_text("from ranger_sim.builder import Ranger")
@@ -95,7 +93,7 @@ def test_tests_see_nothing_of_the_person_who_runs_them(
         monkeypatch.delenv(name, raising=False)
     done = run_pytest(
         f"-n{workers}", "-c", os.devnull, f"--rootdir={folder}", "tests",
-        folder=folder, HOME=str(home), USERPROFILE=str(home), MORSE_KERNEL="off", MORSE_NODE="other", MORSE_CACHE="off",
+        folder=folder, HOME=str(home), USERPROFILE=str(home), MORSE_THREADS="1", MORSE_NODE="other", MORSE_CACHE="off",
         MORSE_RESOURCE_PATH=str(home), MORSE_SOCKET_PORT="4000", PYTHONPATH="spam", PYTHONWARNINGS="ignore",
         ROS_DOMAIN_ID="7", LC_ALL="tr_TR.ISO-8859-9", LANG="de_DE.ISO-8859-1", DISPLAY=":7",
     )  # fmt: skip
