@@ -38,7 +38,8 @@ from morse.cli.sites import registered
 
 PROGRAM = (
     "import json, locale, os, sys; from morse.cli.sites import registered;"
-    "print(json.dumps([registered(), sorted(os.environ), locale.getencoding().lower(), os.listdir(), 'spam' in sys.path]))"
+    "language = locale.getencoding().lower();"
+    "print(json.dumps([registered(), sorted(os.environ), language, os.listdir(), 'spam' in sys.path]))"
 )
 
 def test_nothing_of_the_person_is_seen():
