@@ -104,6 +104,8 @@ class RequestManager(ABC):
         self._services: dict[tuple[str, str], OfferedService] = {}
         self._running: dict[uuid.UUID, tuple[AbstractObject | None, str, str]] = {}
         self._arrivals: list[tuple[uuid.UUID, Outcome]] = []
+        #: numbers of the running calls in the journal
+        self._orders: dict[uuid.UUID, int] = {}
         self._cancellations: dict[uuid.UUID, Callable[[], object]] = {}
         if not self.classpath:
             self.classpath = f"{type(self).__module__}.{type(self).__name__}"
@@ -204,17 +206,35 @@ class RequestManager(ABC):
             raise MorseMethodNotFoundError(self._unknown(component, service))
         arguments = list(params or [])
         entry.accepted.check(arguments)
-        if entry.changes and self.context is not None:
-            self.context.journal.note(SERVICE, component, (service, arguments))
+        if not entry.changes or self.context is None:
+            return self._start(entry, component, service, arguments, None)
+        order = self.context.journal.note(SERVICE, component, (service, arguments))
+        try:
+            is_complete, outcome = self._start(entry, component, service, arguments, order)
+        except BaseException as error:
+            if order is not None:
+                self.context.journal.refuse(component, order, error)
+            raise
+        if is_complete and order is not None and outcome[1] is not None:
+            self.context.journal.conclude(component, order, *outcome)
+        return is_complete, outcome
+
+    def _start(
+        self, entry: OfferedService, component: str, service: str, arguments: list[object], order: int | None
+    ) -> tuple[bool, Value]:
+        """Run a service, or begin to; see `on_incoming_request`."""
         if not entry.is_async:
             return True, (status.SUCCESS, _result(entry.callback, *arguments))
         request_id = uuid.UUID(int=next(_numbers))
         owner = _owner_of(entry.callback)
         self._running[request_id] = (owner if isinstance(owner, AbstractObject) else None, component, service)
+        if order is not None:
+            self._orders[request_id] = order
         try:
             cancel = _result(entry.callback, lambda outcome: self._ended(request_id, outcome), *arguments)
         except BaseException:
             self._running.pop(request_id, None)
+            self._orders.pop(request_id, None)
             raise
         if request_id in self._running and getattr(entry.callback, "_morse_concurrent", False) and callable(cancel):
             self._cancellations[request_id] = cancel
@@ -244,6 +264,12 @@ class RequestManager(ABC):
             check_result(running[0], outcome)
         except TooLarge as error:
             outcome = status.FAILED, str(error)
+        self._arrive(request_id, running[1], outcome)
+
+    def _arrive(self, request_id: uuid.UUID, component: str, outcome: Outcome) -> None:
+        order = self._orders.pop(request_id, None)
+        if self.context is not None and order is not None:
+            self.context.journal.conclude(component, order, *outcome)
         self._arrivals.append((request_id, outcome))
 
     def hand_over(self, before: AbstractObject, after: AbstractObject) -> None:
@@ -259,14 +285,14 @@ class RequestManager(ABC):
         owner, component, service = self._running[request_id]
         entry = self.find(component, service)
         if self.context is not None and (entry is None or entry.changes):
-            self.context.journal.note(CANCEL, component, service)
+            self.context.journal.note(CANCEL, component, (service, self._orders.get(request_id, -1)))
         cancel = self._cancellations.pop(request_id, None)
         if cancel is not None:
             cancel()
         elif owner is not None:
             owner.interrupt()
         if self._running.pop(request_id, _GONE) is not _GONE:
-            self._arrivals.append((request_id, (status.PREEMPTED, None)))
+            self._arrive(request_id, component, (status.PREEMPTED, None))
 
     def abandon(self, request_id: uuid.UUID) -> None:
         """Cancel a call whose client has disconnected, if the service is only for that client: `concurrent_service`."""

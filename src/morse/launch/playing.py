@@ -12,7 +12,7 @@ from morse.launch.load import resolve
 from morse.launch.recorded_run import complete, guard, inputs_of
 from morse.launch.recorded_scenes import shown_scene
 from morse.recording.errors import RecordingError
-from morse.recording.recorder import PRESENT
+from morse.recording.recorder import FIRST_SHOWN
 from morse.simulation.recordings.recorded_timeline import RecordedTimeline
 from morse.simulation.recordings.timeline import Timeline
 from morse.simulation.simulation import Simulation
@@ -52,7 +52,7 @@ def playing(
         MorseError: the scene cannot be loaded, or does not match the inputs.
         OSError: the server of the page cannot be started.
     """
-    if recording.format != PRESENT:
+    if recording.format < FIRST_SHOWN:
         raise recording.of_another_format()
     inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:

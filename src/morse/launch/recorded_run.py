@@ -61,11 +61,14 @@ def inputs_of(recording: Recording, *, lenient: bool = False) -> InputRecording:
         recording.last_tick(),
         [_entry(one) for one in recording.inputs(lenient=lenient)],
         {} if unread is None else waiting_from_bytes(unread),
+        recording.number("life") if "life" in recording.facts else 0,
     )
 
 
 def _entry(one: bytes | LostInput) -> Entry:
-    return Entry(one.tick, one.kind, one.name, None) if isinstance(one, LostInput) else entry_from_bytes(one)
+    if isinstance(one, LostInput):
+        return Entry(one.tick, one.kind, one.name, None, life=one.life, order=one.order)
+    return entry_from_bytes(one)
 
 
 def complete(recording: Recording, simulation: Simulation, *, described: bool = False) -> InputRecording:
@@ -80,8 +83,10 @@ def complete(recording: Recording, simulation: Simulation, *, described: bool = 
     """
     inputs = inputs_of(recording, lenient=True)
     products = RecordedMade(recording, partial(modules_of, simulation), exact=True, all_kinds=described)
-    if products.is_empty:
-        return inputs_of(recording)
+    refused = inputs.refused()
+    for entry in inputs.entries:
+        if products.is_empty and entry.kind == SPAWN and entry.content is None and entry.order not in refused:
+            raise LostInput(entry.tick, entry.kind, entry.name, entry.life, entry.order)
     products.check()
     if inputs.start is not None:
         inputs.start = State(inputs.start.parts, makers=products.known(-1))

@@ -39,6 +39,8 @@ def as_message(entry: Entry, pack: Callable[[Entry], bytes], complain: Callable[
         "tick": entry.tick,
         "kind": entry.kind,
         "name": entry.name,
+        "life": entry.life,
+        "order": entry.order,
         "content": text if len(text) <= _LENGTH else f"{text[:_LENGTH]}…",
         "exact": exact,
     }
@@ -78,12 +80,12 @@ class LostInput(RecordingError):
     """An input that cannot be written to a file: a robot was spawned by a function.
 
     Attributes:
-        tick, kind, name: see `morse.core.journal.Entry`.
+        tick, kind, name, life, order: see `morse.core.journal.Entry`.
     """
 
-    def __init__(self, tick: int, kind: str, name: str) -> None:
+    def __init__(self, tick: int, kind: str, name: str, life: int, order: int) -> None:
         super().__init__(f"the recording cannot be simulated again: '{name[:80]}' was made by a function of a program")
-        self.tick, self.kind, self.name = tick, kind, name
+        self.tick, self.kind, self.name, self.life, self.order = tick, kind, name, life, order
 
 
 def exact_entry(data: bytes) -> bytes:
@@ -97,7 +99,8 @@ def exact_entry(data: bytes) -> bytes:
         line: Any = json.loads(decode(TYPE, data)["data"])
         exact = line["exact"]
         if exact is None:
-            raise LostInput(int(line["tick"]), str(line["kind"]), str(line["name"]))
+            life, order = int(line.get("life", 0)), int(line.get("order", -1))
+            raise LostInput(int(line["tick"]), str(line["kind"]), str(line["name"]), life, order)
         return base64.b64decode(exact, validate=True)
     except (CdrError, ValueError, LookupError, TypeError, RecursionError) as error:
         raise RecordingError(f"an input of the recording is damaged: {error}") from None

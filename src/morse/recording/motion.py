@@ -40,6 +40,7 @@ class Motion:
         self._looks = backend.publisher(LOOKS, TEXT_TYPE, Qos(1000))
         self.repainted: set[Any] = set()
         self._last_looks: dict[str, Any] = {}
+        self._names: list[str] | None = None
         self._world.repaint_sinks.append(self.repainted.add)
         self.follow()
 
@@ -89,8 +90,10 @@ class Motion:
         nodes = [node for node, _ in world.moving_nodes()]
         self._objects = [world.object_of(node) for node in nodes]
         self._snapshots = world.snapshots(self._objects)
-        if self._nodes is not None:
-            self._nodes.publish(encode(TEXT_TYPE, {"data": json.dumps([node.name for node in nodes])}))
+        names = [node.name for node in nodes]
+        if self._nodes is not None and names != self._names:
+            self._names = names
+            self._nodes.publish(encode(TEXT_TYPE, {"data": json.dumps(names)}))
 
     def message(self, stamp: int) -> bytes:
         """Return the message of the present poses, encoded in the tick."""

@@ -30,8 +30,10 @@ logger = logging.getLogger(__name__)
 
 #: names of metadata tables
 BEGINNING, END = "morse", "morse end"
-#: the fact that is the format of a recording, and the present format; those without that fact have the format 1
-FORMAT, PRESENT = "format", 2
+#: the fact that is the format of a recording; those without that fact have the format 1
+FORMAT = "format"
+#: the present format; the first one that contains what a page needs. Before 3, inputs had no outcomes
+PRESENT, FIRST_SHOWN = 3, 2
 MEDIA_TYPE = "application/octet-stream"
 
 

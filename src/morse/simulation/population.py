@@ -128,6 +128,7 @@ class Population:
         newcomer = self._describe(name, kind, position, rotation)
         part = Scene(roots=newcomer.roots, components=newcomer.components, settings=scene.settings)
         resolve_shapes(part)
+        before = context.world.get_state()
         context.world.add(newcomer.roots, newcomer.components)
         try:
             with acting(context), scene.project:
@@ -136,6 +137,9 @@ class Population:
         except BaseException:
             self._forget(newcomer.components)
             context.world.remove([context.world.object_of(root) for root in newcomer.roots])
+            # what is refused has no effect: a recorded run is repeated without it
+            context.world.set_state(before)
+            simulation.schedule()
             raise
         simulation.loaded.join(parts)
         scene.models += newcomer.models

@@ -336,8 +336,7 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
                 raise TypeError(f"a state is what save() returns, or the path of a file, not {state!r:.80}")
             state = State.read(state)
         self._check_open()
-        self.journal.note(RESTORE, "", state)
-        with acting(self.context):
+        with self.journal.input(RESTORE, "", state), acting(self.context):
             # rows have data and poses of the state before
             self._ticker.separate()
             try:
@@ -391,8 +390,8 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
         """
         self._check_open()
         self.population.check(name, kind, position, rotation)
-        self.journal.note(SPAWN, name, (kind, list(position), list(rotation)))
-        self.population.spawn(name, kind, position, rotation)
+        with self.journal.input(SPAWN, name, (kind, list(position), list(rotation))):
+            self.population.spawn(name, kind, position, rotation)
         return self._all_handles().get(normalized(name))
 
     def delete(self, name: str) -> None:
@@ -402,8 +401,8 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
             MorseBuilderError: there is no object of that name, or it is a part of another object.
         """
         self._check_open()
-        self.journal.note(DELETE, name, None)
-        self.population.delete(name)
+        with self.journal.input(DELETE, name, None):
+            self.population.delete(name)
 
     def restart(self, seed: int | None = None) -> None:
         """Restart the simulation as after the launch, with ``seed`` or the present seed; not while components act.
@@ -412,11 +411,10 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
             LoadError: a component cannot be recreated; the simulation ends.
         """
         self._check_open()
-        self.journal.note(RESET, "", seed)
-        if seed is not None:
-            self.context.seed = seed
-        self.context.robot_seeds.clear()
-        with acting(self.context):
+        with self.journal.input(RESET, "", seed), acting(self.context):
+            if seed is not None:
+                self.context.seed = seed
+            self.context.robot_seeds.clear()
             self._end_services()
             self.finalize_components()
             self.population.go_back()

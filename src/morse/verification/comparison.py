@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.recording.inputs import TOPIC as INPUTS
 from morse.recording.made.writing import TOPIC as MADE
+from morse.recording.motion import NODES, POSES
 from morse.recording.motion import TOPICS as MOTION
+from morse.recording.recorder import PRESENT
 from morse.recording.streams import LEFT_OUT
 from morse.rosmsgs.cdr import CdrError, decode
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
@@ -76,7 +78,9 @@ class Comparison(Backend):
         self._largest = 0.0
         self._channels = recording.channels
         self._complete = "state" in recording.end
-        free = recording.topic_numbers(*_FREE) | recording.field_channels()
+        # earlier versions left out parts that moved later, and had the nodes in another order
+        self._free = _FREE if recording.format == PRESENT else (*_FREE, NODES, POSES)
+        free = recording.topic_numbers(*self._free) | recording.field_channels()
         self._expected = recording.messages({number for number in self._channels if number not in free})
         self._ticks = ticks
         #: messages of one tick that are in the file and were not published yet, by topic
@@ -89,7 +93,7 @@ class Comparison(Backend):
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`; topics that are not in the recording are ignored again."""
-        if topic in _FREE:
+        if topic in self._free:
             return _Topic(lambda data: None)
         # recordings of earlier versions have no poses of nodes
         if topic not in self._topics and (type_name in LEFT_OUT or topic in MOTION):

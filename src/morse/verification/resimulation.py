@@ -12,6 +12,7 @@ from morse.launch.load import described, start
 from morse.launch.recorded_run import complete, guard, options_of
 from morse.physics import UnstableError
 from morse.recording.streams import RecordedStreams
+from morse.simulation.recordings.input_recording import ReplayError, shown_entry
 from morse.simulation.recordings.recorders import machine_facts
 from morse.verification.comparison import Comparison, Departure
 
@@ -103,7 +104,10 @@ def resimulate(
         simulation.observers.append(_EachTick(streams, simulation))
         simulation.observers.append(ticks)
         try:
-            simulation.replay(inputs)
+            simulation.replay(inputs, results=not elsewhere)
+        except ReplayError as error:
+            misfit = comparison.departure or Departure(error.entry.tick, shown_entry(error.entry), error.how)
+            return Outcome(misfit, ticks.count, comparison.count, False, elsewhere=elsewhere)
         except UnstableError as error:
             failure = str(error)
             return Outcome(comparison.departure, ticks.count, comparison.count, False, failure, elsewhere=elsewhere)

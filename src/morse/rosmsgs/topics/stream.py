@@ -12,7 +12,7 @@ from zlib import crc32
 import numpy as np
 
 from morse.core.exceptions import MorseError
-from morse.core.journal import SERVICE
+from morse.core.journal import CALL
 from morse.core.streams.kind_stream import KindStream
 from morse.rosmsgs.cdr import CdrError, encode_stamped
 from morse.rosmsgs.component import ComponentMessages, kinds_of
@@ -309,7 +309,7 @@ class TopicStream(KindStream, ComponentMessages):
     def _call(self, service: str, arguments: list[object]) -> None:
         """Call an asynchronous service of the component, whose outcome nobody waits for."""
         component = self.component_instance
-        component.context.journal.note(SERVICE, self.component_name, (service, arguments))
+        component.context.journal.note(CALL, self.component_name, (service, arguments))
         getattr(component, service)(lambda outcome: None, *arguments)
 
     def _from_frame(self, frame_id: str, slots: RosMessage) -> str | None:

@@ -208,8 +208,8 @@ class Arranging:
     def _measure(self, sensors: Sequence[str] | bool | None, *, again: bool) -> None:
         """Let sensors measure, and note it as a call of the service."""
         names = _names(sensors)
-        self.context.journal.note(SERVICE, "simulation", ("measure", [names, again]))
-        self.measure_by_service(names, again)
+        with self.context.journal.input(SERVICE, "simulation", ("measure", [names, again])):
+            self.measure_by_service(names, again)
 
     def measure_by_service(self, names: Sequence[str] | None, again: bool) -> None:
         """Let sensors measure; without ``again`` only those that have not measured in the last tick."""

@@ -11,9 +11,11 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from morse.core.journal import RESET, RESTORE
+from morse.core import status
+from morse.core.journal import OUTCOME, RESET, RESTORE
 from morse.core.observer import SHOWN, Observer
 from morse.core.state import StateError
+from morse.simulation.recordings.input_recording import kept
 
 if TYPE_CHECKING:
     from morse.core.journal import Entry
@@ -41,11 +43,13 @@ class _Segment(NamedTuple):
     Attributes:
         start: the state at the beginning; None for the state after the launch, or after a reset.
         seed: seed of the random numbers.
+        life: number of restarts before.
         entries: the inputs since then.
     """
 
     start: State | None
     seed: int
+    life: int
     entries: list[Entry]
 
 
@@ -67,15 +71,20 @@ class FlightRecorder(Observer):
         self._segments: list[_Segment] = []
         self._reports: set[str] = set()
         self._files = 0
+        #: number of the last state that was restored
+        self._restored = -1
         self._begin_anew()
         simulation.journal.sinks.append(self._take)
 
     def _take(self, entry: Entry) -> None:
-        if entry.kind in (RESET, RESTORE):
-            self._anew = True  # the next segment begins there
+        if entry.kind == RESET:
             return
+        if entry.kind == RESTORE:
+            self._restored, self._anew = entry.order, True  # the next segment begins there
+        elif entry.kind == OUTCOME and entry.content[:2] == (self._restored, status.FAILED):
+            self._anew = False
         segment = self._segments[-1]
-        segment.entries.append(entry)
+        segment.entries.append(kept(entry))
         if len(segment.entries) >= _MOST_INPUTS // 2:
             self._full = True
 
@@ -95,7 +104,7 @@ class FlightRecorder(Observer):
             self._segments.clear()
             self._every = _NEVER
             return
-        self._segments = [*self._segments[-2:], _Segment(start, simulation.seed(), [])]
+        self._segments = [*self._segments[-2:], _Segment(start, simulation.seed(), simulation.journal.life, [])]
 
     def after_tick(self) -> None:
         """Save a state if one is due; check whether a component has failed."""
@@ -118,7 +127,7 @@ class FlightRecorder(Observer):
 
     def rearranged(self) -> None:
         """Called when another state was restored, or objects were added or removed."""
-        if self._anew:
+        if self._anew and not self._simulation.journal.rebirths:
             self._begin_anew()
 
     def write(self, failure: str, last: int) -> str | None:
@@ -143,7 +152,7 @@ class FlightRecorder(Observer):
 
             handle, path = tempfile.mkstemp(prefix=_PREFIX, suffix=_SUFFIX)
             with open(handle, "wb", buffering=0) as file:
-                write_inputs(file, self._simulation, first.start, first.seed, entries, last, failure)
+                write_inputs(file, self._simulation, first.start, first.seed, first.life, entries, last, failure)
         except (OSError, ImportError) as error:  # without file descriptors, a module is not found
             reason = getattr(error, "strerror", None) or error
             logger.warning("the last seconds before the failure cannot be saved: %s", reason)

@@ -65,15 +65,23 @@ class Recorded:
         """Record all inputs from now on; see `replay`."""
         return InputRecorder(self)
 
-    def replay(self: Running, recording: InputRecording, each_tick: Callable[[], object] | None = None) -> None:
+    def replay(
+        self: Running,
+        recording: InputRecording,
+        each_tick: Callable[[], object] | None = None,
+        *,
+        results: bool = True,
+    ) -> None:
         """Replay a recording from its beginning to its end, bit for bit.
 
         Args:
             recording: recording of a simulation of the same scene.
             each_tick: callback, called after every tick.
+            results: whether the results of services have to be the same.
 
         Raises:
-            StateError: the recording belongs to another scene.
+            StateError: the recording belongs to another scene, or an input does not fit the run: it has another
+                outcome, for example.
         """
         self._check_open()
-        Replay(self, recording).run(each_tick)
+        Replay(self, recording, results=results).run(each_tick)

@@ -76,8 +76,11 @@ class RecordedTimeline:
         (channel,) = recording.topic_numbers(INPUTS) or (-1,)
         times = [one.log_time for one in self.recorded.history.every(channel)]
         pairs = list(zip(times, inputs.entries, strict=True))
+        refused = inputs.refused()
         self._events: list[tuple[int, int, Entry]] = [
-            (time, index, entry) for index, (time, entry) in enumerate(pairs) if entry.kind in _POPULATION
+            (time, index, entry)
+            for index, (time, entry) in enumerate(pairs)
+            if entry.kind in _POPULATION and entry.order not in refused
         ]
         self.made = RecordedMade(recording, partial(modules_of, simulation))
         self.lost = [entry.name for _, index, entry in self._events if self._is_lost(entry, index)]

@@ -74,6 +74,7 @@ def write_inputs(
     simulation: Running,
     start: State | None,
     seed: int,
+    life: int,
     entries: Sequence[Entry],
     last: int,
     failure: str,
@@ -84,6 +85,7 @@ def write_inputs(
         file: file that was opened for writing without a buffer.
         start: the state at the beginning; None for the state after the launch.
         seed: seed of the random numbers at the beginning.
+        life: number of restarts before.
         entries: the inputs.
         last: the tick of the failure.
         failure: description of the failure.
@@ -94,7 +96,14 @@ def write_inputs(
     beginning = _beginning(simulation, ())
     writer = McapWriter(file)
     writer.metadata(
-        BEGINNING, {FORMAT: str(PRESENT), **beginning.facts, "seed": str(seed), "tick": str(start.tick if start else 0)}
+        BEGINNING,
+        {
+            FORMAT: str(PRESENT),
+            **beginning.facts,
+            "seed": str(seed),
+            "tick": str(start.tick if start else 0),
+            "life": str(life),
+        },
     )
     for name, data in beginning.files.items():
         if name != STATE:
@@ -128,6 +137,7 @@ def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
         "frequency": repr(simulation.clock.frequency),
         "environment": simulation.scene.environment,
         "tick": str(simulation.ticks),
+        "life": str(simulation.journal.life),
         "script": options.script and os.path.abspath(options.script),
         "arguments": json.dumps(options.arguments),
         "source_paths": json.dumps([os.path.abspath(path) for path in options.source_paths]),

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import bisect
+import logging
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from morse.simulation.recordings.input_recording import ReplayError
 from morse.simulation.recordings.replaying import Replay
 
 if TYPE_CHECKING:
     from morse.simulation.recordings.input_recording import InputRecording
     from morse.simulation.running import Running
     from morse.simulation.states.state import State
+
+logger = logging.getLogger(__name__)
 
 #: initial number of ticks between two states
 _EVERY = 30
@@ -57,8 +61,13 @@ class Timeline:
         return self.position >= self.length or self._replay.done
 
     def forward(self) -> None:
-        """Run one tick."""
-        self._replay.step()
+        """Run one tick; the run ends at an input that does not fit it, which is logged."""
+        try:
+            self._replay.step()
+        except ReplayError as error:
+            logger.error("[ERROR][MORSE] the run cannot be shown further: %s", error)
+            self.length = self.position
+            return
         self.position += 1
         if self.position > self._moments[-1].position + self._every - 1:
             self._keep()

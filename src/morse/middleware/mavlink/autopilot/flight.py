@@ -136,10 +136,10 @@ class Flight:
             component = helm.stream.component_instance
             is_wanted = active and helm is self.helm
             if component.active != is_wanted:
-                component.active = is_wanted
                 # a recording repeats it as a service call
                 name = "activate" if is_wanted else "deactivate"
-                self._context.journal.note(SERVICE, "simulation", (name, [component.name()]))
+                with self._context.journal.input(SERVICE, "simulation", (name, [component.name()])):
+                    component.active = is_wanted
 
     # -- commands ----------------------------------------------------------------------------
 
