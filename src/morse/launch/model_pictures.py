@@ -2,8 +2,9 @@
 
 The arguments are the folders of models and of packages of the project, each a list in JSON.
 
-A process of its own draws them, so that a running simulation does not wait. Each line that it prints is a JSON object:
-the first one lists all models, each other one has the picture of one model. Pictures are kept in the cache of the user.
+A process of its own draws them, so that a running simulation does not wait. Each line that it writes is a JSON value:
+the first one lists all models, each other one has the picture of one model. What the classes of a project print goes to
+the standard error. Pictures are kept in the cache of the user.
 """
 
 from __future__ import annotations
@@ -24,10 +25,11 @@ from morse.assets.cache import Cache
 from morse.builder.own_classes import own_classes
 from morse.core.classes.project_imports import ProjectImports
 from morse.scene.extent import visible_extent
+from morse.system.own_programs import own_output
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 SIZE = (144, 108)
 #: m between two models of one scene
@@ -170,11 +172,16 @@ def _key(model: Model) -> str:
 
 
 def main() -> None:
-    """Print the list, then the pictures."""
+    """Write the list, then the pictures."""
+    pipe = own_output()
+
+    def write(value: object) -> None:
+        pipe.write(json.dumps(value).encode() + b"\n")
+
     folders, sources = map(json.loads, sys.argv[1:])
     with search.project_dirs(folders), ProjectImports(sources):
         everything = models(sources)
-        _print([model._asdict() for model in everything])
+        write([model._asdict() for model in everything])
         missing = []
         for model in everything:
             # a class of the project may have changed
@@ -182,30 +189,30 @@ def main() -> None:
             if picture is None:
                 missing.append(model)
             elif picture:
-                _print({"kind": model.kind, "picture": base64.b64encode(picture).decode()})
+                write(_message(model, picture))
         for begin in range(0, len(missing), _TOGETHER):
-            _draw(missing[begin : begin + _TOGETHER])
+            _draw(missing[begin : begin + _TOGETHER], write)
 
 
-def _draw(several: list[Model]) -> None:
+def _message(model: Model, picture: bytes) -> object:
+    return {"kind": model.kind, "picture": base64.b64encode(picture).decode()}
+
+
+def _draw(several: list[Model], write: Callable[[object], None]) -> None:
     nothing = {model.kind: model for model in several}
     try:
         for model, picture in drawn(several):
             del nothing[model.kind]
             _cache.put(_key(model), picture)
-            _print({"kind": model.kind, "picture": base64.b64encode(picture).decode()})
+            write(_message(model, picture))
     except Exception as error:  # a model of the user
         if len(several) > 1:
             for model in list(nothing.values()):
-                _draw([model])
+                _draw([model], write)
             return
         print(f"{several[0].kind} has no picture: {error}", file=sys.stderr)
     for model in nothing.values():
         _cache.put(_key(model), b"")
-
-
-def _print(value: object) -> None:
-    print(json.dumps(value), flush=True)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ error. The process ends with its parent process, because its standard input is c
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import sys
@@ -22,6 +23,7 @@ from morse.core.reports.faults import describe
 from morse.launch.load import start
 from morse.physics import UnstableError
 from morse.simulation.options import RunOptions
+from morse.system.own_programs import own_output
 from morse.verification.onlookers import Onlookers
 
 if TYPE_CHECKING:
@@ -83,11 +85,9 @@ def _run(simulation: Simulation, request: Replay, file: TextIO) -> None:
 def main(argument: str) -> None:
     """Run the replay of a JSON text."""
     _end_with_the_parent()
-    # scenes may print: their output must not be mixed with the fingerprints
-    own = os.dup(1)
-    os.dup2(2, 1)
+    own = own_output()
     log.setup(level="ERROR")
-    with open(own, "w", encoding="utf-8") as file:
+    with io.TextIOWrapper(io.BufferedWriter(own), encoding="utf-8") as file:
         try:
             replay(Replay(**json.loads(argument)), file)
         except (MorseError, UnstableError, ValueError, OSError, SystemExit) as error:

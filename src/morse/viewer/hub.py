@@ -19,6 +19,7 @@ from morse.core.clients.complaints import Complaints
 from morse.core.clients.web_connection import sender_of
 from morse.core.clients.web_crowd import NO_PLACE
 from morse.core.clients.web_ports import serve_on
+from morse.core.reports.faults import describe
 from morse.viewer import page_messages as pm
 from morse.viewer.page import Page
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
@@ -200,6 +201,10 @@ class Hub:
             reason = f"Not understood: {error}".encode(errors="replace")[:120]  # RFC 6455: 123
         except ConnectionClosed:
             pass  # a closed tab sends no close frame
+        except Exception as error:
+            who = "a page" if page is None else f"page {page.number}"
+            self._complaints.log(logging.ERROR, "page", f"live view: {who} is disconnected: {describe(error)}")
+            reason = b"The simulator could not process a message of this page: see its log"
         finally:
             if sending is not None:
                 sending.cancel()

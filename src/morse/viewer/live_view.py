@@ -8,7 +8,10 @@ import time
 import webbrowser
 from typing import TYPE_CHECKING, Any, Protocol
 
+from morse.core.clients.complaints import Complaints
 from morse.core.observer import Observer
+from morse.core.reports.faults import class_name, place, summary
+from morse.core.reports.quoting import short
 from morse.viewer import page_messages as page
 from morse.viewer.display import has_display
 from morse.viewer.editor.editor import Editor
@@ -35,7 +38,7 @@ from morse.viewer.requests import PageLeft
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import Snapshot
 from morse.viewer.titles import title_of
-from morse.viewer.view_messages import Listening, Pace, Tree, Viewpoint
+from morse.viewer.view_messages import Answer, Listening, Pace, Refused, Tree, Viewpoint
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -43,6 +46,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from morse.core.guard import Guard
     from morse.scene import Image
     from morse.simulation.simulation import Simulation
 
@@ -58,6 +62,8 @@ _LONG_TICK = 0.01
 _LONGEST = 0.005
 #: wall-clock seconds between two updates of the values that pages show
 _VALUES_INTERVAL = 1.0 / 20.0
+#: the same between two attempts to show a world that cannot be shown
+_WORLD_INTERVAL = 1.0
 
 
 class Feed(Protocol):
@@ -67,8 +73,52 @@ class Feed(Protocol):
         """Send the changes since the last call."""
 
 
+class Parts:
+    """Calls the parts of a view. One that raises an error is switched off, and named in the log and on the pages."""
+
+    def __init__(self, guard: Guard, server: ViewServer) -> None:
+        self._guard, self._server = guard, server
+        self._complaints = Complaints(logger)
+        #: kept, so that no other part gets the number of one of them
+        self._off: dict[int, object] = {}
+
+    def run(self, part: object, call: Callable[[], object]) -> None:
+        """Call a function that belongs to a part, unless the part is switched off."""
+        if id(part) not in self._off:
+            self._guard.run(call, lambda error: self._switch_off(part, error))
+
+    def _switch_off(self, part: object, error: BaseException) -> None:
+        self._off[id(part)] = part
+        who = f"the part {class_name(type(part))} of the live view"
+        self._server.send(Refused("view", f"{who} has failed and is switched off: {short(summary(error), 500)}"))
+        self._guard.failed(part, who, "is switched off", error)
+
+    def complain(self, what: str, error: BaseException) -> None:
+        """Name what has failed, and may succeed later."""
+        self._complaints.log(logging.ERROR, what, f"the live view: {what}: {summary(error)}\n{place(error)}".rstrip())
+        self._server.send(Refused("view", f"{what}: {short(summary(error), 500)}"))
+
+    def handle(self, handler: Callable[[Any], object], event: page.ViewEvent) -> None:
+        """Execute a request of a page; if that fails, the page gets an answer, and the view continues."""
+        self._guard.run(lambda: handler(event), lambda error: self._refuse(event, error))
+
+    def _refuse(self, event: page.ViewEvent, error: BaseException) -> None:
+        what, text = str(type(event).__struct_config__.tag), summary(error)
+        line = f"the live view: the request {what} has failed: {text}\n{place(error)}".rstrip()
+        self._complaints.log(logging.ERROR, what, line)
+        request = getattr(event, "request", None)
+        error_text = short(text, 500)
+        self._server.send(
+            Refused(what, f"{what} has failed: {error_text}")
+            if request is None
+            else Answer(request, False, error=error_text)
+        )
+
+
 class View(Observer):
     """Sends events to the pages, and executes the requests of the driving page.
+
+    A request or a part of the view that fails is dropped and named; the server and all other parts continue.
 
     Attributes:
         changeable: whether pages may change the simulation and record the run.
@@ -88,8 +138,9 @@ class View(Observer):
             title=title_of(options.script, simulation.scene.environment),
             origins=options.view_origins,
         )
+        self._parts = Parts(context.guard, server)
         self._layout = -1
-        self._last_frame = self._last_pace = self._last_tick = 0.0
+        self._last_frame = self._last_pace = self._last_tick = self._next_world = 0.0
         self._listening: str | None = None
         self._told_names: list[str] = []
         self._images: dict[str, Image | None] = {}
@@ -191,7 +242,7 @@ class View(Observer):
     def before_tick(self) -> None:
         """Execute the requests of the driving page."""
         server = self._server
-        self._editor.change_again()
+        self._parts.run(self._editor, self._editor.change_again)
         if events := server.take_events():
             self._handle(events)
         self._simulation.set_controls(server.held_keys(), tuple(server.gamepad()[0]), self._listening)
@@ -202,15 +253,16 @@ class View(Observer):
         for number, event in enumerate(events, 1):
             handler = self._handlers.get(type(event))
             if handler is not None:
-                handler(event)
+                self._parts.handle(handler, event)
             if time.perf_counter() - begin > _LONGEST:
                 self._server.put_back(events[number:])
                 return
 
     def after_tick(self) -> None:
         """Show the changes of the tick."""
-        self._services.update()
-        self._log.update()
+        run = self._parts.run
+        run(self._services, self._services.update)
+        run(self._log, self._log.update)
         if not self._server.watched:
             return
         simulation = self._simulation
@@ -221,10 +273,22 @@ class View(Observer):
         # while paused, changes that are omitted here are shown within the time of a tick
         is_due = now - self._last_frame >= interval
         if is_due or not is_running:
-            self._history.keep(paused=not is_running)
+            run(self._history, lambda: self._history.keep(paused=not is_running))
         if not is_due:
             return
-        world = simulation.world
+        self._last_frame = now
+        if now >= self._next_world:
+            self._simulation.context.guard.run(lambda: self._show_world(is_running=is_running), self._lack_world)
+        # every image is sent: the camera determines the rate
+        run(self._pictures, self._pictures.update)
+        if now - self._last_pace >= _VALUES_INTERVAL:
+            self._last_pace = now
+            for feed in self._feeds:
+                run(feed, feed.update)
+
+    def _show_world(self, *, is_running: bool) -> None:
+        simulation = self._simulation
+        world, clock = simulation.world, simulation.clock
         if world.layout != self._layout:
             self._describe()
         if world.repainted:
@@ -232,8 +296,6 @@ class View(Observer):
                 self._describe()
             for look in appearances(world):
                 self._server.send(look)
-        self._last_frame = now
-        clock = simulation.clock
         self._server.publish(
             Snapshot(
                 tick=clock.tick,
@@ -241,16 +303,15 @@ class View(Observer):
                 layout=world.layout,
                 poses=self._poses(),
                 status="running" if is_running else "paused",
-                speed=pacer.speed,
+                speed=simulation.pacer.speed,
                 real_time_factor=self._factor() if is_running else 0.0,
             )
         )
-        # every image is sent: the camera determines the rate
-        self._pictures.update()
-        if now - self._last_pace >= _VALUES_INTERVAL:
-            self._last_pace = now
-            for feed in self._feeds:
-                feed.update()
+
+    def _lack_world(self, error: BaseException) -> None:
+        """The world cannot be shown, perhaps because of an object that has just been spawned: try again later."""
+        self._layout, self._next_world = -1, time.monotonic() + _WORLD_INTERVAL
+        self._parts.complain("the world cannot be shown at present", error)
 
     def _is_paused(self) -> bool:
         return self._simulation.paused
@@ -298,14 +359,14 @@ class View(Observer):
 
     def restarted(self) -> None:
         """Describe the components again, because the simulation has restarted."""
-        self._history.restarted()
-        self._editor.restarted()
+        self._parts.run(self._history, self._history.restarted)
+        self._parts.run(self._editor, self._editor.restarted)
         self._connect_components()
-        self._tell_components()
+        self._parts.run(self._states, self._tell_components)
 
     def edited(self) -> None:
         """A model or the class of a component was replaced: the saved states are no longer valid."""
-        self._history.restarted()
+        self._parts.run(self._history, self._history.restarted)
         # fields may have changed, and the mistake that a page shows is mended
         self._told_names.clear()
 
@@ -313,16 +374,14 @@ class View(Observer):
         """Components or objects were added or removed, or another state was restored."""
         self._connect_components()
         if self._names() != self._told_names:
-            self._tell_components()
+            self._parts.run(self._states, self._tell_components)
 
     def _connect_components(self) -> None:
-        self._services.register_all()
-        self._states.rearranged()
-        self._commands.restarted()
-        self._rays.restarted()
-        self._clouds.restarted()
-        self._frustums.restarted()
-        self._sounds.restarted()
+        run = self._parts.run
+        run(self._services, self._services.register_all)
+        run(self._states, self._states.rearranged)
+        for part in (self._commands, self._rays, self._clouds, self._frustums, self._sounds):
+            run(part, part.restarted)
 
     def _tell_components(self) -> None:
         self._told_names = self._names()
@@ -334,7 +393,7 @@ class View(Observer):
 
     def close(self) -> None:
         """Stop the server."""
-        self._editor.close()
-        self._log.update()
+        self._parts.run(self._editor, self._editor.close)
+        self._parts.run(self._log, self._log.update)
         self._log.close()
         self._server.stop()

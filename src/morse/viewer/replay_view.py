@@ -169,7 +169,7 @@ class ReplayView(View):
         for event in self._server.take_events():
             handler = self._handlers.get(type(event))
             if handler is not None:
-                handler(event)
+                self._parts.handle(handler, event)
         self._network.tend()
         if self._target is not None:
             self._jump()

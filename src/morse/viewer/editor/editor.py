@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,13 +16,16 @@ from morse.builder.editing.source import Source
 from morse.builder.editing.writing import variable_name
 from morse.builder.names.places import source_folders
 from morse.builder.script import describing
+from morse.core.clients.complaints import Complaints
 from morse.core.exceptions import MorseError
 from morse.core.journal import EDIT
+from morse.core.reports.faults import message
+from morse.core.reports.quoting import short
 from morse.mathutils.rotations import compatible_euler, rotation_from_quaternion
 from morse.scene.extent import visible_extent
 from morse.viewer.editor.catalog import Catalog
 from morse.viewer.editor.script_file import ScriptFile
-from morse.viewer.view_messages import Answer, SceneChanges
+from morse.viewer.view_messages import Answer, Refused, SceneChanges
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -32,6 +37,12 @@ if TYPE_CHECKING:
     from morse.viewer.server import ViewServer
 
 Triple = tuple[float, float, float]
+
+logger = logging.getLogger("morse.viewer")
+
+#: maximum number of changes of a scene, and of those that can be undone
+_MOST_CHANGES = 1000
+_FULL = f"the scene has {_MOST_CHANGES} changes: save and reload it before you change more"
 
 
 class Editor:
@@ -55,6 +66,7 @@ class Editor:
         self._saved = self._state()
         self._is_restarting = False
         self._last_message: SceneChanges | None = None
+        self._complaints = Complaints(logger)
 
     # -- requests --------------------------------------------------------------------------
 
@@ -90,6 +102,8 @@ class Editor:
     # -- adding and deleting ---------------------------------------------------------------
 
     def _add(self, event: page.AddModel) -> str:
+        if self._is_full:
+            raise MorseError(_FULL)
         group = self._catalog.groups.get(event.model)
         if group is None:
             raise MorseError(f"there is no model '{event.model}' in the list")
@@ -100,13 +114,13 @@ class Editor:
                 raise MorseError("drop a sensor on a robot")
             place = _rounded(event.position, 2)
             self._additions[name] = Addition(name, event.model, place, angles, event.robot, position, angles)
-            self._undos.append((f"{event.robot}.{name} was added", lambda: self._additions.pop(name)))
+            self._undo_by(f"{event.robot}.{name} was added", lambda: self._additions.pop(name, None))
             return name
         x, y, z = event.position
         place = _rounded((x, y, z - lowest), 2)
         angles_now = _rounded((angles[0], angles[1], angles[2] + event.yaw))
         self._spawn(Addition(name, event.model, place, angles_now, "", position, angles))
-        self._undos.append((f"{name} was added", lambda: self._delete(name, undoable=False)))
+        self._undo_by(f"{name} was added", lambda: self._delete(name, undoable=False))
         return name
 
     def _names(self) -> set[str]:
@@ -134,6 +148,8 @@ class Editor:
 
     def _delete(self, name: str, *, undoable: bool = True) -> str:
         root = self._root(name)
+        if not self._belongs(root):
+            return self._delete_guest(root.name, undoable=undoable)
         # a robot goes with everything on it
         is_robot = root.name in self._simulation.context.robots
         below = [] if is_robot else [node.name for node in root.walk()][1:]
@@ -148,10 +164,31 @@ class Editor:
         if addition is None:
             self._deletions[root.name] = below
         if undoable:
-            self._undos.append(
-                (f"{root.name} was deleted", lambda: self._bring_back(root.name, addition, move, additions))
-            )
+            self._undo_by(f"{root.name} was deleted", lambda: self._bring_back(root.name, addition, move, additions))
         return root.name
+
+    def _belongs(self, root: Node) -> bool:
+        """Whether an object is part of the scene: those that clients have spawned leave with the run."""
+        population = self._simulation.population
+        return root.name in self._additions or root.parent is not None or root.name in population.roots_at_launch()
+
+    def _delete_guest(self, name: str, *, undoable: bool) -> str:
+        """Delete an object that a client has spawned."""
+        came: list[list[Any]] = self._simulation.population.get_state()["came"]
+        self._services.run("simulation", "delete", name)
+        for guest, kind, position, angles in came:
+            if guest == name and kind and undoable:
+                again = partial(self._services.run, "simulation", "spawn", name, kind, position, angles)
+                self._undo_by(f"{name} was deleted", again)
+        return name
+
+    def _undo_by(self, what: str, undo: Callable[[], object]) -> None:
+        self._undos.append((what, undo))
+        del self._undos[:-_MOST_CHANGES]
+
+    @property
+    def _is_full(self) -> bool:
+        return len(self._additions) + len(self._moves) + len(self._deletions) >= _MOST_CHANGES
 
     def _root(self, name: str) -> Node:
         """The object to which a node belongs; a component of a robot is no object."""
@@ -172,7 +209,7 @@ class Editor:
             self._simulation.journal.note(EDIT, name, "brought back")
             present = population.get_state()
             population.set_state({**present, "gone": [one for one in present["gone"] if one != name]})
-            self._deletions.pop(name)
+            self._deletions.pop(name, None)
         self._additions |= additions
         if move is not None:
             self._moves[name] = move
@@ -183,7 +220,10 @@ class Editor:
     def moved(self, event: page.Teleport) -> None:
         """A page has moved an object."""
         node = self._simulation.scene.find(event.node)
-        if node is None or node.parent is not None:
+        if node is None or node.parent is not None or not self._belongs(node):
+            return
+        if self._is_full and event.node not in self._moves and event.node not in self._additions:
+            self._server.send(Refused("teleport", _FULL))
             return
         name, position = event.node, _rounded(event.position)
         addition, move = self._additions.get(name), self._moves.get(name)
@@ -191,7 +231,7 @@ class Editor:
         near = node.rotation_euler if old is None else old.angles
         angles = _rounded(compatible_euler(rotation_from_quaternion(*event.quaternion), "XYZ", list(near)))
         if event.first:
-            self._undos.append((f"{name} was moved", lambda: self._put_back(name, addition, move)))
+            self._undo_by(f"{name} was moved", lambda: self._put_back(name, addition, move))
         if addition is not None:
             self._additions[name] = replace(addition, position=position, angles=angles)
         else:
@@ -248,13 +288,27 @@ class Editor:
         if not self._is_restarting:
             return
         self._is_restarting = False
-        for name in self._deletions:
-            self._services.run("simulation", "delete", name)
-        for addition in [*self._additions.values()]:
-            if not addition.robot:
-                self._spawn(addition)
-        for name, move in self._moves.items():
-            self._place(name, move.position, move.angles)
+        for name in [*self._deletions]:
+            if not self._again(f"{name} is not deleted", partial(self._services.run, "simulation", "delete", name)):
+                del self._deletions[name]
+        for name, addition in [*self._additions.items()]:
+            if not addition.robot and not self._again(f"{name} is not added", partial(self._spawn, addition)):
+                del self._additions[name]
+        for name, move in [*self._moves.items()]:
+            place = partial(self._place, name, move.position, move.angles)
+            if not self._again(f"{name} is not moved", place):
+                del self._moves[name]
+
+    def _again(self, consequence: str, change: Callable[[], object]) -> bool:
+        """Make a change again; returns whether that was possible."""
+        try:
+            change()
+        except Exception as error:  # of the change alone: the others are made nevertheless
+            text = f"{consequence} again: {short(message(error), 500)}"
+            self._complaints.warn(consequence, f"live view: {text}")
+            self._server.send(Refused("reset", text))
+            return False
+        return True
 
     def update(self) -> None:
         """Tell the pages what has changed."""
