@@ -9,9 +9,8 @@ from keyword import iskeyword
 from typing import TYPE_CHECKING
 
 from morse.builder.editing.changes import UnwritableError
-from morse.builder.editing.imports import BUILDER, import_names
-from morse.builder.editing.source import Source, name_of
-from morse.builder.editing.variables import Variable, attribute_of, variables
+from morse.builder.editing.source import BUILDER, Source, name_of
+from morse.builder.editing.variables import Variable, in_scene, is_pure, variables
 from morse.core.validation.names import RESERVED
 from morse.system.free_names import free_name
 
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
 #: decimals of lengths and angles: a tenth of a millimetre, of a milliradian
 _DECIMALS = 4
 _AXES = "xyz"
+_WEAKER_THAN_SUMS = (ast.BitOr, ast.BitXor, ast.BitAnd, ast.LShift, ast.RShift)
 
 
 def changed_script(text: str, changes: Changes, name: str = "the script") -> str:
@@ -36,30 +36,29 @@ def changed_script(text: str, changes: Changes, name: str = "the script") -> str
         UnwritableError: a change cannot be written.
     """
     source = Source(text, name)
-    by_name = variables(source)
+    by_variable = variables(source)
+    by_name = in_scene(by_variable)
     for move in changes.moves:
         variable = by_name.get(move.name)
-        if variable is None:
-            _place_by_name(source, move)
-        else:
+        if variable is not None and variable.is_certain and variable.class_name and variable.is_alone:
             _move(source, variable, move)
+        else:
+            _place_by_name(source, move)
     for root, below in changes.deletions.items():
         variable = by_name.get(root)
-        if variable is None:
-            _delete_by_name(source, root, below)
+        parts = [] if variable is None or not variable.is_certain else _with_its_parts(variable, by_variable)
+        if parts and all(part.is_plain() for part in parts):
+            _delete(source, parts)
         else:
-            _delete(source, variable, by_name)
+            _delete_by_name(source, root, below)
     robots = {name: variable.name for name, variable in by_name.items()}
     robots |= {addition.name: addition.name for addition in changes.additions}
     paragraphs = [_lines_of(source, addition, robots) for addition in changes.additions]
     if paragraphs:
-        source.insert_before_environment(paragraphs)
-    for module in {_module_of(addition.kind) for addition in changes.additions}:
-        additions = [addition for addition in changes.additions if _module_of(addition.kind) == module]
-        import_names(source, {_class_of(addition.kind) for addition in additions}, module)
-    result = source.text()
-    ast.parse(result)
-    return result
+        source.insert_before(source.environment, paragraphs)
+    for addition in changes.additions:
+        source.need({_class_of(addition.kind)}, _module_of(addition.kind))
+    return source.text()
 
 
 def variable_name(kind: str, names: Container[str]) -> str:
@@ -137,7 +136,7 @@ def _move(source: Source, variable: Variable, move: Move) -> None:
     lines = _shift(source, variable, "translate", "location", shift)
     lines += _shift(source, variable, "rotate", "rotation_euler", turn)
     if lines:
-        source.insert_after(variable.last_placement(), lines)
+        source.insert_after(variable.last_placement(source), lines)
 
 
 def _shift(source: Source, variable: Variable, method: str, attribute: str, shift: list[float]) -> list[str]:
@@ -145,51 +144,72 @@ def _shift(source: Source, variable: Variable, method: str, attribute: str, shif
     if not any(round(value, _DECIMALS) for value in shift):
         return []
     calls = variable.calls_of(method)
-    assigned = any(attribute_of(statement) == attribute for statement in variable.assignments)
-    arguments = None if len(calls) != 1 or assigned else _arguments(calls[0])
-    if arguments is None:
+    if len(calls) != 1 or variable.setters(attribute) or not _is_by_axes(calls[0]):
         return _call(variable.name, method, shift)
-    words = []
-    for place, (axis, value) in enumerate(zip(_AXES, shift, strict=True)):
-        node = arguments.get(axis)
-        text = _sum(source, node, value)
-        if place < len(calls[0].args):
-            words.append(text or "0.0")
-        elif text and (node is not None or round(value, _DECIMALS)):
-            positional = place == len(words) and len(words) == len(calls[0].args) and not calls[0].keywords
-            words.append(text if positional and method == "translate" and place > 0 else f"{axis}={text}")
-    begin, end = source.span(calls[0])
-    _, opening = source.span(calls[0].func)
-    source.replace(opening, end, f"({', '.join(words)})")
-    assert begin < opening
+    _add(source, calls[0], shift)
     return []
 
 
-def _arguments(call: ast.Call) -> dict[str, ast.expr] | None:
-    """The arguments by axis; None if they are not single expressions."""
+def _is_by_axes(call: ast.Call) -> bool:
+    """Whether each argument is the value of one axis."""
     if any(isinstance(value, ast.Starred) for value in call.args) or len(call.args) > len(_AXES):
-        return None
-    arguments = dict(zip(_AXES, call.args, strict=False))
-    for word in call.keywords:
-        if word.arg not in ("x", "y", "z"):
-            return None
-        arguments[word.arg] = word.value
-    return arguments
+        return False
+    words = [word.arg for word in call.keywords]
+    return set(words) <= {*_AXES[len(call.args) :]}
 
 
-def _sum(source: Source, node: ast.expr | None, value: float) -> str:
-    """An argument with a number added; empty for 0 that is not written."""
-    if node is None:
-        return _number(value) if round(value, _DECIMALS) else ""
-    text = source.segment(node)
-    if not round(value, _DECIMALS):
-        return text
+def _add(source: Source, call: ast.Call, shift: Sequence[float]) -> None:
+    """Add numbers to the arguments of a call; only the arguments change, not what stands between them."""
+    given: dict[str, ast.expr] = dict(zip(_AXES, call.args, strict=False))
+    given |= {word.arg: word.value for word in call.keywords if word.arg is not None}
+    new = ast.Call(
+        func=call.func,
+        args=[*call.args],
+        keywords=[ast.keyword(arg=word.arg, value=word.value) for word in call.keywords],
+    )
+    added: list[str] = []
+    for axis, value in zip(_AXES, shift, strict=True):
+        if not round(value, _DECIMALS):
+            continue
+        if axis in given:
+            result = _sum(source, given[axis], value)
+            new.args = [result if old is given[axis] else old for old in new.args]
+            for word in new.keywords:
+                word.value = result if word.value is given[axis] else word.value
+        elif not new.keywords and len(new.args) == _AXES.index(axis) > 0:
+            new.args.append(_expression(_number(value)))
+            added.append(_number(value))
+        else:
+            new.keywords.append(ast.keyword(arg=axis, value=_expression(_number(value))))
+            added.append(f"{axis}={_number(value)}")
+    if added:
+        last = max(
+            [*call.args, *(word.value for word in call.keywords)], key=lambda node: source.span(node), default=None
+        )
+        place = source.end_of_arguments(call, last)
+        source.edit(place, place, (", " if last is not None else "") + ", ".join(added))
+    source.change(call, new)
+
+
+def _sum(source: Source, node: ast.expr, value: float) -> ast.expr:
+    """Note that a number is added to an expression, and return the sum."""
+    begin, end = source.span(node)
     number = _literal(node)
     if number is not None:
-        return _number(number + value)
-    if isinstance(node, (ast.IfExp, ast.Lambda, ast.NamedExpr, ast.BoolOp, ast.Compare)):
-        text = f"({text})"
-    return f"{text} {'-' if value < 0 else '+'} {_number(abs(value))}"
+        text = _number(number + value)
+        source.edit(begin, end, text)
+        return _expression(text)
+    weak = not isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call, ast.Constant, ast.BinOp))
+    if weak or (isinstance(node, ast.BinOp) and isinstance(node.op, _WEAKER_THAN_SUMS)):
+        source.edit(begin, begin, "(")
+        source.edit(end, end, ")")
+    source.edit(end, end, f" {'-' if value < 0 else '+'} {_number(abs(value))}")
+    operator = ast.Sub() if value < 0 else ast.Add()
+    return ast.BinOp(left=node, op=operator, right=_expression(_number(abs(value))))
+
+
+def _expression(text: str) -> ast.expr:
+    return ast.parse(text, mode="eval").body
 
 
 def _literal(node: ast.expr) -> float | None:
@@ -200,12 +220,13 @@ def _literal(node: ast.expr) -> float | None:
     return float(value) if isinstance(value, (int, float)) else None
 
 
-# -- objects without a variable, and deletions ------------------------------------------------
+# -- objects without a variable of their own, and deletions ------------------------------------
 
 
 def _place_by_name(source: Source, move: Move) -> None:
     """Place an object of the world, or one that the script makes in a loop, when everything is there."""
     lines = []
+    last = _last_effect(source, [move.name])
     for attribute, new, old in (
         ("location", move.position, move.old_position),
         ("rotation_euler", move.angles, move.old_angles),
@@ -214,17 +235,72 @@ def _place_by_name(source: Source, move: Move) -> None:
             continue
         value = f"({', '.join(map(_number, new))})"
         statement = _placing_by_name(source, move.name, attribute)
-        if statement is not None:
-            source.replace(*source.span(statement.value), value)
+        if statement is not None and source.place(statement).at >= last:
+            source.edit(*source.span(statement.value), value)
+            source.change(statement.value, _expression(value))
         else:
             lines.append(f"bpymorse.get_object({_quoted(source, move.name)}).{attribute} = {value}")
     if lines:
-        source.insert_after(source.environment, lines)
-        import_names(source, {"bpymorse"})
+        source.insert_after(source.tree.body[last], lines)
+        source.need({"bpymorse"})
+
+
+def _last_effect(source: Source, names: list[str]) -> int:
+    """Index of the statement of the script, from its environment on, after which nothing concerns some objects.
+
+    Raises:
+        UnwritableError: the script may end before.
+    """
+    variable = _target_name(source.environment)
+    last = source.top.at
+    for index, statement in enumerate(source.tree.body[last:], last):
+        words = {node.value for node in ast.walk(statement) if isinstance(node, ast.Constant)}
+        if not _is_setting(statement, variable) or not words.isdisjoint(names):
+            last = index
+    for index, statement in enumerate(source.tree.body):
+        if index >= source.top.at or isinstance(statement, (ast.FunctionDef, ast.ClassDef)):
+            line = next((node.lineno for node in ast.walk(statement) if _ends_script(node)), None)  # type: ignore[attr-defined]
+            if line is not None:
+                raise UnwritableError(
+                    f"{source.name}, line {line}, may end the script before its last line, where '{names[0]}' would be "
+                    "changed: change it by hand"
+                )
+    return last
+
+
+def _target_name(statement: ast.stmt) -> str:
+    if isinstance(statement, ast.Assign) and len(statement.targets) == 1:
+        return name_of(statement.targets[0])
+    return name_of(statement.target) if isinstance(statement, ast.AnnAssign) else ""
+
+
+def _is_setting(statement: ast.stmt, environment: str) -> bool:
+    """Whether a statement changes no object: a definition, a setting of the environment, a line of the editor."""
+    if isinstance(statement, (ast.Import, ast.ImportFrom, ast.Pass)):
+        return True
+    if isinstance(statement, (ast.FunctionDef, ast.ClassDef)):
+        return not statement.decorator_list
+    if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call):
+        called, values = name_of(statement.value.func), [*statement.value.args, *statement.value.keywords]
+        mine = called == "bpymorse.delete" or called.rpartition(".")[0] == environment != ""
+        return mine and all(map(is_pure, values))
+    if isinstance(statement, ast.Assign) and len(statement.targets) == 1 and is_pure(statement.value):
+        target = statement.targets[0]
+        if isinstance(target, ast.Attribute) and isinstance(target.value, ast.Call):
+            return name_of(target.value.func) == "bpymorse.get_object"
+        return name_of(target).rpartition(".")[0] == environment != ""
+    return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
+
+
+def _ends_script(node: ast.AST) -> bool:
+    if isinstance(node, ast.Call):
+        return name_of(node.func) in ("exit", "quit", "sys.exit", "os._exit")
+    return isinstance(node, ast.Raise) and node.exc is not None and "SystemExit" in ast.dump(node.exc)
 
 
 def _placing_by_name(source: Source, name: str, attribute: str) -> ast.Assign | None:
-    for statement in source.block:
+    """The last statement by which the editor has placed an object."""
+    for statement in reversed(source.tree.body):
         target = statement.targets[0] if isinstance(statement, ast.Assign) else None
         if not isinstance(target, ast.Attribute) or target.attr != attribute or not isinstance(target.value, ast.Call):
             continue
@@ -238,22 +314,36 @@ def _placing_by_name(source: Source, name: str, attribute: str) -> ast.Assign | 
 def _delete_by_name(source: Source, root: str, below: list[str]) -> None:
     names = [_quoted(source, name) for name in (root, *below)]
     argument = names[0] if len(names) == 1 else f"[{', '.join(names)}]"
-    source.insert_after(source.environment, [f"bpymorse.delete({argument})"])
-    import_names(source, {"bpymorse"})
+    last = _last_effect(source, [root, *below])
+    source.insert_after(source.tree.body[last], [f"bpymorse.delete({argument})"])
+    source.need({"bpymorse"})
 
 
-def _delete(source: Source, variable: Variable, by_name: dict[str, Variable]) -> None:
-    parts = [variable]
-    for call in variable.calls_of("append"):
-        part = next((one for one in by_name.values() if call.args and name_of(call.args[0]) == one.name), None)
-        if part is not None:
-            parts.append(part)
-    own = {id(statement) for one in parts for statement in (one.creation, *one.calls, *one.assignments)}
-    for one in parts:
-        foreign = next((statement for statement in one.others if id(statement) not in own), None)
-        if foreign is not None:
+def _with_its_parts(variable: Variable, by_variable: dict[str, Variable]) -> list[Variable]:
+    """A component and all that is appended to it; empty if one of these has no variable of its own.
+
+    Raises:
+        UnwritableError: other statements use one of them.
+    """
+    parts = {variable.name: variable}
+    for part in (waiting := [variable]):
+        for call in part.calls_of("append", "add_sensors"):
+            for node in (node for argument in call.args for node in ast.walk(argument)):
+                if isinstance(node, ast.Name) and node.id not in parts:
+                    if node.id not in by_variable:
+                        return []
+                    parts[node.id] = by_variable[node.id]
+                    waiting.append(by_variable[node.id])
+    return [*parts.values()]
+
+
+def _delete(source: Source, parts: list[Variable]) -> None:
+    statements = {id(statement): statement for part in parts for statement in part.own()}
+    for part in parts:
+        lines = [statement.lineno for statement in part.foreign if id(statement) not in statements]
+        lines += [] if part.foreign_line is None else [part.foreign_line]
+        if lines:
             raise UnwritableError(
-                f"{source.name}, line {foreign.lineno}, uses '{one.name}': delete '{variable.name}' there by hand"
+                f"{source.name}, line {lines[0]}, uses '{part.name}': delete '{parts[0].name}' there by hand"
             )
-    for statement in {id(s): s for one in parts for s in (one.creation, *one.calls, *one.assignments)}.values():
-        source.remove(statement)
+    source.remove([*statements.values()])

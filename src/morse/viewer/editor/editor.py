@@ -263,9 +263,9 @@ class Editor:
         text = self._file.changed(Changes([*self._additions.values()], [*self._moves.values()], self._deletions))
         difference = self._file.difference(text)
         if write:
+            content = self._file.save(text)
             if not self._waiting():
-                self._simulation.edits.write(os.path.abspath(str(self._file.path)), text.encode())
-            self._file.save(text)
+                self._simulation.edits.write(os.path.abspath(str(self._file.path)), content)
             self._saved = self._state()
         return {"path": str(self._file.path), "difference": difference}
 
