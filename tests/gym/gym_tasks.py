@@ -3,7 +3,9 @@
 import numpy as np
 from gymnasium import spaces
 
+from morse.core.sensor import Sensor
 from morse.gym import Command, Read, Task, Touch
+from morse.helpers.components import add_data
 from morse.many import uniform
 
 
@@ -110,3 +112,41 @@ class DriveAbout(Task):
         x = now["observation"][:, 0]
         names = np.array(["far" if abs(value) > 1.0 else "quite near" for value in x])
         return x, np.abs(x) > 2.02, {"x": x, "ticks": self.ticks, "where": names, "pair": np.stack([x, -x], 1)}
+
+
+class Frail(Sensor):
+    """A sensor that fails in its fourth measurement, or while it ends."""
+
+    add_data("count", 0, "int", "Number of measurements")
+    fails = "in its fourth measurement"
+
+    def default_action(self):
+        self.local_data["count"] += 1
+        if self.local_data["count"] > 3 and self.fails == "in its fourth measurement":
+            raise ValueError("too frail")
+
+    def finalize(self):
+        super().finalize()
+        if self.fails == "while it ends":
+            raise OSError("no end")
+
+
+def frail():
+    from morse.builder import ATRV, Environment, MotionVW, Pose
+
+    robot = ATRV("robot")
+    for part in (MotionVW("motion"), Pose("pose"), Frail("frail")):
+        robot.append(part)
+    Environment("empty", fastmode=True)
+
+
+class Fragile(Task):
+    """Its scene has a sensor that fails."""
+
+    scene, ticks, limit = frail, 6, 100
+    action = Command("robot.motion", v=(-1.0, 1.0), w=(-1.0, 1.0))
+    observation = Read("robot.pose", "x", "y")
+
+    def reward(self, before, now):
+        x = now["observation"][:, 0]
+        return x, np.zeros(len(x), bool), {}

@@ -17,7 +17,7 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
-from gym_tasks import LookAround, Meet, Picture, two_robots
+from gym_tasks import Fragile, Frail, LookAround, Meet, Picture, two_robots
 from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
@@ -578,3 +578,33 @@ def test_processes_that_are_not_copies(tmp_path, program, message):
     outcome = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
     assert message in (outcome.stderr.splitlines() or [""])[-1]
     assert bool(message) == bool(outcome.returncode)
+
+
+def _stepped(env):
+    env.reset(seed=3)
+    for _ in range(4):
+        env.step(np.zeros(env.action_space.shape, np.float32))
+
+
+def test_a_sensor_that_fails_is_an_error():
+    """Training went on with what it had measured last."""
+    for make in (lambda: morse.gym.TaskEnv(Fragile), lambda: morse.gym.vector(Fragile, 3)):
+        env = make()
+        with pytest.raises(ValueError, match="too frail") as caught:
+            _stepped(env)
+        assert any("robot.frail failed in tick" in note for note in caught.value.__notes__)
+        env.close()
+    env = morse.gym.vector(Fragile, 2, workers=2)
+    with pytest.raises(RuntimeError, match="in the process of the rows 1 to 1: ValueError: too frail"):
+        _stepped(env)
+    env.close()
+
+
+def test_a_sensor_that_fails_at_the_end_is_an_error_of_close(monkeypatch):
+    for make in (lambda: morse.gym.TaskEnv(Fragile), lambda: morse.gym.vector(Fragile, 3)):
+        monkeypatch.setattr(Frail, "fails", "")
+        env = make()
+        _stepped(env)
+        monkeypatch.setattr(Frail, "fails", "while it ends")
+        with pytest.raises(OSError, match="no end"):
+            env.close()

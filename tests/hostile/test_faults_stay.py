@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -200,6 +201,11 @@ def _check(kind: str, count: int, error: str, caplog: pytest.LogCaptureFixture) 
         assert len(line) < HUGE // 100
         off = who.rpartition(" ")[2] if "is deactivated" in consequence else None
         assert run.simulation.context.failed == ({off} if off else set())
+        (failure,) = [one for one in run.simulation.failures if who in one.part and consequence in one.consequence]
+        assert failure.kind == "fault"
+        assert failure.time == pytest.approx(parts.TICK / 60, abs=1.01 / 60)
+        assert re.search(r"(faults|faulty_parts|test_faults_stay)\.py:\d+$", failure.where), failure
+    assert failure in run.simulation.failures, "also after the end"
     expected, sent = _undisturbed(count)
     for then, now in zip(expected, data, strict=True):
         for name, values in then.items():

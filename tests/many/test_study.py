@@ -532,6 +532,63 @@ def test_the_command(tmp_path, pids):
         assert "Traceback" not in outcome.stderr
 
 
+FRAIL = """
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data
+
+class Frail(Sensor):
+    add_data("count", 0, "int", "Number of measurements")
+    def default_action(self):
+        self.local_data["count"] += 1
+        if self.local_data["count"] > 3 and self.context.seed == 1:
+            raise ValueError("too frail")
+    def finalize(self):
+        super().finalize()
+        if self.context.seed == 2:
+            raise OSError("no end")
+"""
+HIDES = """
+from frail import Frail
+from morse.many import Study
+
+def scene():
+    from morse.builder import ATRV, Environment
+    robot = ATRV("robot")
+    robot.append(Frail("frail"))
+    off = ATRV("off")
+    off.translate(21, 0, 0.1)
+    Environment("empty", fastmode=True)
+
+def run(sim):
+    try:
+        for _ in range(120):
+            sim.step()
+    except ValueError:
+        pass
+    return sim.ticks
+
+study = Study(scene, run, seeds=3{options})
+"""
+
+
+@pytest.mark.parametrize("options", ["", ', options={"on_failure": "deactivate"}'])
+def test_a_run_with_a_part_that_fails_has_failed(tmp_path, monkeypatch, options):
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "frail.py").write_text(FRAIL)
+    table = study_of(tmp_path, HIDES.format(options=options), f"hides{len(options)}").run(tmp_path / "r", workers=0)
+    rows = {row["seed"]: row for row in table}
+    if options:
+        assert [row["error"] for row in table] == ["", "", ""], "the study wants it so"
+    else:
+        assert [row["error"] for row in rows.values()] == [
+            "", "robot.frail is deactivated: ValueError: too frail", "OSError: no end"
+        ]  # fmt: skip
+        line = next(number for number, text in enumerate(FRAIL.splitlines(), 1) if "too frail" in text)
+        assert rows[1]["where"].endswith(f"frail.py:{line}")
+        assert "frail.py" in rows[2]["where"]
+    assert [row["left_world"] for row in rows.values()] == ["off", "off" if options else "", "off"]
+
+
 def test_a_script_without_a_main_guard(tmp_path):
     text = (
         SCENE

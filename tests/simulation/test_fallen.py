@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
+
+import pytest
+
+from morse.core.observer import SHOWN
+from morse.simulation.fallen import FallenError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    import pytest
+    from pathlib import Path
 
     from morse.simulation.simulation import Simulation
 
@@ -49,3 +54,118 @@ def test_a_fall_onto_the_floor_is_not_reported(load: Load, caplog: pytest.LogCap
     )
     simulation.step(180)
     assert falls(caplog) == []
+
+
+EDGE = """
+    robot = ATRV()
+    robot.translate(21, 0, 0.1)
+    teleport = Teleport()
+    robot.append(teleport)
+    env = Environment("empty", fastmode=True{})
+    """
+
+
+def at_the_edge(load: Load, options: str = "") -> Simulation:
+    simulation = load(EDGE.format(options), sockets=False)
+    simulation.deactivate("robot.teleport")  # it holds the robot
+    return simulation
+
+
+def test_it_is_an_event_of_the_simulation_and_of_the_page(load: Load, caplog: pytest.LogCaptureFixture) -> None:
+    simulation = at_the_edge(load)
+    simulation.step(60)
+    assert simulation.failures == ()
+    simulation.step(60)
+    (failure,) = simulation.failures
+    assert (failure.kind, failure.part, failure.consequence) == ("fallen", "robot", "has left the world")
+    # 10 m and the height of the start below the floor, s = g t^2 / 2, and at most two reviews of half a second later
+    assert math.sqrt(2 * 10.1 / 9.81) <= failure.time <= math.sqrt(2 * 10.1 / 9.81) + 1.0
+    assert failure.where.endswith("scene.py:3"), "the line that created it"
+    (record,) = [one for one in caplog.records if " falls: " in one.getMessage()]
+    assert getattr(record, SHOWN), "the page shows it in words"
+
+
+@pytest.mark.parametrize("back", ["reset", "restart", "place", "teleport", "restart_robot"])
+def test_who_is_back_may_leave_again(load: Load, back: str) -> None:
+    simulation = at_the_edge(load)
+    simulation.step(240)
+    assert len(simulation.failures) == 1, "once in each life"
+    if back == "place":
+        simulation.place("robot", (21.0, 0.0, 0.1, 0.0, 0.0, 0.0))
+    elif back == "teleport":
+        simulation.activate("robot.teleport")
+        simulation.robot.teleport.publish({"x": 21.0, "y": 0.0, "z": 0.1})
+        simulation.step(60)
+        simulation.deactivate("robot.teleport")
+    elif back == "restart_robot":
+        simulation.restart_robot("robot")
+        simulation.deactivate("robot.teleport")
+    else:
+        getattr(simulation, back)()
+        simulation.deactivate("robot.teleport")
+    simulation.step(60)
+    assert len(simulation.failures) == 1, "it is back"
+    simulation.step(180)
+    assert [failure.kind for failure in simulation.failures] == ["fallen", "fallen"]
+
+
+def test_it_is_an_error_if_the_scene_says_so(load: Load) -> None:
+    simulation = at_the_edge(load, ', fallen="error"')
+    with pytest.raises(FallenError, match="robot has left the world: it is at z = -1"):  # noqa: PT012
+        for _ in range(180):
+            simulation.step()
+    simulation.step(60)
+    simulation.restart()
+    simulation.deactivate("robot.teleport")
+    with pytest.raises(FallenError):
+        simulation.run(10.0, math.inf)
+
+
+@pytest.mark.parametrize("value", ["raise", "Error", 3, None])
+def test_other_values_are_refused(load: Load, value: object) -> None:
+    with pytest.raises(Exception, match="Environment\\(fallen\\)"):
+        load(EDGE.format(f", fallen={value!r}"), sockets=False)
+
+
+def test_a_world_without_a_floor(load: Load, tmp_path: Path) -> None:
+    lamp = '<geom type="box" size=".1 .1 .1" pos="0 0 50" contype="0" conaffinity="0"/>'
+    (tmp_path / "nothing.xml").write_text(f"<mujoco><worldbody>{lamp}</worldbody></mujoco>")
+    simulation = load(
+        f"""
+        high, low = ATRV(), ATRV()
+        high.translate(0, 0, 30)
+        low.translate(5, 0, -40)
+        env = Environment({str(tmp_path / "nothing.xml")!r}, fastmode=True)
+        """,
+        sockets=False,
+    )
+    simulation.step(240)
+    assert [failure.part for failure in simulation.failures] == ["low"], "the lowest shape is that of the low robot"
+    simulation.step(120)
+    assert [failure.part for failure in simulation.failures] == ["low", "high"]
+    assert simulation.clock.time < 5.0 + math.sqrt(2 * 80 / 9.81)
+
+
+@pytest.mark.parametrize(("robot", "speed"), [("Submarine", -3.0), ("RMax", -8.0), ("Quadrotor", -5.0)])
+def test_robots_that_fly_or_dive_do_not_fall(load: Load, robot: str, speed: float) -> None:
+    simulation = load(
+        f"""
+        robot = {robot}()
+        robot.translate(25, 0, 1)
+        env = Environment("empty", fastmode=True)
+        """,
+        sockets=False,
+    )
+    for _ in range(600):
+        simulation.context.robots["robot"].bge_object.set_velocity((0.0, 0.0, speed), None)
+        simulation.step()
+    assert simulation.context.robots["robot"].bge_object.world_pose()[0][2] < -25.0
+    assert simulation.failures == ()
+
+
+def test_nothing_falls_without_gravity(load: Load) -> None:
+    simulation = load(EDGE.format("") + "env.set_gravity(0)\n", sockets=False)
+    for _ in range(300):
+        simulation.context.robots["robot"].bge_object.set_velocity((0.0, 0.0, -20.0), None)
+        simulation.step()
+    assert simulation.failures == ()

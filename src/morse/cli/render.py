@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from morse.cli.messages import CommandError, nearest, say
+from morse.cli.messages import CommandError, complain, nearest, say
 from morse.cli.scenes import resolve
 from morse.cli.viewing import drawn, place_of, request_of, shape_of, size_of, usual_of
 
@@ -84,7 +84,7 @@ def command(
         if film is None:
             picture_files.save_picture(path, drawn(request, show, fine))
             say(f"{path}: {time:g} s after the start.")
-            return 0
+            return _status(simulation)
         frames = max(1, round(film * rate))
         video = picture_files.film(path, shape_of(request, fine), rate)
         for number in range(frames):
@@ -92,11 +92,24 @@ def command(
             _run(simulation, time + (number + 1) / rate)
         video.close()
         say(f"{path}: {frames} frames of {film:g} s.")
-        return 0
+        return _status(simulation)
     except OSError as error:
         raise CommandError(f"{path} could not be written: {error.strerror or error}") from None
     finally:
         simulation.close()
+
+
+def _status(simulation: Simulation) -> int:
+    """End a simulation, and return the exit status: a picture lacks what a part would have done that has failed."""
+    from morse.core.guard import by_part
+    from morse.simulation.ending import FAULTS
+
+    simulation.close()
+    faults = [failure for failure in simulation.failures if failure.kind == "fault"]
+    if not faults:
+        return 0
+    complain(f"Switched off by faults:\n{by_part(faults)}")
+    return FAULTS
 
 
 def _check(

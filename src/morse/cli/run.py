@@ -90,6 +90,10 @@ def command(
     strict: Annotated[
         bool, typer.Option("--strict", help="Treat unknown fields and wrong types in messages of clients as errors.")
     ] = False,
+    keep_going: Annotated[
+        bool,
+        typer.Option("--keep-going", help="Status 0 although a part of the simulation was switched off by a fault."),
+    ] = False,
     ros2: Annotated[
         bool, typer.Option("--ros2", help="Also connect all components to ROS 2: topics, frames, time.")
     ] = False,
@@ -136,6 +140,10 @@ def command(
     """Run a simulation scene.
 
     The scene is an environment made by `morse create`, or the path of a scene script.
+
+    The exit status is 0; 1 if the scene cannot be loaded or the run was aborted; 2 for a wrong command line; 3 if a
+    component, a stream, a middleware or another part was switched off by a fault, or did not end: the last lines of the
+    log name each with time, file and line.
     """
     check_geometry(geometry)
     resolved = resolve(scene or [])
@@ -154,6 +162,7 @@ def command(
         seed=_seed(seed),
         profile=profile,
         strict=strict,
+        keep_going=keep_going,
         verbose=verbose,
         interfaces=["ros2"] if ros2 else [],
         record=_record(record),

@@ -26,14 +26,16 @@ def command(
     A new process, a restart and a run with the live view have to agree in the physics and in the data of every
     component. If they differ, the first different tick and component are printed.
     """
+    from morse.simulation.ending import FAULTS
     from morse.verification.verify import ReplayError, verify
 
     resolved = resolve(scene)
     options = resolved.options(
         seed=seed,
     )
+    failures: list[str] = []
     try:
-        differences = verify(options, ticks, lambda text: say(f"Running {text} ..."))
+        differences = verify(options, ticks, lambda text: say(f"Running {text} ..."), failed=failures.append)
     except ReplayError as error:
         raise CommandError(f"The scene did not run to the end:\n{error}") from None
     for difference in differences:
@@ -44,4 +46,6 @@ def command(
         )
     if not differences:
         say(f"Repeatable: {ticks} ticks are equal to the bit.")
-    return 1 if differences else 0
+    if failures:
+        complain(f"Switched off by faults:\n{failures[0]}")
+    return 1 if differences else FAULTS if failures else 0

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 from operator import methodcaller
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar
 
 from morse.core.reports.faults import (
     ENDINGS,
@@ -20,8 +20,10 @@ from morse.core.reports.faults import (
     describe,
     is_a,
     is_users,
+    line_of_fault,
     name_of,
     place,
+    summary,
     trace_of,
     user_frames,
 )
@@ -29,6 +31,7 @@ from morse.core.reports.faults import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, MutableMapping, MutableSequence, Sequence
 
+    from morse.core.clock import Clock
     from morse.core.interfaces import Component, Middleware, Modifier
     from morse.core.observer import Observer
 
@@ -42,12 +45,58 @@ logger = logging.getLogger(__name__)
 #: consequence of an error while a part is being closed
 _AGAIN = "is left as it is"
 _NOTHING = object()
+#: largest number of failures that are kept, so that clients which cause them do not fill the memory
+_MOST = 1000
+#: largest number of parts that a message names, and of characters of an error in it
+_MOST_LINES, _LONGEST_CAUSE = 50, 200
 #: calls the method of an observer
 before_tick, after_tick = methodcaller("before_tick"), methodcaller("after_tick")
 
 
+class Failure(NamedTuple):
+    """What has failed in a simulation.
+
+    Attributes:
+        kind: ``fault`` for a part that was switched off because it raised an error, or did not end; ``fallen`` for a
+            robot that has left the world.
+        part: name of the component, else words such as ``the stream Line of robot.pose``.
+        consequence: what has followed, such as ``is deactivated``.
+        time: simulated time at which it was noticed, s.
+        cause: class and message of the error, or the place of the robot.
+        where: file and line of the cause, such as ``/home/me/scene.py:12``; empty if they are not known.
+    """
+
+    kind: Literal["fault", "fallen"]
+    part: str
+    consequence: str
+    time: float
+    cause: str
+    where: str = ""
+
+    def __str__(self) -> str:
+        cause = " ".join(self.cause.split())
+        cause = cause if len(cause) <= _LONGEST_CAUSE else f"{cause[:_LONGEST_CAUSE]}…"
+        where = f" ({self.where})" if self.where else ""
+        return f"at {self.time:.3f} s {self.part} {self.consequence}: {cause}{where}"
+
+
+def by_part(failures: Iterable[Failure]) -> str:
+    """Return one line for each part that has failed: its first failure, and the number of the others."""
+    parts: dict[str, list[Failure]] = {}
+    for failure in failures:
+        parts.setdefault(failure.part, []).append(failure)
+    lines = [f"{first}{f', and {len(others)} more' if others else ''}" for first, *others in parts.values()]
+    if len(lines) > _MOST_LINES:
+        lines[_MOST_LINES:] = [f"and {len(lines) - _MOST_LINES} other parts"]
+    return "\n".join(f"  {line}" for line in lines)
+
+
 class Guarded(Protocol):
     """The parts of a simulation that the guard reads, see `morse.core.context.Context`."""
+
+    @property
+    def clock(self) -> Clock:
+        """The clock."""
 
     @property
     def failed(self) -> set[str]:
@@ -72,6 +121,7 @@ class Guard:
     Attributes:
         raises: receives each error and the name of its part instead of the log, if the program asked for that by
             ``on_failure="raise"``; None to log them. It returns False for an error that has to be logged nevertheless.
+        failures: what has failed since the scene was loaded, the first thousand; a restart keeps them.
         managers_off: class paths of the middlewares that have failed: a restart does not open them again.
         remarks: returns texts about a component that has failed, such as the methods that its attributes hide.
     """
@@ -79,6 +129,7 @@ class Guard:
     def __init__(self, context: Guarded) -> None:
         self._context = context
         self.raises: Callable[[BaseException, str], bool] | None = None
+        self.failures: list[Failure] = []
         self.managers_off: set[str] = set()
         self.remarks: Callable[[Component], Iterable[str]] = _no_remarks
         #: components that cannot be switched off: they go on raising, and nobody hears of it
@@ -157,6 +208,7 @@ class Guard:
         """
         if is_a(error, ENDINGS):
             raise error
+        self.note(Failure("fault", who, what, self._context.clock.time, summary(error), line_of_fault(part, error)))
         if self.raises is not None and self.raises(error, who):
             return
         text = describe(error)
@@ -166,6 +218,11 @@ class Guard:
                 lines = place(error)
             text += f"\n{lines}" if lines and not is_a(error, OSError) else ""
         logger.error("[ERROR][MORSE] %s failed and %s: %s", who, what, text)
+
+    def note(self, failure: Failure) -> None:
+        """Keep a failure that is reported elsewhere."""
+        if len(self.failures) < _MOST:
+            self.failures.append(failure)
 
     def deactivate(self, component: Component, error: BaseException, culprit: object = None) -> None:
         """Switch off a component.

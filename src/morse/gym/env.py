@@ -40,7 +40,7 @@ class TaskEnv(gymnasium.Env[Observation, np.ndarray]):
     def __init__(self, task: Task | Callable[[], Task], render_mode: str | None = None) -> None:
         check_render_mode(render_mode)
         self.render_mode = render_mode
-        self._episodes = Episodes(task, lambda one: batch(scenes_of(one, 0, 1), 1))
+        self._episodes = Episodes(task, lambda one: batch(scenes_of(one, 0, 1), 1, on_failure="raise"))
         self.observation_space, self.action_space = self._episodes.observation_space, self._episodes.action_space
 
     @property

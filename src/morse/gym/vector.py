@@ -84,7 +84,9 @@ class Rows:
     def __init__(self, task: Task | Callable[[], Task], count: int, first: int, mode: AutoresetMode) -> None:
         self._mode = mode
         self._over = np.zeros(count, bool)  # rows whose episode has ended and that have not begun another
-        self.episodes = Episodes(task, lambda one: batch(scenes_of(one, first, count), count, seed=first), first)
+        self.episodes = Episodes(
+            task, lambda one: batch(scenes_of(one, first, count), count, seed=first, on_failure="raise"), first
+        )
         self.count = count
 
     def reset(self, seeds: Sequence[int] | None, mask: NDArray[np.bool_]) -> tuple[Observation, Infos]:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
+from morse.core.guard import by_part
 from morse.core.reports.faults import describe
 from morse.core.reports.log import endsection, section, set_level
 from morse.core.requests import prepare
@@ -23,12 +24,14 @@ from morse.launch.ending_signals import ending_signals
 from morse.launch.load import review_settings
 from morse.launch.stamps import script_stamp, source_stamps
 from morse.launch.stuck_ticks import StuckTicks
+from morse.simulation.ending import FAULTS
 from morse.simulation.summary import summary
 from morse.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from morse.core.guard import Failure
     from morse.launch.rereading import Rereading
     from morse.launch.stamps import Stamps
     from morse.scene import Scene
@@ -57,43 +60,99 @@ def run(
         leave: ends the process with a status although a component cannot be interrupted; None to wait for it.
 
     Returns:
-        The exit status: 0, or 1 if the scene could not be loaded or the run failed.
+        The exit status: 0; 1 if the scene could not be loaded or the run failed; `FAULTS` if it has run to its end, but
+        not all of its parts have, unless the options say ``keep_going``; 130 after Ctrl+C before it has begun.
     """
     section("PRE-INITIALIZATION")
     logger.info("MORSE %s, Python %s", __version__, platform.python_version())
     logger.info("PID: %d", os.getpid())
-    simulation: Simulation | None = None
     review_settings()
-    status = 1
+    course = _Course(options.keep_going)
     try:
         if leave is not None:
             _leave_at_second_interruption(leave)
-        stamps = script_stamp(options)
-        next_scene = _load_scene(options)
-        if next_scene is not None:
-            stamps |= source_stamps(next_scene)
-        while next_scene is not None:
-            scene, next_scene = next_scene, None
-            simulation = _start(scene, options, leave)
-            if simulation is None:
-                return 1
-            if ready is not None:
-                ready(simulation)
-                ready = None
-            rereading = _follow(simulation, options, stamps)
-            status = _loop(simulation, leave)
-            if rereading is not None and rereading.successor is not None:
-                _finish(simulation, for_another=True)
-                next_scene, options, stamps = rereading.successor
-        return status
+        _simulate(course, options, ready, leave)
     except KeyboardInterrupt:
         logger.info("interrupted")
-        status = 130
-        return status
+        course.status = 130
+    except SystemExit as leaving:
+        course.status = 0
+        _finish(course, leave)
+        if leaving.code in (None, 0) and course.final_status():
+            # a component may end the program, but this hides no fault
+            raise SystemExit(course.final_status()) from leaving
+        raise
     finally:
-        if simulation is not None and leave is not None:
-            simulation.ending.leave = partial(leave, status)
-        _finish(simulation)
+        _finish(course, leave)
+    return course.final_status()
+
+
+class _Course:
+    """The simulations of a run: one, and those that replace it when its script was edited.
+
+    Attributes:
+        simulation: the present one, or None.
+        status: the exit status if no part fails.
+
+    Args:
+        keep_going: whether the exit status is that of a run in which no part fails.
+    """
+
+    def __init__(self, keep_going: bool) -> None:
+        self.simulation: Simulation | None = None
+        self.status = 1
+        self._keep_going = keep_going
+        self._before: list[Failure] = []
+
+    def replace(self) -> None:
+        """The simulation has ended, and another one follows: its failures remain those of the run."""
+        self._before, self.simulation = self._failures(), None
+
+    def _failures(self) -> list[Failure]:
+        return [*self._before, *(() if self.simulation is None else self.simulation.failures)]
+
+    def final_status(self) -> int:
+        """The exit status."""
+        has_failed = any(failure.kind == "fault" for failure in self._failures())
+        return FAULTS if has_failed and not self.status and not self._keep_going else self.status
+
+    def report(self) -> None:
+        """Log one line for each part that has failed, and for each robot that has left the world."""
+        failures = self._failures()
+        faults = [failure for failure in failures if failure.kind == "fault"]
+        fallen = [failure for failure in failures if failure.kind == "fallen"]
+        if faults:
+            logger.error("[ERROR][MORSE] switched off by faults in this run:\n%s", by_part(faults))
+        if fallen:
+            logger.warning("robots that have left the world in this run:\n%s", by_part(fallen))
+
+    def leave(self, leave: Callable[[int], object]) -> None:
+        """End the process, although a part does not end."""
+        self.report()
+        leave(self.final_status())
+
+
+def _simulate(course: _Course, options: RunOptions, ready: Callable[[Simulation], object] | None, leave: Leave) -> None:
+    stamps = script_stamp(options)
+    next_scene = _load_scene(options)
+    if next_scene is not None:
+        stamps |= source_stamps(next_scene)
+    while next_scene is not None:
+        scene, next_scene = next_scene, None
+        simulation = _start(course, scene, options, leave)
+        if simulation is None:
+            course.status = 1
+            return
+        course.simulation = simulation
+        if ready is not None:
+            ready(simulation)
+            ready = None
+        rereading = _follow(simulation, options, stamps)
+        course.status = _loop(simulation, leave)
+        if rereading is not None and rereading.successor is not None:
+            _finish(course, leave, for_another=True)
+            course.replace()
+            next_scene, options, stamps = rereading.successor
 
 
 def _error(text: str) -> None:
@@ -135,7 +194,7 @@ def _interruption_held_back() -> Iterator[list[int]]:
         signal.signal(signal.SIGINT, before)
 
 
-def _start(scene: Scene, options: RunOptions, leave: Leave = None) -> Simulation | None:
+def _start(course: _Course, scene: Scene, options: RunOptions, leave: Leave = None) -> Simulation | None:
     with _interruption_held_back() as signals:
         from morse.launch.load import complete, resolve
         from morse.simulation.simulation import Simulation
@@ -160,7 +219,8 @@ def _start(scene: Scene, options: RunOptions, leave: Leave = None) -> Simulation
         complete(simulation)
     except (MorseError, ValueError, OSError) as error:
         _failed(error)
-        _finish(simulation)
+        course.simulation = simulation
+        _finish(course)
         return None
     finally:
         stuck.close()
@@ -231,6 +291,7 @@ def _follow(simulation: Simulation, options: RunOptions, stamps: Stamps) -> Rere
 
 def _loop(simulation: Simulation, leave: Leave = None) -> int:
     from morse.physics import UnstableError
+    from morse.simulation.fallen import FallenError
 
     live = None
     if simulation.profile is not None:
@@ -249,6 +310,11 @@ def _loop(simulation: Simulation, leave: Leave = None) -> int:
         _error(failure)
         _keep_last(simulation, failure)
         return 1
+    except FallenError as error:
+        _error(str(error))
+        if simulation.flight_recorder is not None:
+            simulation.flight_recorder.write(str(error), simulation.ticks)
+        return FAULTS
     except SystemExit as leaving:
         logger.warning("the program ends the simulation: %s", describe(leaving))
         raise
@@ -280,9 +346,12 @@ def _write_trace(profile: Profile) -> None:
         logger.info("the time of each part in each tick is in %s: open it with a trace viewer", path)
 
 
-def _finish(simulation: Simulation | None, *, for_another: bool = False) -> None:
+def _finish(course: _Course, leave: Leave = None, *, for_another: bool = False) -> None:
+    simulation = course.simulation
     if simulation is None or simulation.finished:
         return
+    if leave is not None:
+        simulation.ending.leave = partial(course.leave, leave)
     _hurry_at_signals(simulation)
     simulation.end_recordings()
     section("COMPONENTS FINALIZATION")
@@ -296,6 +365,7 @@ def _finish(simulation: Simulation | None, *, for_another: bool = False) -> None
     if for_another:
         gc.unfreeze()
         return
+    course.report()
     section("EXITING SIMULATION")
     with contextlib.suppress(OSError, ValueError, AttributeError):  # a script may have put anything there, or closed it
         sys.stdout.flush()

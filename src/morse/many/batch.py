@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from morse.core.declarations import DataField
+    from morse.core.guard import Failure
     from morse.core.interfaces import Component
     from morse.core.values import Fields
     from morse.many.commands import Command
@@ -85,6 +87,7 @@ class Batch:
         self._scenes = Scenes(scene, rows, arguments, options)
         self.seeds = seeds_of(seed, range(self._scenes.rows))
         self._simulations: list[Simulation] = []
+        self._failures: list[tuple[Failure, ...]] = []
         self._commands: list[CommandColumn] = []
         self._readings: list[DataColumn | ContactColumn] = []
         self._time = Ownership(_nothing)
@@ -120,6 +123,11 @@ class Batch:
         ticks = {simulation.ticks for simulation in self._simulations}
         when = f"tick {ticks.pop()}" if len(ticks) == 1 else f"ticks {min(ticks)} to {max(ticks)}"
         return f"<Batch of {len(self)} x {self._scenes}, {when}; robots: {', '.join(self._simulations[0].robots)}>"
+
+    @property
+    def failures(self) -> list[tuple[Failure, ...]]:
+        """What has failed in each row, (N,); see `Simulation.failures`."""
+        return [simulation.failures for simulation in self._simulations] or list(self._failures)
 
     # -- arrays ----------------------------------------------------------------------------
 
@@ -452,12 +460,8 @@ class Batch:
             raise RuntimeError("this batch is closed: load it again")
 
     def close(self) -> None:
-        """End all simulations; closing the batch again has no effect."""
-        simulations, self._simulations = self._simulations, []
-        if self._window is not None:
-            self._window.close()
-        for simulation in simulations:
-            simulation.close()
+        """End all simulations; closing the batch again has no effect. Errors are raised as by `Simulation.close`."""
+        self.__exit__(None, None, None)
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a batch cannot be copied or pickled: send its scene, or the states of rows, many.save(rows)")
@@ -468,7 +472,16 @@ class Batch:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
+        simulations, self._simulations = self._simulations, []
+        if self._window is not None:
+            self._window.close()
+        stack = contextlib.ExitStack()
+        for simulation in reversed(simulations):
+            stack.push(simulation)
+        try:
+            stack.__exit__(kind, error, trace)
+        finally:
+            self._failures = [simulation.failures for simulation in simulations] or self._failures
 
 
 def _columns(what: str, values: object, rows: Sequence[int]) -> list[Any]:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from contextlib import AbstractContextManager
 
+    from morse.core.guard import Failure
     from morse.core.values import Options
     from morse.many.stock import Stock
     from morse.many.values import Row
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
 
 #: columns of each row, besides the parameters and results
 RESERVED = (
-    "run", "seed", "hash", "ticks", "wall", "cpu", "error", "where", "recording", "same", "machine", "processor",
-    "versions",
+    "run", "seed", "hash", "ticks", "wall", "cpu", "error", "where", "recording", "same", "left_world",
+    "machine", "processor", "versions",
 )  # fmt: skip
 
 
@@ -104,7 +105,7 @@ def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None
     """
     row: Row = {
         "run": run.name, **run.parameters, "seed": run.seed, "hash": "", "ticks": 0, "error": "", "where": "",
-        "recording": "", "same": None, **machine_facts(),
+        "recording": "", "same": None, "left_world": "", **machine_facts(),
     }  # fmt: skip
     begin, cpu = time.perf_counter(), time.process_time()
     try:
@@ -123,9 +124,12 @@ def run_once(study: Runs, run: Run, record: str | os.PathLike[str] | None = None
                 return row | _failure(error) | {"ticks": simulation.ticks} | _spent(begin, cpu)
             except (Exception, SystemExit) as error:
                 row |= _failure(error)
+            if not row["error"] and study.options.get("on_failure", "raise") == "raise":
+                row |= _fault(simulation.failures)  # the function of the study may have caught its error
+            row["left_world"] = ", ".join({one.part: None for one in simulation.failures if one.kind == "fallen"})
             row |= {"hash": simulation.state_hash(), "ticks": simulation.ticks}
     except (Exception, SystemExit) as error:
-        row |= _failure(error)
+        row |= {} if row["error"] else _failure(error)
     return row | _spent(begin, cpu)
 
 
@@ -142,6 +146,14 @@ def _spent(wall: float, cpu: float) -> dict[str, float]:
 
 def _failure(error: BaseException) -> dict[str, str]:
     return {"error": summary(error), "where": place(error).strip()}
+
+
+def _fault(failures: Sequence[Failure]) -> dict[str, str]:
+    """The first part that was switched off, as the failure of a run."""
+    for failure in failures:
+        if failure.kind == "fault":
+            return {"error": f"{failure.part} {failure.consequence}: {failure.cause}", "where": failure.where}
+    return {}
 
 
 def _results(returned: object, row: Row) -> Row:
@@ -164,8 +176,8 @@ def _results(returned: object, row: Row) -> Row:
 #: what the columns of each row contain
 _FACTS: dict[str, tuple[type, ...]] = {
     "run": (str,), "seed": (int,), "hash": (str,), "ticks": (int,), "wall": (int, float), "cpu": (int, float),
-    "error": (str,), "where": (str,), "recording": (str,), "same": (bool, type(None)), "machine": (str,),
-    "processor": (str,), "versions": (str,),
+    "error": (str,), "where": (str,), "recording": (str,), "same": (bool, type(None)),
+    "left_world": (str, type(None)), "machine": (str,), "processor": (str,), "versions": (str,),
 }  # fmt: skip
 
 

@@ -388,6 +388,11 @@ class Bodies:
             if slot.frame.motion is Motion.FIXED:
                 self._gliding.floor_changed(index)
 
+    def is_weightless(self, index: int) -> bool:
+        """Whether gravity is cancelled for a slot."""
+        state = self._state
+        return bool(state.model.body_gravcomp[state.slots[index].body] == 1.0)
+
     def set_weightless(self, index: int) -> None:
         """Cancel gravity for a slot."""
         state = self._state

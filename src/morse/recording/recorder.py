@@ -9,6 +9,7 @@ from collections import ChainMap
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
+from morse.core.guard import Failure
 from morse.core.observer import Observer
 from morse.recording.disk import Disk
 from morse.recording.errors import RecordingError
@@ -181,7 +182,12 @@ class Recorder(Observer):
         with contextlib.suppress(RecordingError):
             self.stop()
         if self.error is not None:
-            logger.error("[ERROR][MORSE] %s", self.error)
+            self._report(self.error)
+
+    def _report(self, text: str) -> None:
+        logger.error("[ERROR][MORSE] %s", text)
+        part = f"the recording {self.path}"
+        self._context.guard.note(Failure("fault", part, "is incomplete", self._context.clock.time, text))
 
     def _refusal(self, error: OSError) -> str:
         until = self._disk.until
@@ -194,7 +200,7 @@ class Recorder(Observer):
     def _fail(self, error: OSError) -> None:
         self.error = self._refusal(error)
         self._let_go()
-        logger.error("[ERROR][MORSE] %s. The simulation continues.", self.error)
+        self._report(f"{self.error}. The simulation continues.")
 
     def _let_go(self) -> None:
         self._open = False

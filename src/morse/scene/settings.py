@@ -107,6 +107,7 @@ class Settings:
         seed: seed of all random numbers.
         cameras_on: where images are rendered, see `morse.scene.image_workers`.
         fastmode: whether the view shows wireframes and cameras give no images.
+        fallen: what follows if a robot falls below everything: a ``warning``, or the end of the run with an ``error``.
     """
 
     gravity: float = 9.81
@@ -120,6 +121,7 @@ class Settings:
     seed: int = 0
     cameras_on: int | str = 0
     fastmode: bool = False
+    fallen: str = "warning"
     auto_start: bool = True
     internal_syncer: bool = False
     node_name: str | None = None

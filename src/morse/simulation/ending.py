@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
+#: exit status of a run to whose end not all parts have come: faults have switched them off, or they do not end
+FAULTS = 3
 #: time for the end of one part; and for the effect of an interruption, wall-clock seconds
 LIMIT, _GRACE = 5.0, 2.0
 #: interval between two checks, wall-clock seconds
@@ -38,6 +40,7 @@ class Ending:
 
     Attributes:
         leave: ends the process although a part cannot be interrupted; None if the program of the user goes on.
+        overdue: called with the name of a part that does not end, and with the line where it is left.
 
     Args:
         limit: wall-clock seconds for each part.
@@ -47,6 +50,7 @@ class Ending:
     def __init__(self, limit: float = LIMIT, now: Callable[[], float] = monotonic) -> None:
         self._limit, self._now = limit, now
         self.leave: Callable[[], object] | None = None
+        self.overdue: Callable[[str, str], object] = _ignored
         self._lock = threading.Lock()
         #: whether signals come from this object itself, to wake a call that waits
         self.interrupts = False
@@ -96,16 +100,16 @@ class Ending:
             if now - self._since <= self._limit:
                 return
             self._last_time = now
-            logger.error(
-                "[ERROR][MORSE] %s does not end: after %.1f s it is left at %s",
-                who,
-                now - self._since,
-                line_of(sys._current_frames().get(self._ident)),
-            )
+            line = line_of(sys._current_frames().get(self._ident))
+            logger.error("[ERROR][MORSE] %s does not end: after %.1f s it is left at %s", who, now - self._since, line)
+            self.overdue(who, line)
         elif now - self._last_time > _GRACE and self.leave is not None:
             self.leave()
         self.interrupts = True
         _interrupt(self._ident)
+
+
+def _ignored(_who: str, _line: str) -> None: ...
 
 
 def _interrupt(ident: int) -> None:

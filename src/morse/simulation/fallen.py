@@ -1,12 +1,16 @@
-"""Warns about robots that fall below the world."""
+"""Robots that leave the world: they fall below everything."""
 
 from __future__ import annotations
 
 import logging
+import math
 from typing import TYPE_CHECKING
 from weakref import WeakSet
 
-from morse.physics.model.fixed_bottom import lowest_fixed
+from morse.core.exceptions import MorseError
+from morse.core.guard import Failure
+from morse.core.observer import SHOWN
+from morse.physics.model.lowest import lowest_shape
 
 if TYPE_CHECKING:
     from morse.core.robot import Robot
@@ -16,23 +20,32 @@ logger = logging.getLogger(__name__)
 
 #: ticks between two checks, and robots of one check: the checks take less than 1 % of a tick
 _INTERVAL, _ROBOTS = 30, 16
-#: depth below everything that stands still, m, and speed of a fall, m/s
-_BELOW, _FALLING = 2.0, 1.0
+#: depth below everything, m, and the least speed as a share of that of a free fall to this depth: robots that fly or
+#: dive are slower
+_BELOW, _SHARE = 10.0, 0.5
+
+
+class FallenError(MorseError):
+    """A robot has left the world, in a scene with ``Environment(fallen="error")``."""
 
 
 class Fallen:
-    """Names each robot once that has moved over the edge of its world, or that nothing carries."""
+    """Reports each robot once that has moved over the edge of its world, or that nothing carries.
+
+    A robot has left the world until it is back above that depth, or is created anew. The lowest shape is that at the
+    start.
+    """
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._reports: WeakSet[Robot] = WeakSet()
         self._first = self._next = 0
-        self._bottom: float | None = None
+        self._bottom = lowest_shape(simulation.world)
 
     def review(self, tick: int, changed: bool) -> int:
         """Check some robots; see `morse.simulation.ticks.ticking.Ticker.reviews`."""
         if changed:
-            self._bottom, self._next = None, tick
+            self._next = tick
         if tick < self._next:
             return self._next
         self._next = tick + _INTERVAL
@@ -45,20 +58,27 @@ class Fallen:
         return self._next
 
     def _check(self, robot: Robot) -> None:
-        body = robot.bge_object
-        if robot in self._reports or body.velocity()[0][2] > -_FALLING:
-            return
+        body, world = robot.bge_object, self._simulation.world
         height = body.world_pose()[0][2]
-        if self._bottom is None:
-            self._bottom = lowest_fixed(self._simulation.world)
-        below = self._bottom - height
-        if below < _BELOW:
+        if height > self._bottom - _BELOW:
+            self._reports.discard(robot)
             return
-        self._reports.add(robot)
-        environment = self._simulation.scene.environment
+        gravity = -float(world.model.opt.gravity[2])
+        falls = -body.velocity()[0][2] > _SHARE * math.sqrt(2.0 * max(gravity, 0.0) * _BELOW)
+        if falls and robot not in self._reports and gravity > 0.0 and not world.bodies.is_weightless(body.slot):
+            self._reports.add(robot)
+            self._report(robot, height)
+
+    def _report(self, robot: Robot, height: float) -> None:
+        simulation, name = self._simulation, robot.name()
+        place = f"it is at z = {height:.1f} m, below the floor of '{simulation.scene.environment}'"
+        line = next((one.where for one in simulation.scene.components if one.name == name), "")
+        simulation.context.guard.note(
+            Failure("fallen", name, "has left the world", simulation.clock.time, place, str(line))
+        )
+        if simulation.scene.settings.fallen == "error" and not simulation.options.keep_going:
+            simulation.part_failed(FallenError(f"{name} has left the world: {place}"), name)
+            return
         logger.warning(
-            "%s falls: it is at z = %.1f m, %s; F11 or the service simulation.reset begins again",
-            robot.name(),
-            height,
-            f"below the floor of '{environment}'" if below < float("inf") else f"and '{environment}' has no floor",
+            "%s falls: %s; F11 or the service simulation.reset begins again", name, place, extra={SHOWN: True}
         )

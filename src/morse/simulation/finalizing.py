@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core.abstractobject import AbstractObject
+from morse.core.guard import Failure
 from morse.core.modifier import AbstractModifier
 from morse.core.reports.faults import name_of
 from morse.simulation.loader import Loaded
@@ -31,6 +32,11 @@ class Finalizing:
     def observers(self) -> list[Observer]:
         """The observers."""
         raise NotImplementedError
+
+    def _overdue(self, who: str, line: str) -> None:
+        """Keep that a part does not end as a failure."""
+        time = self.context.clock.time
+        self.context.guard.note(Failure("fault", who, "does not end", time, "it was left after its limit", line))
 
     def finalize_components(self) -> None:
         """Finalize the components and modifiers."""

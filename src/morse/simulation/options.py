@@ -35,6 +35,8 @@ class RunOptions:
         keep_last: simulated seconds before a failure that are kept, to be simulated again; 0 for none.
         record_only: full names of the sensors that are recorded; None for all, empty for only inputs and the log.
         cameras_on: where images are rendered, see `morse.scene.image_workers`; None for the value of the scene.
+        keep_going: whether a part that fails, and a robot that leaves the world, change neither the length nor the exit
+            status of a run.
         on_failure: ``deactivate`` switches off a part that raises an error; ``raise`` also raises the error.
     """
 
@@ -62,4 +64,5 @@ class RunOptions:
     keep_last: float = 0.0
     record_only: list[str] | None = None
     cameras_on: int | str | None = None
+    keep_going: bool = False
     on_failure: str = "deactivate"

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
     from types import TracebackType
 
+    from morse.core.guard import Failure
     from morse.core.journal import Journal
     from morse.core.observer import Observer
     from morse.physics.model.compile import Compiled
@@ -107,10 +108,11 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
         self.delays_interrupts = True
         self._time = Ownership(self.stop)
         self.ending = Ending()
+        self.ending.overdue = self._overdue
         self.loaded = Loaded()
         super().__init__()
         if options.on_failure == "raise":
-            self.context.guard.raises = self._part_failed
+            self.context.guard.raises = self.part_failed
         self.population = Population(self)
         self._saving = Saving(self)
         with acting(self.context):
@@ -259,6 +261,15 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
             self._loop.go_on()
             self._raise_failure()
         return has_passed
+
+    @property
+    def failures(self) -> tuple[Failure, ...]:
+        """What has failed since the scene was loaded, in order: see `morse.core.guard.Failure`.
+
+        `restart`, `restore` and `close` keep them. An empty tuple says that no part was switched off by an error, and
+        that no robot has left the world.
+        """
+        return tuple(self.context.guard.failures)
 
     # -- input -----------------------------------------------------------------------------
 
@@ -449,7 +460,12 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
         forget(self.context)
 
     def close(self) -> None:
-        """End the simulation and release its resources; closing it again has no effect."""
+        """End the simulation and release its resources; closing it again has no effect.
+
+        Raises:
+            BaseException: the error of a part that has failed while it ended, if the simulation was loaded with
+                ``on_failure="raise"``; everything is released then.
+        """
         if self.finished:
             return
         self._time.take_over(self.context.wake)
@@ -459,6 +475,7 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
             self.finalize_services()
         self.finalize_observers()
         self.end()
+        self._raise_failure()
 
     def __reduce__(self) -> NoReturn:
         raise TypeError(
@@ -472,6 +489,8 @@ class Simulation(Recorded, Finalizing, Handles, Paused, Showing):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if error is not None:  # it must not be replaced by the error of a part that ends
+            self.context.guard.raises = self._failure = None
         self.close()
 
 

@@ -1,8 +1,9 @@
 """Runs a scene for some ticks and writes the fingerprint of every part after each of them.
 
 `morse.verification.verify` starts ``python -m morse.verification.replay OPTIONS``; OPTIONS is JSON: the fields of a
-`Replay`. One JSON object per tick is written to the standard output; output of the scene is redirected to the standard
-error. The process ends with its parent process, because its standard input is closed then.
+`Replay`. One JSON object per tick is written to the standard output, and at last a text that names the parts that have
+failed; output of the scene is redirected to the standard error. The process ends with its parent process, because its
+standard input is closed then.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import TYPE_CHECKING
 
 from morse.builder.script import ScriptError, load_scene
 from morse.core.exceptions import MorseError
+from morse.core.guard import by_part
 from morse.core.reports import log
 from morse.core.reports.faults import describe
 from morse.launch.load import start
@@ -69,6 +71,7 @@ def replay(request: Replay, file: TextIO) -> None:
                 if run:
                     simulation.restart()
                 _run(simulation, request, file)
+    file.write(json.dumps(by_part(one for one in simulation.failures if one.kind == "fault")) + "\n")
 
 
 def _run(simulation: Simulation, request: Replay, file: TextIO) -> None:

@@ -47,6 +47,7 @@ def verify(
     *,
     clients: int = 2,
     pages: int = 1,
+    failed: Callable[[str], object] = print,
 ) -> list[Difference]:
     """Run a scene several times and compare every tick, to the bit.
 
@@ -58,6 +59,7 @@ def verify(
         progress: called with descriptions of the runs.
         clients: on every stream.
         pages: of the live view.
+        failed: called with one line for each part that a fault has switched off in the first process, if there are any.
 
     Returns:
         The differences, at most one for each comparison; none if all runs are equal.
@@ -66,10 +68,12 @@ def verify(
         ReplayError: a run failed.
     """
     progress("a first run, and one more after a restart in the same process")
-    first = _replay(dataclasses.replace(options, view="none"), "1", ticks=ticks, restarts=1)
+    first, failures = _replay(dataclasses.replace(options, view="none"), "1", ticks=ticks, restarts=1)
     progress("another process, with the live view open, clients that read, and the pace of the wall clock")
     watched = dataclasses.replace(options, view="web")
-    second = _replay(watched, "2", ticks=ticks, clients=clients, pages=pages, paced=True)
+    second, _ = _replay(watched, "2", ticks=ticks, clients=clients, pages=pages, paced=True)
+    if failures:
+        failed(failures)
     comparisons = [
         ("a new process and a restart", first[:ticks], first[ticks:]),
         ("two processes, one of them watched and paced", first[:ticks], second),
@@ -77,8 +81,9 @@ def verify(
     return [d for name, a, b in comparisons for d in _first_difference(name, a, b)]
 
 
-def _replay(options: RunOptions, hashes: str, **options_of_replay: Any) -> list[_Record]:
-    plain = dataclasses.replace(options, view_port=0, open_browser=False, profile=False)
+def _replay(options: RunOptions, hashes: str, **options_of_replay: Any) -> tuple[list[_Record], str]:
+    """The fingerprints of each tick, and the parts that have failed."""
+    plain = dataclasses.replace(options, view_port=0, open_browser=False, profile=False, keep_going=True)
     replay = Replay(options=dataclasses.asdict(plain), **options_of_replay)
     # another hash seed reveals programs that depend on the order of sets
     environment = {**os.environ, "PYTHONHASHSEED": hashes, "MORSE_SOCKET_PORT": "0"}
@@ -95,7 +100,8 @@ def _replay(options: RunOptions, hashes: str, **options_of_replay: Any) -> list[
             raise
     if process.returncode:
         raise ReplayError(errors.strip())
-    return [json.loads(line) for line in records.splitlines()]
+    *ticks, failures = map(json.loads, records.splitlines())
+    return ticks, failures
 
 
 def _read(process: subprocess.Popen[str]) -> tuple[str, str]:

@@ -32,6 +32,7 @@ logger = logging.getLogger(__name__)
 
 #: properties of the world that are numbers
 _PLACE = ("longitude", "latitude", "altitude", "angle_against_north", "UTMXOffset")
+_FALLEN = ("warning", "error")
 _NUMBERS = (*_PLACE, "Temperature", "WaveHeight", "WavePeriod", "WaveDirection")
 
 
@@ -46,6 +47,8 @@ class Environment(ViewMethods, TimeMethods):
         fastmode: whether the view shows wireframes and cameras give no images.
         component_renaming: whether components are named after variables (see `morse.builder.names.naming`).
         auto_tune_time: whether the frequency of the simulation is raised to that of the fastest component.
+        fallen: what follows if a robot leaves the world, that is, falls 10 m below the lowest shape: a ``warning``; or
+            an ``error``, which ends the run.
 
     Raises:
         FileNotFoundError: the environment does not exist.
@@ -59,6 +62,7 @@ class Environment(ViewMethods, TimeMethods):
         fastmode: bool = False,
         component_renaming: bool = True,
         auto_tune_time: bool = True,
+        fallen: str = "warning",
     ) -> None:
         scene = workspace.current()
         if scene.environment is not None:
@@ -67,6 +71,7 @@ class Environment(ViewMethods, TimeMethods):
         self.filename = checks.text(filename, "Environment(filename)")
         self.settings = scene.settings
         self.settings.fastmode = checks.boolean(fastmode, "Environment(fastmode)")
+        self.settings.fallen = checks.choice(fallen, _FALLEN, "Environment(fallen)")
         self.environment_properties = {}
         self._auto_tune = checks.boolean(auto_tune_time, "Environment(auto_tune_time)")
         self._wishes = {}

@@ -130,23 +130,45 @@ def name_of(part: object) -> str:
 
 def definition(part: object) -> str:
     """Return file and line of the class or the function of a part as a line of a traceback; empty if it has none."""
+    found = _defined_at(part)
+    return "" if found is None else f'  File "{found[0]}", line {found[1]}, in {found[2]}'
+
+
+def line_of_fault(part: object, error: BaseException) -> str:
+    """Return file and line of a fault, as in ``scene.py:12``; empty if they are not known.
+
+    It is the innermost line of user code that led to the error, else that of the class or the function of the part if
+    it is the user's, else the innermost line of all.
+    """
+    frames = user_frames(trace_of(error))
+    if not frames:
+        found = _defined_at(part)
+        if found is not None and is_users(found[0]):
+            return f"{found[0]}:{found[1]}"
+        frames = _read(list(traceback.walk_tb(trace_of(error))))
+    return f"{frames[-1].filename}:{frames[-1].lineno}" if frames else ""
+
+
+def _defined_at(part: object) -> tuple[str, int, str] | None:
+    """Return the file, the line and the name of the class or the function of a part; None if it has none."""
     function: Any = type(part)
     if _safely(lambda: inspect.isroutine(part), False):
         function = attribute(part, "__func__", part)
     code = attribute(function, "__code__")
     if code is not None:
-        return f'  File "{code.co_filename}", line {code.co_firstlineno}, in {function.__qualname__}'
-    return str(_safely(lambda: _of_class(function), ""))
+        return code.co_filename, code.co_firstlineno, str(function.__qualname__)
+    found: tuple[str, int, str] | None = _safely(lambda: _of_class(function), None)
+    return found
 
 
-def _of_class(cls: Any) -> str:
+def _of_class(cls: Any) -> tuple[str, int, str]:
     """The place of the first function of a class; no file is read, because a tick may have no descriptor for it."""
     functions = [inspect.unwrap(getattr(one, "__func__", one)) for one in vars(cls).values()]
     code = min(
         (function.__code__ for function in functions if inspect.isfunction(function)),
         key=lambda code: code.co_firstlineno,
     )
-    return f'  File "{code.co_filename}", line {code.co_firstlineno}, in {class_name(cls)}'
+    return code.co_filename, code.co_firstlineno, class_name(cls)
 
 
 def _safely(function: Callable[[], object], otherwise: object) -> Any:

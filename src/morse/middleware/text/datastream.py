@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from morse.core.classes.classpath import load_class
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
+from morse.core.guard import Failure
 from morse.core.mapping import maps
 from morse.core.validation.names import file_name
 from morse.middleware.text.file import TextFile
@@ -71,8 +72,11 @@ class TextDatastreamManager(DatastreamManager):
         if owner != name or any(stream.file.path == path for stream in self.streams.get(name, ())):
             raise MorseMiddlewareError(f"{path} is the file of another stream of {owner}; set another one: file='...'")
         if path not in self._files or self._files[path].owner != name:
-            self._files[path] = TextFile(path, name)
+            self._files[path] = TextFile(path, name, self._note)
         return self._files[path]
+
+    def _note(self, part: str, consequence: str, reason: str) -> None:
+        self.context.guard.note(Failure("fault", part, consequence, self.context.clock.time, reason))
 
     def closed(self, stream: TextStream) -> None:
         """Release the file: another component may write it, or a new component of the same name may continue it."""

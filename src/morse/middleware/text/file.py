@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from morse.core.exceptions import MorseMiddlewareError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 logger = logging.getLogger(__name__)
@@ -19,13 +20,14 @@ class TextFile:
     Args:
         path: absolute path; an existing file is overwritten.
         owner: name of the component.
+        note: keeps that the file ends, in words: what, the consequence and the reason.
 
     Raises:
         MorseMiddlewareError: it cannot be written.
     """
 
-    def __init__(self, path: Path, owner: str) -> None:
-        self.path, self.owner = path, owner
+    def __init__(self, path: Path, owner: str, note: Callable[[str, str, str], object]) -> None:
+        self.path, self.owner, self._note = path, owner, note
         self._is_new = True
         try:
             self._file = path.open("w", encoding="utf-8", errors="backslashreplace", newline="\n")
@@ -59,7 +61,9 @@ class TextFile:
 
     def _end(self, error: OSError) -> None:
         self._is_over = True
-        logger.error("%s: nothing more is written to %s: %s", self.owner, self.path, error.strerror)
+        reason = f"nothing more is written to {self.path}: {error.strerror}"
+        logger.error("%s: %s", self.owner, reason)
+        self._note(f"the file of {self.owner}", "ends", reason)
 
     def close(self) -> None:
         """Write the remaining data."""

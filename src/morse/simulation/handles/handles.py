@@ -26,10 +26,10 @@ logger = logging.getLogger(__name__)
 
 #: what a program of a user calls, for the completion of names
 _PUBLIC = """
-activate before_physics call cancel clock close contacts context deactivate delete is_up measure observers pause paused
-picture place quit record record_inputs replay reset restart restart_robot restore resume robots rpc rpc_t run save
-scene seed set_color set_friction set_light set_mass set_texture show sleep spawn state_hash step stop streams ticks
-time view world
+activate before_physics call cancel clock close contacts context deactivate delete failures is_up measure observers
+pause paused picture place quit record record_inputs replay reset restart restart_robot restore resume robots rpc
+rpc_t run save scene seed set_color set_friction set_light set_mass set_texture show sleep spawn state_hash step stop
+streams ticks time view world
 """
 
 
@@ -91,7 +91,7 @@ class Handles(Arranging):
         for handle in list(self._by_full_name.values()):
             handle.listen_again()
 
-    def _part_failed(self, error: BaseException, who: str) -> bool:
+    def part_failed(self, error: BaseException, who: str) -> bool:
         """Stop after this tick, for `step` or `run` to raise the error of a part; False if they will raise another."""
         if self._failure is not None:
             return False
