@@ -40,7 +40,7 @@ class Ending:
 
     Attributes:
         leave: ends the process although a part cannot be interrupted; None if the program of the user goes on.
-        overdue: called with the name of a part that does not end, and with the line where it is left.
+        overdue: called with the name of a part that does not end in time, and with the line where it is left.
 
     Args:
         limit: wall-clock seconds for each part.
@@ -102,7 +102,8 @@ class Ending:
             self._last_time = now
             line = line_of(sys._current_frames().get(self._ident))
             logger.error("[ERROR][MORSE] %s does not end: after %.1f s it is left at %s", who, now - self._since, line)
-            self.overdue(who, line)
+            if self._limit:  # else the user does not want to wait
+                self.overdue(who, line)
         elif now - self._last_time > _GRACE and self.leave is not None:
             self.leave()
         self.interrupts = True
