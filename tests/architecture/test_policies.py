@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 import typer
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from morse.cli.app import app
 from morse.middleware.socket.frames import VERSION as FRAMES
@@ -51,6 +53,51 @@ def test_workflows_run_scripts_that_exist():
     assert {".ci/run", ".ci/nightly", ".ci/gate"} <= scripts
     for script in scripts:
         assert (ROOT / script).stat().st_mode & 0o111, f"{script} cannot be executed"
+
+
+WORKFLOWS = "".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / ".github/workflows").glob("*.yml")))
+
+
+def test_workflows_run_no_code_of_others():
+    """A tag or a branch of an action is moved by others, and the job of a release may publish."""
+    assert re.findall(r"\buses:.*", WORKFLOWS) == []
+
+
+def test_the_jobs_of_a_release_install_nothing_without_its_hash():
+    text = (ROOT / ".github/workflows/release.yml").read_text(encoding="utf-8")
+    installs = [line for line in text.splitlines() if "install" in line and not line.startswith("#")]
+    assert len(installs) == 3
+    assert all("pip install -q --require-hashes -r .ci/release.txt" in line for line in installs)
+    build = (ROOT / "tools/release/wheels.py").read_text(encoding="utf-8")
+    assert '"--require-hashes"' in build
+
+
+def _locked(name: str) -> dict[str, set[str]]:
+    """The versions of a lock by the names of their packages; each has hashes."""
+    text = (ROOT / ".ci" / name).read_text(encoding="utf-8")
+    found: dict[str, set[str]] = {}
+    for entry in re.split(r"^(?=[\w.-]+==)", text, flags=re.MULTILINE)[1:]:
+        package, version = re.match(r"([\w.-]+)==(\S+)", entry).groups()
+        assert re.search(r"--hash=sha256:[0-9a-f]{64}\b", entry), package
+        found.setdefault(package, set()).add(version)
+    return found
+
+
+def test_the_locks_have_what_a_release_needs():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    needed = {
+        "build.txt": project["build-system"]["requires"],
+        "release.txt": [
+            *project["project"]["dependencies"],
+            *(w for w in project["dependency-groups"]["release"] if isinstance(w, str)),
+        ],
+    }
+    for name, requirements in needed.items():
+        locked = _locked(name)
+        for requirement in map(Requirement, requirements):
+            versions = locked.get(canonicalize_name(requirement.name), set())
+            assert versions, f".ci/{name} lacks {requirement}: run .ci/lock"
+            assert all(version in requirement.specifier for version in versions), f"{requirement}: run .ci/lock"
 
 
 def test_the_policy_names_the_present_formats():

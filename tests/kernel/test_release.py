@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from morse.kernel import targets
-from tools.release import arm64, contents, steps, wine
+from tools.release import arm64, contents, steps, wheels, wine
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -87,6 +87,30 @@ def test_a_missing_file_is_named(tmp_path: Path, missing: str):
     ]
 
 
+def test_a_wheel_has_the_files_of_the_repository_and_what_the_build_makes():
+    """What happens to lie in the folder, such as the state of a build or a file of an editor, is not shipped."""
+    builder = pytest.importorskip("hatchling.builders.wheel").WheelBuilder(str(wheels.ROOT))
+    if not (wheels.ROOT / ".git").exists():
+        pytest.skip("the sources are not a repository")
+    stray = wheels.ROOT / "src" / "morse" / "viewer" / "static" / ".sources"
+    if not stray.exists():
+        pytest.skip("the page is not built")
+    names = [file.distribution_path.replace("\\", "/") for file in builder.recurse_included_files()]
+    assert contents.strays(names, wheels.sources()) == []
+
+
+@pytest.mark.parametrize(
+    "stray",
+    ["morse/viewer/static/.sources", "morse/viewer/static/assets/.index-1.js.swp", "morse/notes.txt", "tests/x.py"],
+)
+def test_a_stray_file_is_named(tmp_path: Path, stray: str):
+    assert HOST is not None
+    (error,) = contents.verify([wheel(tmp_path, HOST, {**files_of(HOST), stray: b""})], [])
+    assert f"{stray} is neither in the repository nor made by the build" in error
+    (error,) = contents.verify([wheel(tmp_path, HOST, files_of(HOST))], ["morse/version.py"])
+    assert "morse/version.py is missing" in error
+
+
 def test_wheels_of_different_contents_are_named(tmp_path: Path):
     assert HOST is not None
     other = targets.Target("linux-musl" if HOST.system == "linux-gnu" else "linux-gnu", HOST.machine)
@@ -128,6 +152,6 @@ def test_without_packages_of_debian_they_are_skipped_by_name(command: str, tmp_p
         "import sys, shutil; shutil.which = lambda *words, **options: None;"
         "from tools import __main__; sys.exit(__main__.main(sys.argv[1:]))"
     )
-    done = subprocess.run([sys.executable, "-c", program, command], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", program, command], cwd=wheels.ROOT, capture_output=True, text=True)
     assert done.returncode == 0
     assert "skipped: needs" in done.stderr

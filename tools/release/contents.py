@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from morse.kernel import targets
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
 LIBRARIES = "morse/kernel/lib/"
@@ -23,17 +24,37 @@ SYSTEM_LIBRARIES = {
     "macos": re.compile(r"/usr/lib/libSystem\.B\.dylib"),
     "windows": re.compile(r"KERNEL32\.dll|api-ms-win-crt-[a-z0-9-]+\.dll", re.IGNORECASE),
 }
+#: what a build adds to the files of the repository; the names of scripts and styles of the page contain a digest
+_BUILT = re.compile(
+    r"morse/viewer/static/(index\.html|assets/(icon-[\w-]+\.svg|(index|worker)-[\w-]+\.(css|js)|licences\.txt))"
+    r"|morse/core/classes/definitions/classes\.index|morse/kernel/lib/[\w.-]+"
+    r"|morse_simulator-[\w.+-]+\.dist-info/(METADATA|WHEEL|RECORD|entry_points\.txt|licenses/LICENSE)"
+)
 _MACHINES = {
     "x86_64": {"X86_64", "AMD64"},
     "aarch64": {"AARCH64", "ARM64"},
 }
 
 
-def verify(wheels: list[Path]) -> list[str]:
+def strays(names: Iterable[str], sources: Iterable[str]) -> list[str]:
+    """The files of a wheel that should not be in it, and those that it lacks.
+
+    Args:
+        names: the paths in the wheel.
+        sources: the paths of the repository below ``src``.
+    """
+    there, expected = set(names), set(sources)
+    errors = [f"{name} is neither in the repository nor made by the build" for name in there - expected]
+    errors = [error for error in errors if not _BUILT.fullmatch(error.partition(" ")[0])]
+    return sorted(errors) + [f"{name} is missing" for name in sorted(expected - there)]
+
+
+def verify(wheels: list[Path], sources: Iterable[str] | None = None) -> list[str]:
     """What is wrong with the wheels of a release; an empty list if nothing is.
 
     Args:
         wheels: the wheels of all platforms, of one version.
+        sources: the paths of the repository below ``src``; None if they are not compared.
     """
     errors: list[str] = []
     common: dict[str, dict[str, int]] = {}
@@ -47,6 +68,8 @@ def verify(wheels: list[Path]) -> list[str]:
             errors.append(f"{path.name}: {path.stat().st_size} bytes, at most {LARGEST}")
         with zipfile.ZipFile(path) as archive:
             sums = {one.filename: one.CRC for one in archive.infolist()}
+            if sources is not None:
+                errors += [f"{path.name}: {error}" for error in strays(sums, sources)]
             names = {name.removeprefix(LIBRARIES) for name in sums if name.startswith(LIBRARIES)}
             expected = {target.file_name(level) for level in target.levels}
             if names != expected:

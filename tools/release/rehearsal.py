@@ -31,7 +31,7 @@ NAME = "morse-simulator"
 def release(folder: Path) -> int:
     """Build and verify; the result is the status of the process."""
     files = wheels.build(folder)
-    errors = contents.verify([file for file in files if file.suffix == ".whl"])
+    errors = contents.verify([file for file in files if file.suffix == ".whl"], wheels.sources("HEAD"))
     for file in files:
         digest = hashlib.sha256(file.read_bytes()).hexdigest()
         print(f"{file.stat().st_size / 1e6:6.1f} MB  {digest}  {file.name}")

@@ -6,7 +6,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import tomllib
 import venv
 from pathlib import Path
 
@@ -54,12 +53,21 @@ def build(folder: Path, platforms: list[str] | None = None, revision: str = "HEA
     return sorted(folder.glob("*.tar.gz")) + sorted(folder.glob("*.whl"))
 
 
+def sources(revision: str | None = None) -> list[str]:
+    """The paths of the files below ``src`` in a commit, or in the present tree if it is None."""
+    listing = ["ls-files"] if revision is None else ["ls-tree", "-r", "--name-only", revision]
+    words = ["git", *listing, "--", "src"]
+    lines = subprocess.run(words, cwd=ROOT, check=True, capture_output=True, encoding="utf-8").stdout.splitlines()
+    return [line.removeprefix("src/") for line in lines]
+
+
 def _environment(folder: Path, tree: Path) -> Path:
     """A virtual environment with what the build needs; the result is its Python."""
     venv.create(folder, with_pip=True)
     python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    requirements = tomllib.loads((tree / "pyproject.toml").read_text(encoding="utf-8"))["build-system"]["requires"]
-    _run([str(python), "-m", "pip", "install", "-q", *requirements], tree, dict(os.environ))
+    # nothing that is not the file that was there when .ci/lock was called
+    hashed = ["--require-hashes", "--only-binary", ":all:", "-r", str(tree / ".ci" / "build.txt")]
+    _run([str(python), "-m", "pip", "install", "-q", *hashed], tree, dict(os.environ))
     return python
 
 
