@@ -195,6 +195,7 @@ def recorded() -> InputRecording:
         sim.step(3)
         sim.restart()
         sim.step(2)
+        sim.robot.goto.goto(3.0, 1.0, 0.0, 0.3, 1.0)
         sim.morsy.motion.publish({"v": 0.1})
         sim.step(3)
     return inputs
