@@ -65,8 +65,8 @@ class MovingPoses:
         return self._layout
 
     def follow(self, before: MovingPoses) -> None:
-        """Replace the poses of another world, which has other nodes."""
-        self._layout = before.layout + 1
+        """Replace the poses before a change of the scene, whose nodes may be gone."""
+        self._layout = before._layout + 1
 
     def note_displaced(self, part: Part) -> None:
         """Record that a node has moved relative to its parent."""

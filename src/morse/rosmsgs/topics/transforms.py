@@ -154,6 +154,7 @@ class Transforms:
             return None
         if self.changed:
             self.changed = False
+            self._put_in_order()
             for frames in self._robots.values():
                 joints = joints_of(frames.robot, frames.streams[0].names)
                 frames.moving = [joint for joint in joints if not joint.is_fixed]
@@ -164,6 +165,17 @@ class Transforms:
             return None
         bases = [(frames, frames.true_pose()) for frames in self._with_base()]
         return partial(self._send_moving, stamp, bases, list(self._moving()))
+
+    def _put_in_order(self) -> None:
+        """Sort the frames as the scene, because robots and streams may have come in another order, after a restart."""
+        context = next((frames.robot.context for frames in self._robots.values()), None)
+        if context is None:
+            return
+        ranks = {name: rank for rank, name in enumerate([*context.robots, *context.components])}
+        last = len(ranks)
+        self._robots = dict(sorted(self._robots.items(), key=lambda item: ranks.get(item[0], last)))
+        for frames in self._robots.values():
+            frames.streams.sort(key=lambda stream: ranks.get(stream.component_name, last))
 
     def _with_base(self) -> Iterator[RobotFrames]:
         """The robots whose base is a frame that moves."""
