@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from copy import deepcopy
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.core.robot import Robot
+    from morse.core.values import Fields
 
 
 class Actuator(Object):
@@ -97,13 +99,32 @@ class Actuator(Object):
         end = self.command_end
         if end is not None:
             self.command_end = None  # of several commands, the last one decides
+        before = deepcopy(dict(self.local_data)) if self.input_modifiers else None
         has_input = read(self, self.input_functions)
         if end is not None and not has_input:
             has_input = self._ends(end)
         if has_input:
             if self.context.journal.sinks:
                 self.context.journal.note(COMMAND, self.name(), deepcopy(dict(self.local_data)), self.command_end)
-            modify(self, self.input_modifiers)
+            if before is not None and modify(self, self.input_modifiers):
+                self._refuse_far(before)
+
+    def _refuse_far(self, before: Fields) -> None:
+        """Refuse a command that is out of range after the modifiers: the fields keep their values before it."""
+        for name, field in fields_of_component(self).items():
+            value = self.local_data.get(name)
+            if field.allow:
+                continue
+            low = -math.inf if field.low is None else field.low
+            high = math.inf if field.high is None else field.high
+            if isinstance(value, (int, float)) and not low <= value <= high:
+                text = f"its modifiers make '{name}' {value:g}, expected {low:g} to {high:g}"
+                self.context.complaints.warn(
+                    f"{self.name()}: {name} after its modifiers", f"{self.name()}: a command is refused: {text}"
+                )
+                self.local_data.clear()
+                self.local_data.update(before)
+                return
 
     def _ends(self, end: float) -> bool:
         if self.clock.time < end:

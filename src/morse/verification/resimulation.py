@@ -91,34 +91,50 @@ def resimulate(
         options = options_of(recording, scene, trust, stack, say, projects)
         simulation = stack.enter_context(start(described(options.script, options), options))
         guard(simulation, described=False, trust=trust)
-        inputs = complete(recording, simulation)
-        if inputs.start is not None:
-            simulation.restore(inputs.start)
-        copy = None if record is None else simulation.record(record)
-        elsewhere = _elsewhere(recording)
-        comparison = Comparison(recording, lambda: simulation.clock.tick, with_tolerance=bool(elsewhere))
-        sensors: Sequence[str] | None = recording.sensors()
-        ticks = _Counter(simulation)
+        return repeat(recording, simulation, record)
+
+
+def repeat(recording: Recording, simulation: Simulation, record: str | None = None) -> Outcome:
+    """Repeat a recorded run in a simulation of its scene; it can go on afterwards.
+
+    Args:
+        record: see `resimulate`.
+
+    Raises:
+        MorseError: see `resimulate`.
+    """
+    inputs = complete(recording, simulation)
+    if inputs.start is not None:
+        simulation.restore(inputs.start)
+    copy = None if record is None else simulation.record(record)
+    elsewhere = _elsewhere(recording)
+    comparison = Comparison(recording, lambda: simulation.clock.tick, with_tolerance=bool(elsewhere))
+    ticks = _Counter(simulation)
+    with acting(simulation.context):
+        streams = RecordedStreams(simulation.context, comparison, recording.sensors())
+    observers = [_EachTick(streams, simulation), ticks]
+    simulation.observers.extend(observers)
+    try:
+        simulation.replay(inputs, results=not elsewhere)
+    except ReplayError as error:
+        misfit = comparison.departure or Departure(error.entry.tick, shown_entry(error.entry), error.how)
+        return Outcome(misfit, ticks.count, comparison.count, False, elsewhere=elsewhere)
+    except UnstableError as error:
+        return Outcome(comparison.departure, ticks.count, comparison.count, False, str(error), elsewhere=elsewhere)
+    finally:
         with acting(simulation.context):
-            streams = RecordedStreams(simulation.context, comparison, sensors)
-        simulation.observers.append(_EachTick(streams, simulation))
-        simulation.observers.append(ticks)
-        try:
-            simulation.replay(inputs, results=not elsewhere)
-        except ReplayError as error:
-            misfit = comparison.departure or Departure(error.entry.tick, shown_entry(error.entry), error.how)
-            return Outcome(misfit, ticks.count, comparison.count, False, elsewhere=elsewhere)
-        except UnstableError as error:
-            failure = str(error)
-            return Outcome(comparison.departure, ticks.count, comparison.count, False, failure, elsewhere=elsewhere)
-        if copy is not None:
-            copy.stop()
-        comparison.finish()
-        departure, rounding = comparison.departure, comparison.rounding
-        if departure is None and rounding is None:
-            departure = _departed_state(recording, simulation)
-        is_complete = "state" in recording.end
-        return Outcome(departure, ticks.count, comparison.count, is_complete, "", rounding, elsewhere)
+            streams.finalize()
+        for observer in observers:
+            if observer in simulation.observers:
+                simulation.observers.remove(observer)
+    if copy is not None:
+        copy.stop()
+    comparison.finish()
+    departure, rounding = comparison.departure, comparison.rounding
+    if departure is None and rounding is None:
+        departure = _departed_state(recording, simulation)
+    is_complete = "state" in recording.end
+    return Outcome(departure, ticks.count, comparison.count, is_complete, "", rounding, elsewhere)
 
 
 class _Counter(Observer):

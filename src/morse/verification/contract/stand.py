@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _NAME = "part"
 #: robots to try, with their drives: components may need wheels, rotors or a steering wheel
-_CARRIERS = {
+CARRIERS = {
     "ATRV": "MotionVW",
     "Pioneer3DX": "MotionVWDiff",
     "Quadrotor": "",
@@ -39,7 +39,7 @@ _CARRIERS = {
     "Human": "",
 }
 #: components that are appended to another one
-_HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
+HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
 _SCRIPT = """
 from morse.builder import *
 from morse.core.declarations import properties as _properties
@@ -177,7 +177,7 @@ def set_up(subject: Subject, journal: Said, robot: str | None = None, level: str
         SubjectError: no robot is suitable; the message is that of the first robot.
     """
     errors: list[str] = []
-    for carrier in (robot,) if robot else _CARRIERS:
+    for carrier in (robot,) if robot else CARRIERS:
         try:
             with journal.unheard():
                 return Stand(_load(subject, _script(subject, carrier, level)), carrier)
@@ -208,7 +208,7 @@ def _load(subject: Subject, text: str) -> Simulation:
 
 def _script(subject: Subject, carrier: str, level: str | None) -> str:
     package, _, robot = carrier.rpartition(".")
-    drive, holder = _CARRIERS.get(carrier, ""), _HOLDERS.get(subject.name, "")
+    drive, holder = CARRIERS.get(carrier, ""), HOLDERS.get(subject.name, "")
     return _SCRIPT.format(
         imports="\n".join([subject.imports, f"from {package} import {robot}" if package else ""]),
         name=subject.name,
