@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ import morse
 from effort import examples
 from morse.builder import workspace
 from morse.builder.script import ScriptError, is_loading, load_scene
+from morse.middleware import registry
 from morse.scene import Scene
 from morse.simulation.options import RunOptions
 
@@ -183,6 +185,35 @@ def test_a_client_is_not_a_scene(load: Load) -> None:
     assert error.where.line == 3
     assert "start it with python3" in error.mend
     assert "pymorse.py" not in error.report()
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("from knot_b import y\nx = 1", "from knot_a import x\ny = 2"),
+        ("import knot_b\nx = 1", "import knot_a\ny = knot_a.x"),
+    ],
+)
+def test_modules_that_import_each_other(load: Load, tmp_path: Path, first: str, second: str) -> None:
+    source = tmp_path / "src"
+    source.mkdir()
+    (source / "knot_a.py").write_text(first)
+    (source / "knot_b.py").write_text(second)
+    error = failure(load, "import knot_a\n" + END)
+    assert "circular import: knot_a imports knot_b, which imports knot_a, which has no 'x' yet" in error.message
+    assert "import of 'knot_b' in the function of 'knot_a'" in error.mend
+    assert [Path(step.where.file).name for step in error.steps] == ["scene.py", "knot_a.py", "knot_b.py"]
+
+
+@pytest.mark.parametrize("module", ["no_such_rospy", "no_such_rospy.core", "no_such_tf"])
+def test_a_module_of_ros_1_that_is_missing(load: Load, monkeypatch: pytest.MonkeyPatch, module: str) -> None:
+    ros = replace(registry.middleware("ros"), modules=("no_such_rospy",), imports=("no_such_tf",))
+    monkeypatch.setattr(registry, "installed", lambda: {"ros": ros})
+    error = failure(load, f"import {module}\n" + END)
+    assert error.where is not None
+    assert error.where.line == 1
+    for way in ("apt install", "add_stream('ros2')", "add_stream('rosbridge')"):
+        assert way in error.mend
 
 
 def test_broken_component_class(load: Load, project: Path) -> None:

@@ -237,6 +237,46 @@ def test_a_flood_of_bad_messages_does_not_flood_the_log(bench: Bench, caplog: py
     client.close()
 
 
+def test_what_is_refused_again_is_logged_again(
+    bench: Bench, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At once for each field and client, although the last line of its kind is less than ten seconds old."""
+    monkeypatch.setattr("morse.core.clients.complaints._PERIOD", 1e9)
+    motion = bench.actuator(port=0)
+    one, other = bench.connect("robot1.motion"), bench.connect("robot1.motion")
+
+    def refusals(client: Peer, message: bytes, number: int) -> int:
+        """The lines of the log after three equal messages; a good one of another field tells that they were read."""
+        client.send(message * 3 + b'{"w": %d}\n' % number)
+        bench.tick_until(lambda: motion.local_data["w"] == number)
+        return caplog.text.count("'v' is nan")
+
+    bad, good = b'{"v": NaN}\n', b'{"v": 1.0}\n'
+    assert refusals(one, bad, 1) == 1
+    assert refusals(one, bad, 2) == 1, "it is still refused"
+    assert refusals(other, bad, 3) == 2, "another client"
+    assert refusals(one, good, 4) == 2
+    assert refusals(one, bad, 5) == 3, "it begins again"
+    assert refusals(other, bad, 6) == 3, "the good message was not of this client"
+    one.send(b'{"w": "x"}\n')
+    bench.tick_until(lambda: "'w' is 'x'" in caplog.text)
+    one.close()
+    other.close()
+
+
+def test_a_client_that_is_right_and_wrong_in_turn_does_not_flood_the_log(
+    bench: Bench, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morse.core.clients.complaints._PERIOD", 1e9)
+    motion = bench.actuator(port=0)
+    client = bench.connect("robot1.motion")
+    for number in range(1, 51):
+        client.send(b'{"v": NaN}\n{"v": %d}\n' % number)
+        bench.tick_until(lambda number=number: motion.local_data["v"] == number)
+    assert 2 <= caplog.text.count("'v' is nan") <= 12
+    client.close()
+
+
 def test_modifiers_run_only_when_something_arrived(bench: Bench) -> None:
     motion = bench.actuator(port=0)
     calls = []

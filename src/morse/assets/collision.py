@@ -54,10 +54,15 @@ _EARLIER = KnownShapes()
 
 
 def resolve_shapes(scene: Scene) -> list[str]:
+    """Compute ``shapes`` of every node without shapes; see `warnings_of_shapes`."""
+    return [text for _, text in warnings_of_shapes(scene)]
+
+
+def warnings_of_shapes(scene: Scene) -> list[tuple[Node, str]]:
     """Compute ``shapes`` of every node without shapes.
 
     Returns:
-        Warnings about meshes that are too complex for exact collision shapes.
+        Nodes with meshes that are too complex for exact collision shapes, and the warnings.
 
     Raises:
         ValueError: the scene has too many shapes, or too many scaled copies of large meshes.
@@ -84,7 +89,7 @@ class _Resolving:
     """
 
     def __init__(self) -> None:
-        self.warnings: list[str] = []
+        self.warnings: list[tuple[Node, str]] = []
         self._shapes_by_key: dict[_Key, list[CollisionShape]] = {}
         self._contents: dict[int, bytes] = {}
         self._parts = self._scale_count = 0
@@ -104,7 +109,7 @@ class _Resolving:
             shapes, warnings = _shapes_of_mesh(self._content(node), node.mesh, numbers, node.body.bounds, limit)
             self._shapes_by_key[key] = list(shapes)
             self._parts += max(len(shapes) - _FREE_PARTS, 0)
-            self.warnings += [f"'{node.name}': {text}" for text in warnings]
+            self.warnings += [(node, f"'{node.name}': {text}") for text in warnings]
         return self._shapes_by_key[key]
 
     def _content(self, node: Node) -> bytes:

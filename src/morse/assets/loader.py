@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from morse.assets.arguments import ARGUMENTS
 from morse.assets.formats import reader_of
 from morse.assets.triangle_limit import check_triangles
+from morse.scene.scene_warnings import is_first
 from morse.system.regular_files import open_regular
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def load(path: str | Path, arguments: Mapping[str, str] | None = None) -> Librar
     key = path, tuple(sorted((arguments or {}).items()))
     present = _cache.get(key)
     if present is not None and present[0] == stamp:
+        _warn(path, present[1])
         return present[1]
     token = ARGUMENTS.set(dict(arguments or {}))
     try:
@@ -54,10 +56,16 @@ def load(path: str | Path, arguments: Mapping[str, str] | None = None) -> Librar
         ARGUMENTS.reset(token)
     meshes = {id(node.mesh): node.mesh for root in library.roots for node in root.walk() if node.mesh is not None}
     check_triangles(path, (len(mesh.triangles) for mesh in meshes.values()))
-    for warning in library.warnings:
-        logger.warning("%s: %s", path.name, warning)
     _cache[key] = (stamp, library)
+    _warn(path, library, read=True)
     return library
+
+
+def _warn(path: Path, library: Library, *, read: bool = False) -> None:
+    """Log the warnings of a file, once for each scene; outside of a scene, when it is read."""
+    if library.warnings and is_first(path, otherwise=read):
+        for warning in library.warnings:
+            logger.warning("%s: %s", path.name, warning)
 
 
 def instantiate(node: Node) -> Node:

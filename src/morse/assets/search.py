@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets.formats import suffixes
 from morse.core.classes.plugins import entry_points
-from morse.system import variables
+from morse.system import OF_MACHINE, variables
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -78,7 +78,7 @@ def _package_dirs(package: str) -> list[Path]:
         error: object = "the package does not exist"
     except Exception as raised:  # importing a parent package runs third-party code
         error = repr(raised)
-    logger.warning("the models of the installed package '%s' are left out: %s", package, error)
+    logger.warning("the models of the installed package '%s' are left out: %s", package, error, extra=OF_MACHINE)
     return []
 
 

@@ -61,6 +61,7 @@ from morse.core.exceptions import (
     UnexportableError,
 )
 from morse.scene import TimeStrategies
+from morse.system import OF_MACHINE as _OF_MACHINE
 
 logger = logging.getLogger("morse.builder")
 
@@ -71,7 +72,9 @@ ProjectFinder().install()
 
 for _name, _class in installed_classes(__name__).items():
     if _name in globals():
-        logger.warning("%s of an installed package is left out: MORSE has a class of that name", _name)
+        logger.warning(
+            "%s of an installed package is left out: MORSE has a class of that name", _name, extra=_OF_MACHINE
+        )
     else:
         globals()[_name] = _class
 

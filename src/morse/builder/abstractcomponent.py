@@ -63,6 +63,8 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         self._frequency: float | None = None
         #: whether its frequency, which a file sets, is at most that of the simulation
         self._keeps_tick = False
+        #: the line of the script that has set the frequency
+        self._rate_where: SourceLine | None = None
         self._exportable = True
         self._profiled = False
         self._is_optional = False
@@ -244,6 +246,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         self._keeps_tick = False
         what = f"{type(self).__name__}.frequency(hz)"
         self._frequency = checks.number(frequency, what, above=0.0, maximum=HIGHEST_FREQUENCY)
+        self._rate_where = frames.calling_line()
         self.scene_node.properties["frequency"] = self._frequency
 
     def profile(self) -> None:

@@ -20,6 +20,7 @@ from morse.builder.names import catalog
 from morse.core.classes.builder_defaults import builder_defaults
 from morse.core.classes.plugins import entry_points
 from morse.core.exceptions import MorseBuilderNoComponentError
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -93,7 +94,9 @@ def installed_classes(module: str) -> dict[str, type[Component]]:
                 classes |= derived_classes(f"{point.value}.{kind}", module)
         except Exception as error:
             # an error in a third-party package must not prevent the scene from being built
-            logger.warning("the components of the installed package '%s' are left out: %r", point.value, error)
+            logger.warning(
+                "the components of the installed package '%s' are left out: %r", point.value, error, extra=OF_MACHINE
+            )
     return classes
 
 

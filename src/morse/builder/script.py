@@ -21,8 +21,10 @@ from morse.builder.legacy import bpy, removed
 from morse.builder.legacy.arguments import argv
 from morse.builder.legacy.modules import OldModules
 from morse.builder.libraries import LibrariesFirst
+from morse.builder.names import frames
 from morse.builder.names.places import resource_folders, source_folders
 from morse.core.classes.project_imports import ProjectImports
+from morse.scene.scene_warnings import about, scene_warnings
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -102,10 +104,16 @@ def build(
     """
     global _loading
     resource_names = resource_paths or []
-    with _describing, search.project_dirs([*resource_names, *nearby]), workspace.described() as described:
+    with (
+        _describing,
+        scene_warnings(),
+        search.project_dirs([*resource_names, *nearby]),
+        workspace.described() as described,
+    ):
         before, _loading = _loading, True
         try:
-            describe()
+            with about(frames.source_line):
+                describe()
             if described.environment is not None:
                 for interface in interfaces:
                     described.environment.add_default_interface(interface)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from morse.builder.assembly.description import EnvironmentDescription
     from morse.builder.names.part import Part
-    from morse.scene import Material, ModelUse, Node
+    from morse.scene import Material, ModelUse, Node, SourceLine
 
 _SUFFIX = re.compile(r"\.\d{3,}$")
 
@@ -47,7 +47,7 @@ class Workspace:
         self.selection: list[Node] = []
         self.settings = Settings()
         self.materials: list[Material] = []
-        self.notices: set[tuple[str, str]] = set()
+        self.notices: set[tuple[SourceLine | None, str]] = set()
         self.speed: tuple[float, int, int] | None = None
         self.script: ModuleType | None = None
         self._nodes: dict[str, Node] = {}

@@ -28,7 +28,8 @@ def check_scene(words: Sequence[str], *, fix: bool) -> int:
         fix: whether to write a mended copy beside the script.
 
     Returns:
-        The exit status: 1 if the script does not run.
+        The exit status: 1 if the script does not run, or has a mistake that ``morse run`` warns of. Old forms, which
+        still work, leave it 0.
 
     Raises:
         CommandError: there is no such script.
@@ -37,41 +38,55 @@ def check_scene(words: Sequence[str], *, fix: bool) -> int:
     options = resolved.options()
     result = _surveyed(options)
     _print(result.findings, resolved.script)
-    runs = not result.stops
     if fix:
         _fix(result, resolved.script, options)
-    say(f"{resolved.script.name} {'runs' if runs else 'does not run'}.")
-    return 0 if runs else 1
+    say(_verdict(resolved.script.name, result.findings))
+    return 0 if all(finding.is_old for finding in result.findings) else 1
+
+
+def _verdict(name: str, findings: Sequence[Finding]) -> str:
+    """The last line: whether the script runs, and what keeps ``morse run --strict`` from running it."""
+    if any(finding.stops for finding in findings):
+        return f"{name} does not run."
+    warnings = sum(not finding.is_old for finding in findings)
+    return f"{name} runs, with {_count(warnings, 'warning')}; not with --strict." if warnings else f"{name} runs."
 
 
 def _surveyed(options: RunOptions, text: str | None = None) -> Survey:
     """The findings of the script, and those of its components when they are loaded without connections."""
     # imported on demand, because they load the builder and the simulator
-    from morse.builder.legacy.check import Finding, survey
+    from morse.builder.legacy.check import survey
     from morse.launch.load import load
     from morse.middleware.registry import missing_modules
 
     result = survey(options, text)
     if result.scene is not None and not result.stops:
         try:
-            load(result.scene).close()
+            with result.collecting():
+                load(result.scene).close()
         except (MorseError, ValueError, OSError) as error:
-            result.note(Finding(0, str(error), stops=True))
-        for message in missing_modules(result.scene.managers()):
-            result.note(Finding(0, message, stops=True))
+            result.note_at(getattr(error, "where", None), str(error), stops=True)
+        lines = result.scene.lines_of_managers()
+        for manager, message in missing_modules(lines).items():
+            result.note_at(lines[manager], message, stops=True)
     return result
 
 
 def _print(findings: Sequence[Finding], script: Path) -> None:
     for finding in findings:
-        place = f"{finding.file or script.name}:{finding.line}: " if finding.line else ""
-        typer.echo(f"{place}{'error: ' if finding.stops else ''}{finding.message}")
-    stopping = sum(finding.stops for finding in findings)
-    old = len(findings) - stopping
-    if findings:
-        say(f"{_count(stopping, 'error')}; {_count(old, 'line')} with an old form, which still works.")
-    else:
-        say("Nothing needs a change.")
+        place = f"{finding.file or script.name}:{finding.line}: " if finding.line else f"{script.name}: "
+        kind = "error: " if finding.stops else "" if finding.is_old else "warning: "
+        typer.echo(f"{place}{kind}{finding.message}")
+    say(f"{_counted(findings)}." if findings else "Nothing needs a change.")
+
+
+def _counted(findings: Sequence[Finding]) -> str:
+    errors, old = sum(finding.stops for finding in findings), sum(finding.is_old for finding in findings)
+    numbers = ((errors, "error"), (len(findings) - errors - old, "warning"), (old, "line"))
+    words = [_count(number, what) for number, what in numbers if number]
+    if old:
+        words[-1] += f" with an old form, which still {'works' if old == 1 else 'work'}"
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
 def _count(number: int, what: str) -> str:

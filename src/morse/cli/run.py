@@ -88,7 +88,14 @@ def command(
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of all random numbers.")] = None,
     verbose: Annotated[bool, typer.Option("--verbose", help="List all services at the start.")] = False,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Treat unknown fields and wrong types in messages of clients as errors.")
+        bool,
+        typer.Option("--strict", help="Treat each warning about the scene as an error, and --strict-commands."),
+    ] = False,
+    strict_commands: Annotated[
+        bool,
+        typer.Option(
+            "--strict-commands", help="Treat unknown fields and wrong types in messages of clients as errors."
+        ),
     ] = False,
     keep_going: Annotated[
         bool,
@@ -161,8 +168,9 @@ def command(
         duration=None if duration is None else _duration(duration),
         seed=_seed(seed),
         profile=profile,
-        strict=strict,
         keep_going=keep_going,
+        strict=strict or strict_commands,
+        on_warning="raise" if strict else "log",
         verbose=verbose,
         interfaces=["ros2"] if ros2 else [],
         record=_record(record),

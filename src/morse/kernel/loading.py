@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from morse.kernel import targets
-from morse.system import variables
+from morse.system import OF_MACHINE, variables
 
 logger = logging.getLogger(__name__)
 
@@ -43,7 +43,8 @@ def library() -> ctypes.CDLL:
     if is_stale(target):
         logger.warning(
             "The native kernel was compiled from other sources than those of this checkout: run python -m "
-            "morse.kernel.build"
+            "morse.kernel.build",
+            extra=OF_MACHINE,
         )
     try:
         return load(target, file_names[choice]) if choice in file_names else _best(target)

@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.assets.formats import is_model
+from morse.core.exceptions import MorseError
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import quoted
 from morse.kernel import loading, threads
 from morse.scene import Scene
 from morse.scene.image_workers import image_workers
+from morse.scene.scene_warnings import about, scene_warnings
 from morse.simulation.options import RunOptions
 from morse.system import variables
 
@@ -23,11 +25,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.physics.model.compile import Compiled
+    from morse.scene.scene_warnings import SceneWarning
     from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger("morse.main")
 
 _ON_FAILURE = ("deactivate", "raise")
+_ON_WARNING = ("log", "raise")
 _VIEWS = ("web", "studio", "none", None)
 
 
@@ -47,6 +51,7 @@ def load(
     view_origins: Sequence[str] = (),
     watch: bool = False,
     on_failure: str = "deactivate",
+    on_warning: str = "log",
     record: str | os.PathLike[str] | None = None,
     keep_last: float = 0.0,
     cameras_on: int | str | None = None,
@@ -76,6 +81,8 @@ def load(
         on_failure: effect of an error in a component, a modifier, a stream, an observer or a callback. ``deactivate``
             switches off this part alone and logs its file and line; ``raise`` also raises the error from
             `Simulation.step` or `Simulation.run`, after the tick.
+        on_warning: ``log`` logs the warnings about the scene; ``raise`` raises an error that lists all of them, as
+            ``morse run --strict`` does.
         record: path of a recording of the run; see `Simulation.record`.
         keep_last: simulated seconds before a failure that are kept and written when it happens, as with
             ``morse run --keep-last``.
@@ -87,11 +94,13 @@ def load(
         FileNotFoundError: the file does not exist.
         ScriptError: the scene script has an error; the message contains the line.
         LoadError: a component cannot be created.
+        SceneWarningError: with ``on_warning="raise"``, the scene has warnings.
         ValueError: the physics of the scene cannot be compiled, or an option has an invalid value.
         TypeError: an option has the wrong type.
     """
     _check(seed, view, arguments, speed, view_port)
-    _check_failure(on_failure)
+    _check_word("on_failure", on_failure, _ON_FAILURE)
+    _check_word("on_warning", on_warning, _ON_WARNING)
     if isinstance(keep_last, bool) or not isinstance(keep_last, numbers.Real) or not 0.0 <= float(keep_last) < math.inf:
         raise ValueError(f"keep_last is a number of simulated seconds, not {keep_last!r:.80}")
     options = RunOptions(
@@ -109,21 +118,21 @@ def load(
         strict=strict,
         watch=watch,
         on_failure=on_failure,
+        on_warning=on_warning,
         record=None if record is None else os.fspath(record),
         keep_last=float(keep_last),
         cameras_on=None if cameras_on is None else image_workers(cameras_on),
     )
-    simulation = start(described(scene, options), options)
+    with scene_warnings(refused=on_warning == "raise"):
+        simulation = start(described(scene, options), options)
     if simulation.view is not None:
         simulation.view.announce()
     return simulation
 
 
-def _check_failure(on_failure: object) -> None:
-    if on_failure not in _ON_FAILURE:
-        raise ValueError(
-            f"on_failure is 'deactivate' or 'raise', not {quoted(on_failure)}{nearest(on_failure, _ON_FAILURE)}"
-        )
+def _check_word(name: str, word: object, words: tuple[str, str]) -> None:
+    if word not in words:
+        raise ValueError(f"{name} is '{words[0]}' or '{words[1]}', not {quoted(word)}{nearest(word, words)}")
 
 
 def _origins(origins: Any) -> list[str]:
@@ -207,14 +216,15 @@ def start(scene: Scene, options: RunOptions, compiled: Compiled | None = None) -
     from morse.simulation.simulation import Simulation
 
     review_settings()
-    if compiled is None:
-        resolve(scene)
-    simulation = Simulation(scene, options, compiled)
-    try:
-        complete(simulation)
-    except BaseException:
-        simulation.close()
-        raise
+    with scene_warnings(refused=options.on_warning == "raise"), about(scene.where):
+        if compiled is None:
+            resolve(scene)
+        simulation = Simulation(scene, options, compiled)
+        try:
+            complete(simulation)
+        except BaseException:
+            simulation.close()
+            raise
     return simulation
 
 
@@ -229,10 +239,33 @@ def review_settings() -> None:
 
 def resolve(scene: Scene) -> None:
     """Compute the collision shapes of a scene, and log warnings."""
-    from morse.assets.collision import resolve_shapes
+    from morse.assets.collision import warnings_of_shapes
 
-    for warning in resolve_shapes(scene):
-        logger.warning("%s", warning)
+    for node, warning in warnings_of_shapes(scene):
+        logger.warning("%s", warning, extra={"where": node.line or scene.where})
+
+
+class SceneWarningError(MorseError):
+    """A scene has warnings, and is to have none.
+
+    Attributes:
+        warnings: all of them.
+    """
+
+    def __init__(self, warnings: Sequence[SceneWarning]) -> None:
+        self.warnings = tuple(warnings)
+        count = "a warning, which is" if len(warnings) == 1 else f"{len(warnings)} warnings, which are"
+        super().__init__("\n  ".join([f"the scene has {count} refused (--strict):", *map(str, warnings)]))
+
+
+def refuse(warnings: Sequence[SceneWarning]) -> None:
+    """Raise the error for warnings that are refused, if there are any.
+
+    Raises:
+        SceneWarningError: there are.
+    """
+    if warnings:
+        raise SceneWarningError(warnings)
 
 
 def complete(simulation: Simulation) -> None:
@@ -240,6 +273,7 @@ def complete(simulation: Simulation) -> None:
 
     Raises:
         LoadError: a component cannot be created.
+        SceneWarningError: the scene has warnings, and is to have none.
         RecordingError: the recording cannot be written.
         OSError: the live view cannot be opened.
     """
@@ -248,16 +282,15 @@ def complete(simulation: Simulation) -> None:
     from morse.simulation.fallen import Fallen
     from morse.simulation.published_data import PublishedData
 
-    simulation.load()
-    serious, others = overlaps(simulation.world)
-    for level, message in (
-        (logging.WARNING, serious),
-        (logging.INFO, others),
-        (logging.WARNING, raised(simulation.world)),
-        (logging.WARNING, below_the_floor(simulation.world)),
-    ):
-        if message:
-            logger.log(level, "%s", message)
+    with scene_warnings(refused=simulation.options.on_warning == "raise") as collected, about(simulation.scene.where):
+        simulation.load()
+        serious, others = overlaps(simulation.world)
+        for message, where in (serious, raised(simulation.world), below_the_floor(simulation.world)):
+            if message:
+                logger.warning("%s", message, extra={"where": where})
+        if others:
+            logger.info("%s", others)
+        refuse(collected.complete())
     if simulation.options.view != "none":
         from morse.viewer.opening import open_view
 

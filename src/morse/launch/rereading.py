@@ -11,7 +11,9 @@ from morse.builder.script import ScriptError, load_scene
 from morse.core.classes.project_imports import ProjectImports
 from morse.core.exceptions import MorseError
 from morse.core.observer import SHOWN
+from morse.launch.load import refuse
 from morse.launch.stamps import Stamps, script_stamp, source_stamps, sources_of
+from morse.scene.scene_warnings import scene_warnings
 from morse.simulation.watching.files import stamp
 from morse.simulation.watching.watch import Watch
 
@@ -66,7 +68,9 @@ class Rereading:
             project.leave()
         stamps = script_stamp(self._options)
         try:
-            scene = load_scene(self._options, anew=True)
+            with scene_warnings(refused=self._options.on_warning == "raise") as collected:
+                scene = load_scene(self._options, anew=True)
+                refuse(collected.complete())
         except (ScriptError, MorseError) as error:
             text = error.report() if isinstance(error, ScriptError) else str(error)
             first, _, rest = text.partition("\n")

@@ -24,6 +24,7 @@ from morse.launch.ending_signals import ending_signals
 from morse.launch.load import review_settings
 from morse.launch.stamps import script_stamp, source_stamps
 from morse.launch.stuck_ticks import StuckTicks
+from morse.scene.scene_warnings import WarningCount, scene_warnings
 from morse.simulation.ending import FAULTS
 from morse.simulation.summary import summary
 from morse.version import __version__
@@ -63,11 +64,11 @@ def run(
         The exit status: 0; 1 if the scene could not be loaded or the run failed; `FAULTS` if it has run to its end, but
         not all of its parts have, unless the options say ``keep_going``; 130 after Ctrl+C before it has begun.
     """
+    course = _Course(options.keep_going)
     section("PRE-INITIALIZATION")
     logger.info("MORSE %s, Python %s", __version__, platform.python_version())
     logger.info("PID: %d", os.getpid())
     review_settings()
-    course = _Course(options.keep_going)
     try:
         if leave is not None:
             _leave_at_second_interruption(leave)
@@ -103,6 +104,8 @@ class _Course:
         self.status = 1
         self._keep_going = keep_going
         self._before: list[Failure] = []
+        self._warnings = WarningCount()
+        logging.getLogger("morse").addHandler(self._warnings)
 
     def replace(self) -> None:
         """The simulation has ended, and another one follows: its failures remain those of the run."""
@@ -117,7 +120,9 @@ class _Course:
         return FAULTS if has_failed and not self.status and not self._keep_going else self.status
 
     def report(self) -> None:
-        """Log one line for each part that has failed, and for each robot that has left the world."""
+        """Log the number of warnings, and one line for each part that has failed and each robot that left the world."""
+        logger.info("%s", self._warnings)
+        logging.getLogger("morse").removeHandler(self._warnings)
         failures = self._failures()
         faults = [failure for failure in failures if failure.kind == "fault"]
         fallen = [failure for failure in failures if failure.kind == "fallen"]
@@ -134,12 +139,13 @@ class _Course:
 
 def _simulate(course: _Course, options: RunOptions, ready: Callable[[Simulation], object] | None, leave: Leave) -> None:
     stamps = script_stamp(options)
-    next_scene = _load_scene(options)
-    if next_scene is not None:
-        stamps |= source_stamps(next_scene)
-    while next_scene is not None:
-        scene, next_scene = next_scene, None
-        simulation = _start(course, scene, options, leave)
+    scene: Scene | None = None
+    while True:
+        with scene_warnings(refused=options.on_warning == "raise"):
+            if scene is None:
+                scene = _load_scene(options)
+                stamps |= {} if scene is None else source_stamps(scene)
+            simulation = None if scene is None else _start(course, scene, options, leave)
         if simulation is None:
             course.status = 1
             return
@@ -149,10 +155,11 @@ def _simulate(course: _Course, options: RunOptions, ready: Callable[[Simulation]
             ready = None
         rereading = _follow(simulation, options, stamps)
         course.status = _loop(simulation, leave)
-        if rereading is not None and rereading.successor is not None:
-            _finish(course, leave, for_another=True)
-            course.replace()
-            next_scene, options, stamps = rereading.successor
+        if rereading is None or rereading.successor is None:
+            return
+        _finish(course, leave, for_another=True)
+        course.replace()
+        scene, options, stamps = rereading.successor
 
 
 def _error(text: str) -> None:
@@ -200,8 +207,7 @@ def _start(course: _Course, scene: Scene, options: RunOptions, leave: Leave = No
         from morse.simulation.simulation import Simulation
     if signals:
         raise KeyboardInterrupt
-    for name, level in scene.log_levels.items():
-        set_level(name, level)
+    _set_levels(scene, warns=options.on_warning == "raise")
     try:
         section("SUPERVISION SERVICES INITIALIZATION")
         resolve(scene)
@@ -217,6 +223,7 @@ def _start(course: _Course, scene: Scene, options: RunOptions, leave: Leave = No
     try:
         section("SCENE INITIALIZATION")
         complete(simulation)
+        _set_levels(scene)
     except (MorseError, ValueError, OSError) as error:
         _failed(error)
         course.simulation = simulation
@@ -236,6 +243,12 @@ def _start(course: _Course, scene: Scene, options: RunOptions, leave: Leave = No
         logger.info("the run is recorded in %s", recorder.path)
     endsection("SCENE INITIALIZED")
     return simulation
+
+
+def _set_levels(scene: Scene, *, warns: bool = False) -> None:
+    """Set the levels of the script; if it ``warns``, none that hides warnings."""
+    for name, level in scene.log_levels.items():
+        set_level(name, "WARNING" if warns and level in ("ERROR", "CRITICAL") else level)
 
 
 def _failed(error: Exception) -> None:
@@ -349,6 +362,8 @@ def _write_trace(profile: Profile) -> None:
 def _finish(course: _Course, leave: Leave = None, *, for_another: bool = False) -> None:
     simulation = course.simulation
     if simulation is None or simulation.finished:
+        if simulation is None and not for_another:
+            course.report()
         return
     if leave is not None:
         simulation.ending.leave = partial(course.leave, leave)

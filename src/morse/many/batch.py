@@ -57,7 +57,7 @@ def batch(
         rows: number of rows, N; by default the number of scenes, or of lists of arguments.
         seed: a number for the seeds ``seed``, ``seed + 1``, …; or a list of one seed for each row.
         arguments: ``sys.argv[1:]`` of a scene script; or a list of such lists, which the rows use in turn.
-        options: other arguments of `morse.load`: ``strict``, ``on_failure``.
+        options: other arguments of `morse.load`: ``strict``, ``on_failure``, ``on_warning``.
 
     Raises:
         ValueError: the number of rows is missing, or the numbers of rows and seeds differ.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 #: arguments of `morse.load` that hold for all rows
-_OPTIONS = ("strict", "on_failure")
+_OPTIONS = ("strict", "on_failure", "on_warning")
 _ARGUMENTS = ("rows", "seed", "arguments", *_OPTIONS)
 
 

@@ -25,9 +25,10 @@ from morse.core.classes.plugins import entry_points
 from morse.core.declarations import says_nothing
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.hints import closest
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Iterable, Mapping
     from importlib.metadata import EntryPoint
 
     from morse.core.declarations import Option
@@ -63,6 +64,8 @@ class Middleware:
         needs_network: whether it opens connections; if not, it is used in every simulation.
         not_carried: names of component classes without streams.
         modules: Python modules of others without which it cannot connect.
+        mend: how to install them, and what can be used without them; a sentence without a full stop.
+        imports: Python modules that scripts import together with them.
         takes_old_names: whether its streams can be given by class paths of MORSE 1.4 that are not classes any more.
     """
 
@@ -76,7 +79,18 @@ class Middleware:
     needs_network: bool = True
     not_carried: tuple[str, ...] = ()
     modules: tuple[str, ...] = ()
+    mend: str = ""
+    imports: tuple[str, ...] = ()
     takes_old_names: bool = False
+
+    @property
+    def missing(self) -> str:
+        """A message if it cannot connect because modules are not installed; else empty. Nothing is imported."""
+        names = [f"'{module}'" for module in self.modules if find_spec(module) is None]
+        several = len(names) > 1
+        what = f"{self.name}: the Python module{'s' if several else ''} {' and '.join(names)}"
+        mend = f". {self.mend}" if self.mend else ""
+        return f"{what} {'are' if several else 'is'} not installed{mend}" if names else ""
 
     def has_stream(self, classpath: str) -> bool:
         """Whether there is a stream class with that path; those outside MORSE are not looked up."""
@@ -136,23 +150,32 @@ def installed() -> dict[str, Middleware]:
         try:
             middlewares.setdefault(point.name, _brought(point))
         except MorseMiddlewareError as error:
-            logger.warning("%s", error)
+            logger.warning("%s", error, extra=OF_MACHINE)
     return middlewares
 
 
-def missing_modules(managers: Collection[str]) -> list[str]:
-    """A message for each middleware that cannot connect because a module is not installed; nothing is imported.
+def middleware_of_module(name: str) -> Middleware | None:
+    """The middleware that needs a Python module of others, or whose scripts import it."""
+    entries = installed().values()
+    return next((entry for entry in entries if name.partition(".")[0] in (*entry.modules, *entry.imports)), None)
+
+
+def missing_modules(managers: Iterable[str]) -> dict[str, str]:
+    """The stream and request managers that cannot connect because a module is not installed; nothing is imported.
 
     Args:
         managers: class paths of stream and request managers.
+
+    Returns:
+        The class path of each of them, and a message.
     """
-    return [
-        f"{entry.name}: the Python module '{module}' is not installed"
+    messages = {
+        manager: entry.missing
         for entry in installed().values()
-        if {entry.stream_manager, entry.request_manager} & set(managers)
-        for module in entry.modules
-        if find_spec(module) is None
-    ]
+        for manager in (entry.stream_manager, entry.request_manager)
+        if manager is not None and entry.modules
+    }
+    return {manager: messages[manager] for manager in managers if messages.get(manager)}
 
 
 def middleware(name: str) -> Middleware:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from morse.scene.appearance import Camera, Image, Light, Material
     from morse.scene.armature import Bone
     from morse.scene.articulation import Articulation, Inertial
+    from morse.scene.component import SourceLine
     from morse.scene.mesh import Mesh
     from morse.scene.shapes import CollisionShape
 
@@ -57,6 +58,7 @@ class Node:
         inertial: mass of a link whose joint the physics moves, or None.
         articulation: joints of an armature whose joints the physics moves, or of the robot to which it belongs; or
             None.
+        where: the line of the script that created it, or None if that is the line of the parent.
     """
 
     name: str
@@ -83,11 +85,17 @@ class Node:
     bone: str = ""
     inertial: Inertial | None = None
     articulation: Articulation | None = None
+    where: SourceLine | None = None
 
     @property
     def plain_name(self) -> str:
         """The name in the source file without a copy suffix (``left_eye`` for ``left_eye.001``)."""
         return _COPY_SUFFIX.sub("", self.source_name or self.name)
+
+    @property
+    def line(self) -> SourceLine | None:
+        """The line of the script that created it, or the nearest node above it; None for the world itself."""
+        return next((node.where for node in (self, *self.ancestors()) if node.where is not None), None)
 
     def attach(self, child: Node, *, keep_world_pose: bool = False) -> None:
         """Make ``child`` a child of this node; its local pose is kept unless ``keep_world_pose``.

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from contextlib import AbstractContextManager
 
-    from morse.scene.component import ComponentDeclaration
+    from morse.scene.component import ComponentDeclaration, SourceLine
     from morse.scene.model import ModelUse
     from morse.scene.node import Node
 
@@ -32,6 +32,7 @@ class Scene:
 
     Attributes:
         environment: the name in the script, e.g. ``indoors-1/boxes``.
+        where: the line of the script that created the environment.
         roots: nodes without a parent, in the order of creation.
         components: robots, sensors and actuators, in the order of creation.
         models: the model files from which nodes were loaded.
@@ -60,14 +61,23 @@ class Scene:
     resource_paths: list[str] = field(default_factory=list)
     nearby_paths: list[str] = field(default_factory=list)
     project: AbstractContextManager[object] = field(default_factory=nullcontext)
+    where: SourceLine | None = None
 
     def managers(self) -> set[str]:
         """The class paths of all stream and request managers that the scene uses."""
-        names = set(self.simulation_managers)
+        return set(self.lines_of_managers())
+
+    def lines_of_managers(self) -> dict[str, SourceLine | None]:
+        """The class paths of all stream and request managers, and the first line of the script that needs each."""
+        lines: dict[str, SourceLine | None] = dict.fromkeys(self.simulation_managers, self.where)
         for component in self.components:
-            names.update(component.managers, (stream.manager for stream in component.streams))
-            names.update(overlay.manager for overlay in component.overlays)
-        return names
+            for stream in component.streams:
+                lines.setdefault(stream.manager, stream.where or component.where)
+            for overlay in component.overlays:
+                lines.setdefault(overlay.manager, overlay.where or component.where)
+            for manager in component.managers:
+                lines.setdefault(manager, component.where)
+        return lines
 
     def copy(self) -> Scene:
         """Return a copy that shares no objects that a simulation changes; meshes and images are shared."""

@@ -19,6 +19,7 @@ from morse.core.robot import Robot
 from morse.core.rows.unread import Unclaimed
 from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel
+from morse.scene.scene_warnings import about
 from morse.simulation.threads import watch_threads
 
 if TYPE_CHECKING:
@@ -29,13 +30,21 @@ if TYPE_CHECKING:
     from morse.core.modifier import AbstractModifier
     from morse.core.object import Object
     from morse.core.world import Body
-    from morse.scene import ComponentDeclaration, ModifierDeclaration
+    from morse.scene import ComponentDeclaration, ModifierDeclaration, SourceLine
 
 logger = logging.getLogger(__name__)
 
 
 class LoadError(MorseError):
-    """A component of the scene cannot be created."""
+    """A component of the scene cannot be created.
+
+    Attributes:
+        where: the line of the script that created it, or None.
+    """
+
+    def __init__(self, value: object = "", where: SourceLine | None = None) -> None:
+        super().__init__(value)
+        self.where = where
 
 
 @dataclass(eq=False)
@@ -86,7 +95,8 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
             robot = make_component(context, declaration, None)
             if not isinstance(robot, Robot):
                 raise LoadError(
-                    f"{_where(declaration)}: {declaration.classpath} is not a subclass of morse.core.robot.Robot"
+                    f"{_where(declaration)}: {declaration.classpath} is not a subclass of morse.core.robot.Robot",
+                    declaration.where,
                 )
             by_node[declaration.node] = robot
             own = declaration.kind == "robot"
@@ -103,7 +113,8 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
             except LoadError as error:
                 if not declaration.is_optional:
                     raise
-                logger.warning("a model file declares it, but it is left out: %s", error)
+                with about(declaration.where):
+                    logger.warning("a model file declares it, but it is left out: %s", error)
                 continue
             context.components[declaration.name] = component
             (parts.sensors if declaration.kind == "sensor" else parts.actuators).append(component)
@@ -129,6 +140,7 @@ def _warn_of_rivals(context: Context, declarations: Sequence[ComponentDeclaratio
                 _where(declaration),
                 declaration.robot.name,
                 mend or "remove one of them",
+                extra={"where": declaration.where},
             )
 
 
@@ -143,6 +155,11 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
     Raises:
         LoadError: the message contains the component and the line of the script that created it.
     """
+    with about(declaration.where):
+        return _made(context, declaration, robot)
+
+
+def _made(context: Context, declaration: ComponentDeclaration, robot: Robot | None) -> Any:
     obj = context.world.object_of(declaration.node)
     if declaration.frequency is not None:
         obj["frequency"] = declaration.frequency
@@ -164,11 +181,12 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
             component.realism = component.make_realism(realism)
         return component
     except MorseError as error:
-        raise LoadError(f"{_where(declaration)}: {error}") from None
+        raise LoadError(f"{_where(declaration)}: {error}", declaration.where) from None
     except ENDINGS:
         raise
     except BaseException as error:
-        raise LoadError(f"{_where(declaration)} could not be created: {describe(error)}") from error
+        text = f"{_where(declaration)} could not be created: {describe(error)}"
+        raise LoadError(text, declaration.where) from error
 
 
 def _check_methods(component: Object, declaration: ComponentDeclaration) -> None:
@@ -211,10 +229,12 @@ def connect(context: Context, parts: Loaded, declarations: Sequence[ComponentDec
     with Unclaimed(component for _, component in present):
         for declaration, component in present:
             for modifier in declaration.modifiers:
-                _add_modifier(component, declaration, modifier, parts)
+                with about(modifier.where or declaration.where):
+                    _add_modifier(component, declaration, modifier, parts)
     check_kinds(present)
     for declaration, component in present:
-        _add_interfaces(context, component, declaration)
+        with about(declaration.where):
+            _add_interfaces(context, component, declaration)
 
 
 def _add_interfaces(context: Context, component: Object, declaration: ComponentDeclaration) -> None:
@@ -229,7 +249,7 @@ def _add_interfaces(context: Context, component: Object, declaration: ComponentD
     except (MorseError, *ENDINGS):
         raise
     except BaseException as error:
-        raise LoadError(f"overlay of {_where(declaration)}: {describe(error)}") from error
+        raise LoadError(f"overlay of {_where(declaration)}: {describe(error)}", declaration.where) from error
     for stream in declaration.streams:
         if (context.network is None and needs_network(stream.manager)) or stream.manager in context.guard.managers_off:
             continue
@@ -237,14 +257,15 @@ def _add_interfaces(context: Context, component: Object, declaration: ComponentD
             manager = context.stream_managers.get(stream.manager)
             if manager is None:
                 manager = context.stream_managers[stream.manager] = make_stream_manager(context, stream.manager)
-            manager.connect(component, stream)
+            with about(stream.where):
+                manager.connect(component, stream)
         except MorseError as error:
-            raise LoadError(f"{_where(declaration)}: {error}") from None
+            raise LoadError(f"{_where(declaration)}: {error}", declaration.where) from None
         except (OSError, *ENDINGS):
             raise
         except BaseException as error:
             text = f"the stream {stream.stream} of {_where(declaration)} cannot be opened: {describe(error)}"
-            raise LoadError(text) from error
+            raise LoadError(text, stream.where or declaration.where) from error
     if context.network is None:
         return
     for name in declaration.managers:
@@ -266,7 +287,8 @@ def check_kinds(present: list[tuple[ComponentDeclaration, Object]]) -> None:
     declarations = {component: declaration for declaration, component in present}
     findings = findings_of(component for _, component in present)
     if findings:
-        raise LoadError("\n".join(f"{_where(declarations[one])}: {finding}" for one, finding in findings))
+        text = "\n".join(f"{_where(declarations[one])}: {finding}" for one, finding in findings)
+        raise LoadError(text, declarations[findings[0][0]].where)
 
 
 def make_modifier(
@@ -285,11 +307,12 @@ def make_modifier(
         instance.initialize()
         return instance
     except MorseError as error:
-        raise LoadError(f"modifier of {_where(declaration)}: {error}") from None
+        raise LoadError(f"modifier of {_where(declaration)}: {error}", modifier.where) from None
     except ENDINGS:
         raise
     except BaseException as error:
-        raise LoadError(f"modifier {modifier.classpath} of {_where(declaration)}: {describe(error)}") from error
+        text = f"modifier {modifier.classpath} of {_where(declaration)}: {describe(error)}"
+        raise LoadError(text, modifier.where) from error
 
 
 def _add_modifier(

@@ -37,6 +37,7 @@ class RunOptions:
         cameras_on: where images are rendered, see `morse.scene.image_workers`; None for the value of the scene.
         keep_going: whether a part that fails, and a robot that leaves the world, change neither the length nor the exit
             status of a run.
+        on_warning: ``log`` logs warnings about the scene; ``raise`` refuses a scene that has any.
         on_failure: ``deactivate`` switches off a part that raises an error; ``raise`` also raises the error.
     """
 
@@ -65,4 +66,5 @@ class RunOptions:
     record_only: list[str] | None = None
     cameras_on: int | str | None = None
     keep_going: bool = False
+    on_warning: str = "log"
     on_failure: str = "deactivate"

@@ -6,6 +6,8 @@ import difflib
 import logging
 import os
 
+from morse.system import OF_MACHINE
+
 logger = logging.getLogger(__name__)
 
 #: smallest and largest value of variables that are numbers
@@ -36,7 +38,7 @@ def whole(name: str) -> int | None:
     try:
         return checked_whole(name, text(name)) if text(name) else None
     except ValueError as error:
-        logger.warning("%s; it is ignored", error)
+        logger.warning("%s; it is ignored", error, extra=OF_MACHINE)
         return None
 
 
@@ -58,7 +60,7 @@ def word(name: str) -> str:
     value, words = text(name).lower(), _WORDS[name]
     if not value or value in words:
         return value
-    logger.warning("%s=%r is none of %s and is ignored", name, value[:60], ", ".join(words))
+    logger.warning("%s=%r is none of %s and is ignored", name, value[:60], ", ".join(words), extra=OF_MACHINE)
     return ""
 
 
@@ -69,4 +71,6 @@ def review() -> None:
         if name.startswith("MORSE_") and name not in names:
             close = difflib.get_close_matches(name, names, n=1, cutoff=_SIMILAR)
             if close:
-                logger.warning("the environment variable %s has no effect; did you mean %s?", name, close[0])
+                logger.warning(
+                    "the environment variable %s has no effect; did you mean %s?", name, close[0], extra=OF_MACHINE
+                )

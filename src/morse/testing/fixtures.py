@@ -62,7 +62,7 @@ def simulate(tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest
     Every simulation ends with the test, which fails if the simulation reported an error. In the process of the test,
     ``step`` raises the error of a component that fails. With ``on_failure="deactivate"``, errors are only logged and
     the component is deactivated, as without tests. Unless ``strict`` is False, a command with an unknown field or a
-    wrong type is an error.
+    wrong type is an error. With ``on_warning="raise"``, a warning about the scene is an error.
     """
     # scenes of functions and texts are written to other folders
     folders = [*variables.paths(_MODELS), *resource_folders(request.path)[:-1]]
@@ -80,6 +80,7 @@ def simulate(tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest
             seed: int | None = None,
             strict: bool = True,
             on_failure: str = "raise",
+            on_warning: str = "log",
         ) -> Any:
             nonlocal number
             name = f"scene{number}"
@@ -91,11 +92,13 @@ def simulate(tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest
                 options = (*options, f"--seed={seed}")
             complaints = errors if on_failure == "raise" else []
             if not sockets:
-                return _load(scene, options, strict, on_failure, endings, complaints)
+                given = {"strict": strict, "on_failure": on_failure, "on_warning": on_warning}
+                return _load(scene, options, given, endings, complaints)
             if callable(scene):
                 function, scene = scene, tmp_path / f"{name}.py"
                 scene.write_text(script_of_function(function), encoding="utf-8")
-            words = ["--headless", *(["--strict"] if strict else []), *options]
+            words = ["--headless", *(["--strict-commands"] if strict else []), *options]
+            words += ["--strict"] if on_warning == "raise" else []
             return _start(Path(scene), tmp_path / f"{name}.log", words, endings, complaints)
 
         yield start
@@ -127,14 +130,13 @@ def _end(process: SimulationProcess, simu: Morse, errors: list[str]) -> None:
 def _load(
     scene: Callable[[], object] | str | Path,
     options: tuple[str, ...],
-    strict: bool,
-    on_failure: str,
+    given: Options,
     endings: contextlib.ExitStack,
     errors: list[str],
 ) -> object:
     import morse
 
-    simulation = morse.load(scene, strict=strict, on_failure=on_failure, **_in_process(options))
+    simulation = morse.load(scene, **given, **_in_process(options))
     handler = _Errors(errors)
     logger = logging.getLogger("morse")
     logger.addHandler(handler)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from morse.core.clients.web_access import Access, is_loopback
+from morse.system import OF_MACHINE
 from morse.viewer.depot import Depot
 from morse.viewer.describe import describe, world_key
 from morse.viewer.hub import Hub, Wishes
@@ -98,7 +99,7 @@ class ViewServer:
         address = f"[{host}]" if ":" in host else host
         token = self._hub.access.token
         if self._port not in (0, port):
-            logger.warning("port %d is in use: the live view is served on port %d", self._port, port)
+            logger.warning("port %d is in use: the live view is served on port %d", self._port, port, extra=OF_MACHINE)
         return f"http://{address}:{port}/" + (f"?token={quote(token, safe='')}" if token else "")
 
     @property

@@ -42,6 +42,7 @@ class EnvironmentDescription:
     _manager_options: dict[str, dict[str, object]]
     _multinode: dict[str, object] | None
     _distribution: dict[str, list[str]]
+    _distribution_where: SourceLine | None
     _log_levels: dict[str, str]
 
     def add_default_interface(self, interface: str) -> None:

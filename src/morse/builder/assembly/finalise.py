@@ -15,6 +15,7 @@ from morse.builder.components.robot import Robot, connect
 from morse.builder.errors import ScriptError, Step
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration, Scene, TimeStrategies, Zone
+from morse.scene.scene_warnings import about
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from morse.builder.assembly.description import EnvironmentDescription
     from morse.builder.workspace import Workspace
     from morse.core.values import Properties
+    from morse.scene import SourceLine
 
 logger = logging.getLogger(__name__)
 
@@ -43,6 +45,11 @@ def build_scene(workspace: Workspace) -> Scene:
             "the script creates no Environment",
             mend="Write at the end of the script: env = Environment('sandbox') (or 'empty', 'indoors-1/boxes', ...)",
         )
+    with about(environment.where):
+        return _built(workspace, environment)
+
+
+def _built(workspace: Workspace, environment: EnvironmentDescription) -> Scene:
     for interface in environment._default_interfaces:
         for part in workspace.components:
             if isinstance(part, Robot):
@@ -50,19 +57,24 @@ def build_scene(workspace: Workspace) -> Scene:
     settings = environment.settings
     if environment._multinode is not None:
         robots = [part for part in workspace.components if isinstance(part, Robot)]
-        distribute(robots, environment._distribution)
+        with about(environment._distribution_where):
+            distribute(robots, environment._distribution)
     parts = [part for part in workspace.components if isinstance(part, AbstractComponent) and part.is_morseable()]
     own = list(of_own_robots(parts))
     fastest = max((part._frequency or 0.0 for part in own if not part._keeps_tick), default=0.0)
     if environment._auto_tune and settings.time_strategy is TimeStrategies.BestEffort:
         settings.frequency = max(settings.frequency, fastest)
-    _slow_down([part for part in own if part._keeps_tick], settings.frequency)
+    _slow_down(own, settings.frequency)
     _tell_doubles(own)
+    for part in workspace.components:
+        if isinstance(part, AbstractComponent):
+            part.scene_node.where = part._where
     components = [declare(part) for part in own]
     settings.view.display = Displaying(workspace, components).display(environment._wishes)
     _check_poses(workspace)
     return Scene(
         environment=environment.filename,
+        where=environment.where,
         roots=list(workspace.roots),
         components=components,
         zones=[Zone(c.scene_node, c.type) for c in workspace.components if isinstance(c, ZoneComponent)],
@@ -90,19 +102,33 @@ def _tell_doubles(parts: Iterable[AbstractComponent]) -> None:
                     "the file of %s has a component '%s', and the one of the script is called %s: use "
                     "%s.%s['%s'], another name, or Robot(..., sensors=False) without the components of the file",
                     *(robot.name, name, child.name, robot.name, table, name),
+                    extra={"where": child._where},
                 )
 
 
 def _slow_down(parts: Iterable[AbstractComponent], tick: float) -> None:
-    """Let sensors of files measure at most once in a tick: the world does not become slower for one of them."""
-    fast = {part.name: part._frequency for part in parts if (part._frequency or 0.0) > tick}
-    if fast:
-        names = ", ".join(f"{name} ({rate:g} Hz)" for name, rate in fast.items())
+    """Let components act at most once in a tick; the world does not become faster for a sensor of a file."""
+    fast = {part: part._frequency or 0.0 for part in parts if (part._frequency or 0.0) > tick}
+    of_file = {part: rate for part, rate in fast.items() if part._keeps_tick}
+    if of_file:
+        names = ", ".join(f"{part.name} ({rate:g} Hz)" for part, rate in of_file.items())
         mend = "frequency(hz) of the sensor makes the simulation as fast"
-        logger.warning("sensors of files measure in each tick, at %g Hz; %s: %.400s", tick, mend, names)
-    for part in parts:
-        if part.name in fast:
-            part.frequency(tick)
+        where = {"where": next(iter(of_file))._where}
+        logger.warning("sensors of files measure in each tick, at %g Hz; %s: %.400s", tick, mend, names, extra=where)
+    lines: dict[SourceLine, AbstractComponent] = {}
+    for part in fast:
+        if part._rate_where is not None and part not in of_file:
+            lines.setdefault(part._rate_where, part)
+    for line, part in lines.items():
+        logger.warning(
+            "the frequency of '%s' is %g Hz, which is more than the %g ticks per second of the simulation: it becomes "
+            "%g Hz; write frequency(%g), or env.simulator_frequency(%g) for as many ticks",
+            *(part.name, fast[part], tick, tick, tick, fast[part]),
+            extra={"where": line},
+        )
+    for part in fast:
+        # not those of its children, which may be slower
+        AbstractComponent.frequency(part, tick)
 
 
 def _properties(environment: EnvironmentDescription) -> Properties:

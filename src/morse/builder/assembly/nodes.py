@@ -9,6 +9,7 @@ from morse.builder.components.robot import Robot
 from morse.core.node_name import node_name
 from morse.core.reports.hints import nearest
 from morse.scene import PhysicsType
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -42,6 +43,8 @@ def distribute(robots: Sequence[Robot], shares: Mapping[str, Sequence[str]]) -> 
             "morse run --name NODE",
             own,
             nearest(own, list(shares)),
+            # the name is that of this computer or of an option, not of the script
+            extra=OF_MACHINE,
         )
     elif shares:
         for robot in robots:

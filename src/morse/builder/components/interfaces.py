@@ -89,8 +89,8 @@ class Interfaces:
             usual = self._default_stream(manager, datastream, way)
             if stream_class is not None:
                 logger.warning(
-                    "%s: there is no class %s: %s uses the usual stream of '%s'",
-                    frames.source_line(), stream_class, self.name, datastream,
+                    "there is no class %s: %s uses the usual stream of '%s'",
+                    stream_class, self.name, datastream,
                 )  # fmt: skip
             stream_class = usual
         if stream_class.startswith("morse."):
@@ -146,7 +146,7 @@ class Interfaces:
         if not isinstance(target, Interfaces):
             raise TypeError(f"add_service(component) takes a component, got {checks.shown(component)}")
         if config:
-            logger.warning("%s: request managers have no options: %s is ignored", frames.source_line(), config)
+            logger.warning("request managers have no options: %s is ignored", config)
         manager = registry.request_manager(checks.text(interface, "add_service(interface)"))
         if manager not in target._managers:
             target._managers.append(manager)

@@ -17,6 +17,7 @@ from morse.builder.environment.view import ViewMethods
 from morse.builder.errors import checks
 from morse.builder.errors.attributes import unknown_attribute
 from morse.builder.legacy import values
+from morse.builder.legacy.notices import notice
 from morse.builder.names import frames, naming
 from morse.builder.names.part import Strength
 from morse.core.exceptions import MorseBuilderError
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from morse.scene import Camera, Library, Node
-
-logger = logging.getLogger(__name__)
-
 
 #: properties of the world that are numbers
 _PLACE = ("longitude", "latitude", "altitude", "angle_against_north", "UTMXOffset")
@@ -192,4 +190,4 @@ def connect_by_default(robot: Robot) -> None:
 
 
 def _without_effect(method: str) -> None:
-    logger.warning("%s: env.%s has no effect", frames.source_line(), method)
+    notice(f"env.{method} has no effect: leave it out")

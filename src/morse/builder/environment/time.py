@@ -254,7 +254,7 @@ class TimeMethods(EnvironmentDescription):
             # a script may number its nodes
             node = str(node) if isinstance(node, int) else node
             shares[checks.text(node, what.format("distribution"))] = robots
-        self._distribution = shares
+        self._distribution, self._distribution_where = shares, frames.source_line()
         self._multinode = {
             "protocol": protocol,
             "server_address": checks.text(server_address, what.format("server_address")),
@@ -278,4 +278,5 @@ class TimeMethods(EnvironmentDescription):
         self._manager_options = {}
         self._multinode = None
         self._distribution = {}
+        self._distribution_where = None
         self._log_levels = {}

@@ -7,8 +7,6 @@ import math
 from numbers import Real
 from typing import TYPE_CHECKING
 
-from morse.builder.names import frames
-
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -29,8 +27,7 @@ def hint_at_radians(what: str, angles: Iterable[object]) -> None:
             and 2.0 * math.pi + 1e-6 < abs(float(angle)) < math.inf
         ):
             logger.warning(
-                "%s: %s takes radians, and %g rad are %.3g turns; for degrees write math.radians(%g)",
-                frames.source_line() or "?",
+                "%s takes radians, and %g rad are %.3g turns; for degrees write math.radians(%g)",
                 what,
                 angle,
                 angle / (2.0 * math.pi),

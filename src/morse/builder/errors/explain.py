@@ -20,6 +20,7 @@ from morse.builder.names.catalog import KINDS
 from morse.core.exceptions import MorseError
 from morse.core.reports.faults import message as message_of
 from morse.core.reports.faults import summary
+from morse.middleware import registry
 from morse.scene import SourceLine
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 _CALL = re.compile(r"^([\w.<>]+)\(\) (.*)$", re.DOTALL)
 _KEYWORD = re.compile(r"unexpected keyword argument '(\w+)'")
+_PARTIAL = re.compile(r"from partially initialized module '([^']+)'|^partially initialized module '([^']+)'")
 _IMPORTED = re.compile(r"^cannot import name '([^']+)'")
 
 #: exceptions of MORSE whose messages are complete
@@ -46,7 +48,7 @@ def explain(error: BaseException, script: str) -> ScriptError:
         steps.append(Step(SourceLine(error.filename or script, error.lineno)))
     by_us = bool(trace) and not frames.is_users(trace[-1][0].f_code)
     frame = next((f for f, _ in reversed(trace) if frames.is_users(f.f_code)), None)
-    message, mend = _describe(error, by_us, frame)
+    message, mend = _circular_import(error, trace) or _describe(error, by_us, frame)
     if isinstance(error, ConnectionError) and any(_is_client(frame) for frame, _ in trace):
         mend = "This script is a client: start it with python3 while a scene runs, which morse run starts."
     return ScriptError(message, steps, mend, script)
@@ -59,6 +61,27 @@ def _is_client(frame: FrameType) -> bool:
 
 def _frames(trace: TracebackType | None) -> Iterator[tuple[FrameType, int]]:
     yield from traceback.walk_tb(trace)
+
+
+def _circular_import(error: BaseException, trace: list[tuple[FrameType, int]]) -> tuple[str, str] | None:
+    """The description of modules that import each other; None for any other error."""
+    match = _PARTIAL.search(message_of(error)) if isinstance(error, (ImportError, AttributeError)) else None
+    if match is None:
+        return None
+    first = match[1] or match[2]
+    modules = [
+        str(frame.f_globals.get("__name__"))
+        for frame, _ in trace
+        if frame.f_code.co_name == "<module>" and frames.is_users(frame.f_code)
+    ]
+    if first not in modules:
+        return None
+    chain = [*modules[modules.index(first) :], first]
+    imported = _IMPORTED.match(message_of(error))
+    name = imported[1] if imported is not None else getattr(error, "name", None)
+    text = f"circular import: {chain[0]} imports {', which imports '.join(chain[1:])}, which has no '{name}' yet"
+    mend = f"or write the import of '{chain[1]}' in the function of '{first}' that needs it."
+    return text, f"Move what they share to another module, {mend}"
 
 
 def _describe(error: BaseException, by_us: bool, frame: FrameType | None) -> tuple[str, str]:
@@ -110,6 +133,8 @@ def _name_error(name: str, frame: FrameType | None) -> tuple[str, str]:
 
 
 def _no_module(name: str) -> tuple[str, str]:
+    if (middleware := registry.middleware_of_module(name)) is not None:
+        return f"there is no module '{name}'", f"{middleware.mend}."
     parent, _, last = name.rpartition(".")
     try:
         spec = importlib.util.find_spec(parent) if parent else None

@@ -6,7 +6,6 @@ import logging
 from typing import TYPE_CHECKING
 
 from morse.builder.legacy import declared_values
-from morse.builder.names import frames
 from morse.builder.names.classes import load_class
 from morse.core.datastream import COMMON_OPTIONS
 from morse.core.exceptions import MorseBuilderNoComponentError
@@ -46,7 +45,7 @@ def stream_options(manager: str, values: Mapping[str, object]) -> Options:
     common = {}
     for name, value in values.items():
         if name in _OF_SOME_MIDDLEWARE and name not in options:
-            logger.warning("%s: the option '%s' has no effect on %s", frames.source_line(), name, middleware.name)
+            logger.warning("the option '%s' has no effect on %s: leave it out", name, middleware.name)
         else:
             common[name] = value
     return checked_options(f"a stream of {middleware.name}", options, common)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from morse.builder.errors import checks
 from morse.builder.legacy import declared_values
-from morse.builder.names import frames
 from morse.core import declarations
 from morse.core.validation import checked_value
 
@@ -36,8 +35,7 @@ def check_declared(cls: type, values: Mapping[str, object]) -> Properties:
             checked_value(cls.__name__, properties[name], value, script=True)
         elif name not in _GENERAL:
             logger.warning(
-                "%s: %s has no property '%s'%s (it is kept, but %s does not use it)",
-                frames.source_line() or "?",
+                "%s has no property '%s'%s (it is kept, but %s does not use it)",
                 cls.__name__,
                 name,
                 checks.suggestion(name, properties),

@@ -18,8 +18,8 @@ def notice(message: str, old: str = "", new: str = "") -> None:
         old: a word of the line that `morse check --fix` may replace.
         new: its replacement.
     """
-    line = str(frames.source_line() or "?")
+    where = frames.source_line()
     notices = workspace.current().notices
-    if (line, message) not in notices:
-        notices.add((line, message))
-        logger.warning("%s: %s", line, message, extra={"edit": (old, new)} if old else None)
+    if (where, message) not in notices:
+        notices.add((where, message))
+        logger.warning("%s", message, extra={"where": where, "is_old": True, "edit": (old, new)})

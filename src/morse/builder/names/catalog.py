@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder.names import sources
 from morse.core.classes.plugins import entry_points
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -115,4 +116,4 @@ def _modifiers_of(package: str) -> Iterator[Entry]:
                 yield Entry(definition.name, classpath, definition.doc or "", definition.attributes)
     except Exception as error:
         # an error in a third-party package must not prevent the scene from being built
-        logger.warning("the modifiers of %s are left out: %r", package, error)
+        logger.warning("the modifiers of %s are left out: %r", package, error, extra=OF_MACHINE)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import morse
 from morse.scene import SourceLine
+from morse.scene.scene_warnings import find_lines
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -45,9 +46,25 @@ def source_line(owner: object = None) -> SourceLine | None:
     Args:
         owner: an object that is being created, whose ``__init__`` methods are skipped.
     """
-    frames = user_frames()
-    frame = next((f for f in frames if owner is None or f.f_locals.get("self") is not owner), None)
-    return None if frame is None else SourceLine(frame.f_code.co_filename, frame.f_lineno)
+    library: FrameType | None = None
+    for frame in user_frames():
+        if owner is not None and frame.f_locals.get("self") is owner:
+            continue
+        # Python's own modules call back and are called in between; a script may itself be part of a package
+        if not is_library(frame.f_code):
+            return SourceLine(frame.f_code.co_filename, frame.f_lineno)
+        library = library or frame
+    return None if library is None else SourceLine(library.f_code.co_filename, library.f_lineno)
+
+
+def calling_line() -> SourceLine | None:
+    """Return the line of the script that has called a method; None if a constructor of MORSE has called it."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and not is_users(frame.f_code):
+        if frame.f_code.co_name == "__init__":
+            return None
+        frame = frame.f_back
+    return source_line()
 
 
 def frame_above(level: int) -> FrameType | None:
@@ -56,3 +73,6 @@ def frame_above(level: int) -> FrameType | None:
     for _ in range(level):
         frame = frame.f_back if frame is not None else None
     return frame
+
+
+find_lines(source_line)

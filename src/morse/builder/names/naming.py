@@ -108,7 +108,12 @@ def _rename_tree(component: Part, prefix: tuple[str, ...], used_names: set[str],
         wanted = ".".join(path)
         name = free_name(wanted, used_names.__contains__, first=1, digits=3)
         if name != wanted and component.name_strength is Strength.GIVEN:
-            logger.warning("two components have the name '%s': the later one is called '%s'", wanted, name)
+            logger.warning(
+                "two components have the name '%s': the later one is called '%s'; give it another name",
+                wanted,
+                name,
+                extra={"where": component._where},
+            )
         workspace.current().claim(component.scene_node, name)
         path = (*prefix, name.rpartition(".")[2])
     used_names.add(name)

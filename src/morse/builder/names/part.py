@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.scene import Node
+    from morse.scene import Node, SourceLine
 
 _COPY_SUFFIX = re.compile(r"\.\d{3,}$")
 
@@ -29,10 +29,12 @@ class Part:
     Attributes:
         basename: its name without the names of its parents, or None until it has a name.
         name_strength: source of ``basename``.
+        _where: the line of the script that created it.
     """
 
     basename: str | None
     name_strength: Strength
+    _where: SourceLine | None
 
     if TYPE_CHECKING:
 

@@ -17,6 +17,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.system import OF_MACHINE
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def _of_file(file: Path, _changed: int) -> tuple[EntryPoint, ...]:
             for name, value in points.items()
         )
     except (ValueError, AttributeError) as error:
-        logger.warning("the entry points in %s are left out: %s", file, error)
+        logger.warning("the entry points in %s are left out: %s", file, error, extra=OF_MACHINE)
         return ()
 
 

@@ -17,12 +17,15 @@ if TYPE_CHECKING:
 #: number of kinds that are logged per period; the number is limited, because clients can create kinds by the names that
 #: they send
 _MAX_KINDS = 20
+#: number of lines of a kind that begins anew, in a period
+_MOST_BEGINNINGS = 10
 
 
 class Complaints:
     """Logs the first warning of a kind immediately, and then at most one every ten seconds.
 
-    All kinds together have at most 20 lines in ten seconds. Suppressed warnings are counted; the number is logged with
+    What begins anew is logged at once, up to ten times in ten seconds. All kinds together have at most 20 lines in ten
+    seconds, and those that begin anew. Suppressed warnings are counted; the number is logged with
     the next warning of the kind, or after ten seconds.
 
     Args:
@@ -34,29 +37,35 @@ class Complaints:
         self._logger = logger
         self._now = now
         self._lock = threading.Lock()
-        #: kind to the time of its last line, the number of warnings suppressed since then, and the last of them
-        self._last: dict[str, tuple[float, int, tuple[int, str]]] = {}
+        #: kind to the begin of its period, the number of warnings suppressed since then, the last of them, and the
+        #: number of times that the problem began anew
+        self._last: dict[str, tuple[float, int, tuple[int, str], int]] = {}
         self._others = 0
         self._others_since = 0.0
 
-    def warn(self, kind: str, message: str) -> None:
-        """Log ``message``, unless a message of the same ``kind`` was logged in the last ten seconds."""
-        self.log(logging.WARNING, kind, message)
+    def warn(self, kind: str, message: str, *, begins: bool = False) -> None:
+        """Log ``message``, unless a message of the same ``kind`` was logged in the last ten seconds.
 
-    def log(self, level: int, kind: str, message: str) -> None:
+        Args:
+            begins: whether the problem was over since the last message of the kind: this is then a new one.
+        """
+        self.log(logging.WARNING, kind, message, begins=begins)
+
+    def log(self, level: int, kind: str, message: str, *, begins: bool = False) -> None:
         """Log ``message`` at ``level``, with the same limits as `warn`."""
         now = self._now()
         with self._lock:
             last = self._last.get(kind)
             if last is not None and now - last[0] < _PERIOD:
-                self._last[kind] = (last[0], last[1] + 1, (level, message))
-                line = None
+                is_told = begins and last[3] < _MOST_BEGINNINGS
+                self._last[kind] = (last[0], last[1] + (not is_told), (level, message), last[3] + begins)
+                line = message if is_told else None
             elif last is None and len(self._last) >= _MAX_KINDS and not self._forget(now):
                 self._others_since = self._others_since if self._others else now
                 self._others += 1
                 line = None
             else:
-                self._last[kind] = (now, 0, (level, message))
+                self._last[kind] = (now, 0, (level, message), 0)
                 count = last[1] if last is not None else 0
                 line = message + (f" ({count} more of this kind)" if count else "")
                 if self._others:
@@ -71,13 +80,13 @@ class Complaints:
         lines: list[tuple[int, str]] = []
         with self._lock:
             time = self._now()
-            for kind, (when, count, (level, message)) in list(self._last.items()):
+            for kind, (when, count, (level, message), _) in list(self._last.items()):
                 if count and (now or time - when >= _PERIOD):
-                    self._last[kind] = (time, 0, (level, message))
+                    self._last[kind] = (time, 0, (level, message), 0)
                     lines.append((level, f"{message} ({count} more of this kind)"))
             if self._others and (now or time - self._others_since >= _PERIOD):
                 lines.append((logging.WARNING, self._counted_others().strip(" ()")))
-            has_more = bool(self._others) or any(count for _, count, _ in self._last.values())
+            has_more = bool(self._others) or any(count for _, count, *_ in self._last.values())
         for level, line in lines:
             self._logger.log(level, "%s", line)
         return has_more
@@ -102,7 +111,7 @@ class Complaints:
 
     def _forget(self, now: float) -> bool:
         """Free entries for new kinds; return False if all kinds belong to the present period."""
-        old = [kind for kind, (when, _, _) in self._last.items() if now - when >= _PERIOD]
+        old = [kind for kind, (when, *_) in self._last.items() if now - when >= _PERIOD]
         for kind in old:
             self._others += self._last.pop(kind)[1]
         return bool(old)

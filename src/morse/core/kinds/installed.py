@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from morse.core.classes.plugins import entry_points
 from morse.core.kinds.kind import Kind, Slot
 from morse.core.kinds.table import KINDS
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -33,7 +34,12 @@ def kinds_of_packages() -> dict[str, Kind]:
     for point in entry_points("morse.kinds"):
         for kind in _loaded(point):
             if kind.name in KINDS or kind.name in kinds:
-                logger.warning("the message kind '%s' of %s already exists, and is left out", kind.name, point.value)
+                logger.warning(
+                    "the message kind '%s' of %s already exists, and is left out",
+                    kind.name,
+                    point.value,
+                    extra=OF_MACHINE,
+                )
             else:
                 kinds[kind.name] = kind
     return kinds
@@ -44,12 +50,20 @@ def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
     try:
         entry = point.load()
     except Exception as error:  # a broken package must not prevent loading the others
-        logger.warning("the message kinds of %s cannot be loaded: %s: %s", point.value, type(error).__name__, error)
+        logger.warning(
+            "the message kinds of %s cannot be loaded: %s: %s",
+            point.value,
+            type(error).__name__,
+            error,
+            extra=OF_MACHINE,
+        )
         return ()
     kinds = (entry,) if isinstance(entry, Kind) else tuple(entry) if isinstance(entry, (list, tuple)) else (entry,)
     good = tuple(kind for kind in kinds if _is_kind(kind))
     if len(good) < len(kinds):
-        logger.warning("%s provides an object that is not a message kind (morse.core.kinds.Kind)", point.value)
+        logger.warning(
+            "%s provides an object that is not a message kind (morse.core.kinds.Kind)", point.value, extra=OF_MACHINE
+        )
     return good
 
 

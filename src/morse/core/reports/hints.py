@@ -35,6 +35,8 @@ def closest(word: object, candidates: Iterable[object]) -> str | None:
     lower = word.casefold()
     if len(names) > _MOST_COMPARED:
         names = [name for name in names if name[:1].casefold() == lower[:1]][:_MOST_COMPARED]
+    # of names that differ by case only, one with a capital letter is meant by such a word
+    names.sort(key=lambda name: name[:1].isupper() == word[:1].isupper())
     by_folded = {name.casefold(): name for name in names}
     if len(by_folded) > _MOST_ORDERED:
         # to compare the order of the letters takes twenty times longer

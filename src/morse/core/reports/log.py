@@ -2,7 +2,8 @@
 
 A line reads ``[    0.283] text``: seconds since the process started (since `logging` was imported), then the text.
 Loggers are named ``morse.<something>``; the last two parts of a name are printed before the text, as in ``[ 0.283]
-[actuators.eyes] robot.eyes initialization``. Errors have no time stamp, and the title of a section is a line by itself.
+[actuators.eyes] robot.eyes initialization``. Without colours, the text of a warning begins with ``WARNING``. Errors
+have no time stamp, and the title of a section is a line by itself.
 The format is fixed, because other programs parse these lines.
 """
 
@@ -96,16 +97,17 @@ class MorseFormatter(logging.Formatter):
 
     Args:
         colors: one of `COLOR_SCHEMES`.
+        names_warnings: whether the text of a warning begins with ``WARNING``.
 
     Raises:
         ValueError: for an unknown colour scheme.
     """
 
-    def __init__(self, colors: str = "mono") -> None:
+    def __init__(self, colors: str = "mono", *, names_warnings: bool = False) -> None:
         super().__init__("%(message)s")
         if colors not in COLOR_SCHEMES:
             raise ValueError(f"unknown colour scheme '{colors}'; expected one of {', '.join(COLOR_SCHEMES)}")
-        self.colors = colors
+        self.colors, self._names_warnings = colors, names_warnings
         self._xmas: Iterator[str] = itertools.cycle(_XMAS)
 
     def format(self, record: logging.LogRecord) -> str:
@@ -115,6 +117,8 @@ class MorseFormatter(logging.Formatter):
             return "\n" + self._colored(record.levelno, f"[{text}]")
         if record.levelno == ENDSECTION:
             return self._colored(record.levelno, f"[{text}]")
+        if record.levelno == logging.WARNING and self._names_warnings:
+            text = f"WARNING {text}"
         if record.name not in _MAIN_LOGGERS:
             text = f"[{'.'.join(record.name.split('.')[-2:])}] {text}"
         if record.levelno < logging.ERROR:
@@ -203,9 +207,9 @@ def setup(colors: str | None = None, level: int | str | None = None) -> None:
         root.setLevel(logging.INFO)
         root.propagate = False
     if colors is not None or _handler.formatter is None:
-        _handler.setFormatter(
-            MorseFormatter(colors if colors is not None and sys.stdout is not None and sys.stdout.isatty() else "mono")
-        )
+        is_colored = colors is not None and sys.stdout is not None and sys.stdout.isatty()
+        seen = colors if is_colored and colors is not None else "mono"
+        _handler.setFormatter(MorseFormatter(seen, names_warnings=seen == "mono"))
     if _handler not in root.handlers:
         root.addHandler(_handler)
     for name in _OTHERS:

@@ -7,6 +7,10 @@ from morse.middleware.registry import Middleware
 from morse.rosmsgs.options import STREAM_OPTIONS as ROS2_OPTIONS
 
 INSTALL = "sudo apt install python3-rospy python3-rosmaster python3-sensor-msgs python3-nav-msgs python3-tf2-msgs"
+MEND = (
+    f"To install ROS 1: {INSTALL}; a virtual environment needs python3 -m venv --system-site-packages. Without ROS 1: "
+    "add_stream('ros2') for ROS 2, or add_stream('rosbridge') for clients of rosbridge, such as roslibpy"
+)
 
 MANAGER_OPTIONS = {
     "frames": Option(str, "1.4", "names of frames: those of MORSE 1.4, or by REP 105", choices=("1.4", "rep105")),
@@ -37,4 +41,6 @@ MIDDLEWARE = Middleware(
     not_carried=("StereoUnit", "MocapControl"),
     takes_old_names=True,
     modules=("rosgraph", "rospy"),
+    mend=MEND,
+    imports=("roslib", "rosbag", "roslaunch", "tf", "actionlib", "move_base_msgs", "std_srvs"),
 )

@@ -8,6 +8,8 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
+from morse.system import OF_MACHINE
+
 if TYPE_CHECKING:
     from types import ModuleType
 
@@ -49,7 +51,10 @@ class MasterWatch:
             self._is_there = True
             count = register_again()
             logger.warning(
-                "ros: the master at %s was started again: %d topics and services are registered again", _uri(), count
+                "ros: the master at %s was started again: %d topics and services are registered again",
+                _uri(),
+                count,
+                extra=OF_MACHINE,
             )
         except Exception as error:  # the errors of sockets, of HTTP and of XML
             if self._is_there:
@@ -59,6 +64,7 @@ class MasterWatch:
                     "master is started",
                     _uri(),
                     error,
+                    extra=OF_MACHINE,
                 )
         else:
             self._is_there = True

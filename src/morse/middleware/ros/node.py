@@ -13,10 +13,11 @@ from urllib.parse import urlsplit
 from morse.core.clients.complaints import Complaints
 from morse.core.clients.waiting import Waiting
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros.mapping import INSTALL
+from morse.middleware.ros.mapping import MEND
 from morse.middleware.ros.master import MasterWatch
 from morse.middleware.ros.messages import message, message_class, plain
 from morse.rosmsgs.topics.backend import Backend, Publisher, Subscription
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import MutableMapping
@@ -47,10 +48,7 @@ def join(name: str | None = None) -> Any:
         import rosgraph
         import rospy
     except ImportError as error:
-        raise MorseMiddlewareError(
-            f"ros: rospy cannot be imported ({error}). Install ROS 1: {INSTALL}; in a virtual environment, make that "
-            "by python3 -m venv --system-site-packages"
-        ) from None
+        raise MorseMiddlewareError(f"ros: rospy cannot be imported ({error}). {MEND}") from None
     with _joining:
         if rospy.core.is_initialized():
             return rospy
@@ -86,6 +84,7 @@ def stay_on_this_machine(variables: MutableMapping[str, str]) -> None:
             "ros: the master is on %s, so that rospy listens on all networks of this machine: "
             "set ROS_IP to the address on which it is to listen",
             master,
+            extra=OF_MACHINE,
         )
 
 

@@ -18,6 +18,7 @@ from morse.middleware.socket.mapping import LAST_PORT, MANAGER_OPTIONS
 from morse.middleware.socket.stream_client import StreamServer
 from morse.middleware.socket.streams import SocketStream
 from morse.middleware.socket.time_sync import TimeSync
+from morse.system import OF_MACHINE
 from morse.wire.encoding import to_json
 from morse.wire.images import PictureFields, cloud_fields, image_fields
 from morse.wire.listener import allow_many_sockets, listen, port_of
@@ -132,7 +133,7 @@ class SocketDatastreamManager(DatastreamManager):
         if hint is None:
             self._next_port = port + 1
         elif hint not in (0, port):
-            logger.warning("%s: port %d is in use, its stream is on port %d", name, hint, port)
+            logger.warning("%s: port %d is in use, its stream is on port %d", name, hint, port, extra=OF_MACHINE)
         server = StreamServer(name, listener, self._present)
         self.context.network.call(server.start(self.context.network))
         self._servers[name] = server

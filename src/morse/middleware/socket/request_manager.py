@@ -17,7 +17,7 @@ from morse.middleware.socket.local import listen_locally, remove, wanted_path
 from morse.middleware.socket.protocol import MalformedRequest, format_failure, format_reply, parse_request
 from morse.middleware.socket.service_client import ServiceClient
 from morse.middleware.socket.turns import Turns
-from morse.system import variables
+from morse.system import OF_MACHINE, variables
 from morse.wire.listener import listen, port_of
 from morse.wire.server import LineServer
 
@@ -101,6 +101,7 @@ class SocketRequestManager(RequestManager):
                 port,
                 self.port,
                 self.port,
+                extra=OF_MACHINE,
             )
         else:
             logger.info("services are on port %d", self.port)

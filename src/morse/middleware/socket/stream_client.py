@@ -20,6 +20,21 @@ if TYPE_CHECKING:
 _HIGH_WATER = 1 << 18
 
 
+class _Line(bytes):
+    """A message.
+
+    Attributes:
+        client: address and port of its sender.
+    """
+
+    client: str
+
+    def __new__(cls, line: bytes, client: str) -> _Line:
+        one = super().__new__(cls, line)
+        one.client = client
+        return one
+
+
 class StreamClient(LineClient):
     """A client of a stream.
 
@@ -89,12 +104,12 @@ class StreamClient(LineClient):
         """A message has arrived."""
         if line.strip():
             self.is_proven = self.is_proven or line.lstrip().startswith(b"{")
-            self.server.inbox.put(line, early=self._is_new())
+            self.server.inbox.put(_Line(line, self.peer), early=self._is_new())
 
     def lines(self, lines: list[bytes]) -> None:
         """Several messages have arrived at once."""
         self.is_proven = self.is_proven or any(line.lstrip().startswith(b"{") for line in lines)
-        self.server.inbox.put_all([line for line in lines if line.strip()], early=self._is_new())
+        self.server.inbox.put_all([_Line(line, self.peer) for line in lines if line.strip()], early=self._is_new())
 
     def _is_new(self) -> bool:
         return self._welcome_time is not None and self._welcome_time == self.server.present()

@@ -20,6 +20,7 @@ from morse.core.clients.web_crowd import NO_PLACE, place_of
 from morse.core.clients.web_ports import serve_on
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.web.client import WebClient
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -98,7 +99,9 @@ class WebServer(Generic[_C]):
         """
         self._context.network.call(self._open())
         if self._first_port not in (0, self.port):
-            logger.warning("%s: port %d is in use, it is on port %d", self._name, self._first_port, self.port)
+            logger.warning(
+                "%s: port %d is in use, it is on port %d", self._name, self._first_port, self.port, extra=OF_MACHINE
+            )
         logger.info("%s: %s", self._name, self.address)
 
     def stop(self) -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from morse.physics.bodies import Bodies
     from morse.physics.model.layout import Frame
     from morse.physics.state.engine_state import EngineState
+    from morse.scene import SourceLine
 
 #: depth of the bottom of a robot below the ground that it touches, beyond which the contacts cannot be trusted to push
 #: the robot out, m
@@ -58,17 +59,21 @@ def raise_sunken(state: EngineState, bodies: Bodies) -> bool:
     return True
 
 
-def raised(state: EngineState) -> str:
+def raised(state: EngineState) -> tuple[str, SourceLine | None]:
     """Return a message about the robots that `raise_sunken` has raised; empty if there are none.
+
+    The second value is the line of the script that created the first of them.
 
     Call it before the first tick.
     """
-    robots = []
+    robots, line = list[str](), None
     for index, slot in enumerate(state.slots):
         height = state.positions[index][2] - slot.pose.position[2] if _stands(state, index) else 0.0
         if height >= _STEP / 2:
+            line = line or slot.frame.node.line
             robots.append(f"'{slot.frame.node.name}' by {height:.2g} m")
-    return f"robots start inside the ground, and are put on it: {', '.join(robots)}" if robots else ""
+    mend = "; translate them up in the script"
+    return f"robots start inside the ground, and are put on it: {', '.join(robots)}{mend}" if robots else "", line
 
 
 def _sunken(state: EngineState) -> dict[int, float]:

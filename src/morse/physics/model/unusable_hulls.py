@@ -43,6 +43,7 @@ def replace_unusable_hulls(scene: Scene) -> bool:
             "give the object a collision shape of its own (game physics bounds, or a property 'collision')",
             names,
             more,
+            extra={"where": concerned[0].line},
         )
     return bool(concerned)
 

@@ -19,6 +19,7 @@ from morse.core.reports.faults import summary
 from morse.kernel import threads
 from morse.rendering.picture import Picture
 from morse.rendering.workers.easel import Job
+from morse.system import OF_MACHINE
 from morse.system.worker_process import WorkerProcess
 
 if TYPE_CHECKING:
@@ -184,6 +185,7 @@ class _Desk:
                     "a process that renders images has ended or does not answer as it should (%s); "
                     "another one replaces it",
                     summary(error),
+                    extra=OF_MACHINE,
                 )
                 self.dismiss()
                 continue

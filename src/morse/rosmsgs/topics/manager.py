@@ -25,6 +25,7 @@ from morse.rosmsgs.topics.backend import announce
 from morse.rosmsgs.topics.robots import Robots
 from morse.rosmsgs.topics.rosout import LogTopic
 from morse.rosmsgs.topics.transforms import Transforms
+from morse.system import OF_MACHINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -165,7 +166,7 @@ class TopicManager(DatastreamManager):
         self._claims[topic] = (type_name, "the simulation")
         publisher: Publisher | None = self.backend.publisher(topic, type_name, qos)
         if publisher is None:
-            logger.warning("%s: %s is not published: %s", self.title, topic, self._lacks(type_name))
+            logger.warning("%s: %s is not published: %s", self.title, topic, self._lacks(type_name), extra=OF_MACHINE)
         return publisher
 
     def own(self, topic: str, type_name: str, qos: Qos, owner: str) -> Publisher | None:

@@ -33,6 +33,7 @@ class Finding:
         line: its line; 0 if unknown.
         message: what is wrong, and how it is written today.
         stops: whether the script does not run because of it.
+        is_old: whether it is an old form, which still works.
         edit: the change, if it can be made without a person.
         file: another file of the project; empty for the script itself.
     """
@@ -40,5 +41,6 @@ class Finding:
     line: int
     message: str
     stops: bool = False
+    is_old: bool = False
     edit: Edit | None = None
     file: str = ""

@@ -5,11 +5,9 @@ from __future__ import annotations
 import ast
 import contextlib
 import io
-import logging
-import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.builder.errors import ScriptError
 from morse.builder.legacy import language
@@ -17,19 +15,20 @@ from morse.builder.legacy.check.finding import Edit, Finding, sentence
 from morse.builder.legacy.check.silence import Silence
 from morse.builder.legacy.check.syntax import parsed
 from morse.builder.script import load_scene
+from morse.scene.scene_warnings import scene_warnings, silent_log
 from morse.system.regular_files import read_regular
 from morse.system.source_text import source_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
-    from morse.scene import Scene
+    from morse.scene import Scene, SourceLine
+    from morse.scene.scene_warnings import SceneWarning
     from morse.simulation.options import RunOptions
 
 __all__ = ["Finding", "Survey", "survey"]
 
 _MOST_RUNS = 60
-_PLACE = re.compile(r"^(?P<file>.+?):(?P<line>\d+): (?P<message>.*)$", re.DOTALL)
 
 
 @dataclass(slots=True)
@@ -37,11 +36,13 @@ class Survey:
     """The result for one script.
 
     Attributes:
+        script: the absolute path of the script.
+        text: the text of the script.
         findings: what needs a change, in the order of the lines.
         scene: the scene, or None if the script cannot be run to its end.
-        text: the text of the script.
     """
 
+    script: Path
     text: str
     findings: list[Finding] = field(default_factory=list)
     scene: Scene | None = None
@@ -51,6 +52,30 @@ class Survey:
         if finding not in self.findings:
             self.findings.append(finding)
             self.findings.sort(key=lambda other: (other.file, other.line))
+
+    def note_at(self, where: SourceLine | None, message: str, **qualities: Any) -> None:
+        """Add a finding with a line of the scene.
+
+        Args:
+            qualities: see `Finding`.
+        """
+        own = where is None or Path(where.file) == self.script
+        file = "" if own or where is None else where.file
+        self.note(Finding(0 if where is None else where.line, message, file=file, **qualities))
+
+    @contextlib.contextmanager
+    def collecting(self) -> Iterator[None]:
+        """Within the block, note the warnings about the scene, and keep the log from the terminal."""
+        with silent_log(), scene_warnings() as collected:
+            try:
+                yield
+            finally:
+                self._note_all(collected.warnings)
+
+    def _note_all(self, warnings: Iterable[SceneWarning]) -> None:
+        for warning in warnings:
+            edit = Edit(*warning.edit) if warning.edit[0] else None
+            self.note_at(warning.where, warning.message, is_old=warning.is_old, edit=edit)
 
     @property
     def stops(self) -> bool:
@@ -67,7 +92,7 @@ def survey(options: RunOptions, text: str | None = None) -> Survey:
     """
     script = Path(options.script).absolute()
     content = _text_of(script) if text is None else text
-    result = Survey(content)
+    result = Survey(script, content)
     try:
         _valid, tree, errors = parsed(content, str(script))
     except SyntaxError as error:
@@ -79,7 +104,7 @@ def survey(options: RunOptions, text: str | None = None) -> Survey:
     silence = Silence(tree)
     for _run in range(_MOST_RUNS):
         try:
-            with _warnings(result, script), contextlib.redirect_stdout(io.StringIO()):
+            with result.collecting(), contextlib.redirect_stdout(io.StringIO()):
                 result.scene = load_scene(options, code=compile(tree, str(script), "exec", dont_inherit=True))
             break
         except ScriptError as error:
@@ -132,31 +157,3 @@ def _without_python_2(tree: ast.Module, result: Survey) -> ast.Module:
             if edit is not None:
                 node.id = new
     return tree
-
-
-@contextlib.contextmanager
-def _warnings(result: Survey, script: Path) -> Iterator[None]:
-    """Note the warnings of the builder about lines of the script, and keep them from the terminal."""
-    handler = _Noting(result, script)
-    logger = logging.getLogger("morse")
-    handlers, propagate, logger.handlers, logger.propagate = logger.handlers, logger.propagate, [handler], False
-    try:
-        yield
-    finally:
-        logger.handlers, logger.propagate = handlers, propagate
-
-
-class _Noting(logging.Handler):
-    def __init__(self, result: Survey, script: Path) -> None:
-        super().__init__(logging.WARNING)
-        self._result = result
-        self._script = script
-
-    def emit(self, record: logging.LogRecord) -> None:
-        place = _PLACE.match(record.getMessage())
-        if place is None:
-            return
-        file = "" if Path(place["file"]) == self._script else place["file"]
-        old, new = getattr(record, "edit", ("", ""))
-        edit = Edit(old, new) if old else None
-        self._result.note(Finding(int(place["line"]), place["message"], edit=edit, file=file))
