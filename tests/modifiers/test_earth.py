@@ -92,15 +92,15 @@ def test_a_command_of_what_was_measured_changes_nothing(name: str, place: Any, a
         assert list(obj.worldPosition) == pytest.approx(list(place), abs=1e-4)
 
 
-def test_a_command_at_the_centre_of_the_earth_is_refused_and_the_next_one_is_obeyed(
+def test_a_command_on_the_other_side_of_the_earth_is_refused_and_the_next_one_is_obeyed(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     where = {"longitude": 1.43, "latitude": 43.6, "altitude": 135.0}
     with morse.load(scene("ECEF", "ECEF", (3.0, 2.0, 0.0), **where)) as sim:
         sim.step()
         before = sim.robot.pose.data
-        # 10,767 km below the robot in world axes, where nothing can be placed
-        sim.robot.there.publish({"x": -4e6, "y": 0.3, "z": 0.3})
+        # 11,400 km below the robot in world axes, where nothing can be placed
+        sim.robot.there.publish({"x": -7e6, "y": 0.3, "z": 0.3})
         sim.step(2)
         assert "robot.there: a command is refused" in caplog.text
         sim.robot.there.publish({axis: before[axis] for axis in "xyz"})
