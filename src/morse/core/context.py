@@ -12,6 +12,7 @@ from weakref import WeakSet
 from morse.core.classes.fixed import check_class
 from morse.core.clients.arrivals import Arrivals
 from morse.core.clients.complaints import Complaints
+from morse.core.clients.sensing import SensingBudget
 from morse.core.clients.time_share import TimeShares
 from morse.core.guard import Guard
 from morse.core.journal import Journal
@@ -87,6 +88,7 @@ class Context:
         robot_seeds: seeds of the robots that have been restarted with seeds of their own.
         arrivals: the share of the time for what clients send.
         time_shares: the shares of the time of the ticks for services.
+        sensing: the budget of pixels and rays for what clients set.
         complaints: warnings of components that clients may cause any number of times, by commands or by resets.
     """
 
@@ -118,6 +120,7 @@ class Context:
     paced: Callable[[], bool] = _not_stopping
     complaints: Complaints = field(default_factory=lambda: Complaints(logger))
     time_shares: TimeShares = field(default_factory=TimeShares)
+    sensing: SensingBudget = field(init=False)
     _servers: dict[object, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -125,6 +128,7 @@ class Context:
 
     def __post_init__(self) -> None:
         self.guard = self.services.guard = Guard(self)
+        self.sensing = SensingBudget(lambda: self.components.values())
         self.journal = Journal(self.clock, self.guard)
         self.arrivals = Arrivals() if self.network is None else self.network.arrivals
         _alive.add(self)

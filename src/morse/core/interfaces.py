@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from morse.core.clients.arrivals import Arrivals
     from morse.core.clients.complaints import Complaints
+    from morse.core.clients.sensing import SensingBudget
     from morse.core.clock import Clock
     from morse.core.services import ServiceDeclaration
     from morse.core.serving import Request
@@ -121,6 +122,10 @@ class Simulated(Protocol):
     @property
     def complaints(self) -> Complaints:
         """Warnings that clients may cause any number of times."""
+
+    @property
+    def sensing(self) -> SensingBudget:
+        """The budget of pixels and rays for what clients set."""
 
     @property
     def strict(self) -> bool:

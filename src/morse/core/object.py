@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import logging
+from collections.abc import Sized
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -11,6 +12,7 @@ from morse.core import context as _context
 from morse.core.abstractobject import AbstractObject
 from morse.core.classes import describing
 from morse.core.classes.fixed import OfOneClass
+from morse.core.clients.sensing import RAY
 from morse.core.declarations import add_state, data_fields, levels, properties
 from morse.core.requests import Requesting
 from morse.core.services import ServiceDeclaration, declared_services, service
@@ -287,13 +289,29 @@ class Object(Requesting, AbstractObject):
             }
         }
 
+    def sensing_cost(self) -> float:
+        """Return the pixels of a measurement with the present properties, with 16 for each ray; 0 without either.
+
+        Clients can only set and spawn what fits into the budget of `morse.core.clients.sensing`. Override it if the
+        pixels or rays depend on properties that clients set.
+        """
+        return RAY * sum(len(request) for request in self.requests if isinstance(request, Sized))
+
     @service
     def set_property(self, name: str, value: Value) -> None:
         """Change a property while the simulation runs."""
         from morse.core.validation import checked_property
 
         python_name, new_value = checked_property(self, name, value)
+        old_value = getattr(self, python_name)
+        before = self.sensing_cost()
         setattr(self, python_name, new_value)
+        try:
+            if self.sensing_cost() > before:
+                self.context.sensing.check(f"{self.name()}, {name}", [self])
+        except BaseException:
+            setattr(self, python_name, old_value)
+            raise
         if self._in_rows is not None:
             self._in_rows.is_changed = True
 

@@ -213,6 +213,10 @@ class Camera(Sensor):
 
         return lens_of(*self._lens_properties())
 
+    def sensing_cost(self) -> float:
+        """Return the number of pixels of an image."""
+        return self.image_width * self.image_height
+
     @service
     def set_property(self, name: str, value: Value) -> None:
         """Change a property while the simulation runs."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.clients.sensing import RAY
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.limits import ANGLE
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 
 #: downward tilt of the fan of a rotating scanner
 _TILT = math.radians(12.0)
-#: maximum number of rays that a client may set: casting and sending more of them takes longer than a tick
-_MOST_SET = 50_000
 
 
 def _is_flat(scanner: LaserScanner) -> bool:
@@ -261,17 +260,17 @@ class LaserScanner(Sensor):
         _, *shape = self._arc_properties()
         return fan(*shape)
 
+    def sensing_cost(self) -> float:
+        """Return the number of rays, in pixels."""
+        return RAY * (self.scan_window / self.resolution + 1.0) * self.layers
+
     @service
     def set_property(self, name: str, value: Value) -> None:
-        """Change a property while the simulation runs; to at most 50,000 rays, or as many as it has already."""
+        """Change a property while the simulation runs."""
         before = dict(self.__dict__)
         super().set_property(name, value)
         try:
-            count = len(self._directions())
-            if count > max(_MOST_SET, len(self.rays)):
-                raise ValueError(
-                    f"a running scanner takes at most {_MOST_SET} rays, not {count}; the scene script may set more"
-                )
+            self._directions()
         except ValueError as error:
             self.__dict__.update(before)
             raise MorseRPCTypeError(f"{self.name()}: {error}") from None

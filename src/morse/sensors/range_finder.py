@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.core.clients.sensing import RAY
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_property, prop
@@ -82,6 +83,11 @@ class RangeFinder(Sensor):
     def __init__(self, obj: Body, parent: Robot | None = None) -> None:
         super().__init__(obj, parent)
         self._look_ahead()
+
+    def sensing_cost(self) -> float:
+        """Return the number of rays of the cone, in pixels: about its solid angle by the square of their distance."""
+        half, step = math.radians(self._cone) / 2.0, math.radians(self._resolution)
+        return RAY * (1.0 + 2.0 * math.pi * (1.0 - math.cos(half)) / step**2)
 
     def _shape(self) -> tuple[float, float, float]:
         return self._range, self._cone, self._resolution

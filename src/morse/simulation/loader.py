@@ -77,11 +77,14 @@ class Loaded:
         self.modifier_objects[:] = [modifier for modifier in self.modifier_objects if id(modifier) not in modifier_ids]
 
 
-def load_components(context: Context, declarations: Sequence[ComponentDeclaration] | None = None) -> Loaded:
+def load_components(
+    context: Context, declarations: Sequence[ComponentDeclaration] | None = None, *, by_client: bool = False
+) -> Loaded:
     """Instantiate robots, then sensors and actuators.
 
     Args:
         declarations: the components to create; None for all components of the scene.
+        by_client: whether a client chose them: then their pixels and rays count in its budget.
 
     Raises:
         LoadError: the message contains the component and the line of the script that created it.
@@ -120,6 +123,8 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
             (parts.sensors if declaration.kind == "sensor" else parts.actuators).append(component)
             leftovers.add(component)
     _warn_of_rivals(context, declarations)
+    if not by_client:
+        context.sensing.grant([*parts.sensors, *parts.actuators])
     return parts
 
 

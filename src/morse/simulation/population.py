@@ -132,7 +132,9 @@ class Population:
         context.world.add(newcomer.roots, newcomer.components)
         try:
             with acting(context), scene.project:
-                parts = load_components(context, newcomer.components)
+                # names may come from clients, functions are code of the program
+                parts = load_components(context, newcomer.components, by_client=isinstance(kind, str))
+                context.sensing.check(name, [*parts.sensors, *parts.actuators])
                 connect(context, parts, newcomer.components)
         except BaseException:
             self._forget(newcomer.components)
@@ -155,7 +157,6 @@ class Population:
         if isinstance(kind, str):
             self.check_kind(kind)
         interfaces = ["socket", *scene.interfaces] if simulation.context.network is not None else []
-        # names may come from clients, functions are code of the program
         nearby = [] if isinstance(kind, str) else scene.nearby_paths
         with scene.project, describing([*scene.resource_paths, *nearby]):
             make = maker_of(kind) if isinstance(kind, str) else kind
@@ -205,7 +206,9 @@ class Population:
         self._forget(declarations, returns=True)
         context.world.renew(roots)
         with acting(context), scene.project:
-            parts = load_components(context, declarations)
+            recipe = self._recipes.get(name)
+            by_client = recipe is not None and isinstance(recipe.kind, str)
+            parts = load_components(context, declarations, by_client=by_client)
             connect(context, parts, declarations)
         self._simulation.loaded.join(parts)
         self._sort_components(scene.components)

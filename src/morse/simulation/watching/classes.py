@@ -137,6 +137,7 @@ class _Exchange:
         for part in context.components.values():
             if cast("object", part.robot_parent) is old:
                 part.robot_parent = cast("Robot", new)
+        context.sensing.replace(old, new)
         new.input_modifiers, new.output_modifiers = old.input_modifiers, old.output_modifiers
         for modifier in [*new.input_modifiers, *new.output_modifiers]:
             cast("AbstractModifier", modifier).component_instance = new
