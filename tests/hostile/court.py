@@ -55,11 +55,32 @@ def load(path: str) -> str:
             Environment(path)
 
     try:
+        if path.endswith((".mcap", ".state")):
+            return read(path)
         with morse_load(scene) as simulation:
             simulation.step(2)
         return "loaded"
     except BaseException as error:
         return f"{type(error).__name__}: {error}"
+
+
+def read(path: str) -> str:
+    """Read a recording or a saved state as ``morse replay`` does."""
+    from morse.launch.recorded_run import inputs_of
+    from morse.recording.made.reading import RecordedMade
+    from morse.recording.recording import Recording
+    from morse.simulation.states.state import State
+
+    if path.endswith(".state"):
+        State.read(path)
+        return "loaded"
+    with Recording(path) as recording:
+        recording.length()
+        for _ in recording:
+            pass
+        RecordedMade(recording, tuple, exact=True).check()
+        inputs_of(recording)
+    return "loaded"
 
 
 def main() -> None:

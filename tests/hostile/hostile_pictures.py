@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import gzip
+import io
 import json
 import struct
 import sys
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import zstandard
 from hostile_meshes import gltf, late, soup, text
+from PIL import Image
 
 sys.path.append(str(Path(__file__).parents[1] / "assets" / "blend"))
 from blend_writer import BlendWriter
@@ -84,6 +86,67 @@ def _textured_ply(folder: Path) -> Path:
     return text(".ply", f"{head}{body}{faces}0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n")(folder)
 
 
+def _textured(suffix: str, content: Callable[[], bytes], count: int = 1) -> Maker:
+    """An OBJ file with pictures of a format."""
+
+    def make(folder: Path) -> Path:
+        data = content()
+        for number in range(count):
+            (folder / f"a{number}{suffix}").write_bytes(data + bytes([number]))
+        return _painted(folder, count, lambda i: f"a{i}{suffix}")
+
+    return make
+
+
+def _saved(kind: str, width: int, height: int, mode: str = "L", **options: Any) -> bytes:
+    file = io.BytesIO()
+    Image.new(mode, (width, height)).save(file, kind, **options)
+    return file.getvalue()
+
+
+def _scans(count: int, side: int) -> bytes:
+    """A progressive JPEG file whose last scan is there very often."""
+    data = _saved("JPEG", side, side, progressive=True)
+    return data[:-2] + data[data.rindex(b"\xff\xda") : -2] * count + data[-2:]
+
+
+def _segments(count: int, content: bytes) -> bytes:
+    """A JPEG file with parts for applications."""
+    data = _saved("JPEG", 16, 16)
+    return data[:2] + (b"\xff\xe1" + struct.pack(">H", len(content) + 2) + content) * count + data[2:]
+
+
+def _tags(count: int, size: int) -> bytes:
+    """A TIFF directory whose tags all have the same content."""
+    begin = 8 + 2 + 12 * count + 4
+    tags = b"".join(struct.pack("<HHII", 256 + i, 7, size, begin) for i in range(count))
+    return b"II*\0" + struct.pack("<IH", 8, count) + tags + bytes(4 + size)
+
+
+def _overlapping_tags() -> bytes:
+    pixels = struct.pack("<HHII", 256, 4, 1, 16) + struct.pack("<HHII", 257, 4, 1, 16)
+    whole = _tags(60_000, 1 << 20)
+    return whole[:10] + pixels + whole[10 + len(pixels) :]
+
+
+def _comments(count: int) -> bytes:
+    """A GIF file with many comments before its pixels."""
+    data = _saved("GIF", 16, 16)
+    place = 13 + 3 * (2 << (data[10] & 7)) if data[10] & 0x80 else 13
+    return data[:place] + (b"\x21\xfe\xff" + b"c" * 255 + b"\0") * count + data[place:]
+
+
+def _parts(count: int) -> bytes:
+    """A PNG file of empty parts."""
+    data = png(16, 16)
+    empty = struct.pack(">I", 0) + b"IDAT" + struct.pack(">I", zlib.crc32(b"IDAT"))
+    return data[:33] + empty * count + data[33:]
+
+
+def _inside_gltf(picture: Callable[[], bytes]) -> Maker:
+    return late(".gltf", lambda: json.dumps(_painted_gltf(picture(), 1, 1)))
+
+
 def _objects(count: int) -> bytes:
     writer = BlendWriter()
     mesh = writer.mesh("mesh", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -141,9 +204,9 @@ def _collections(depth: int, width: int) -> bytes:
     return writer.finish()
 
 
-def _packed_pictures(count: int) -> bytes:
+def _packed_pictures(count: int, picture: bytes = b"") -> bytes:
     writer = BlendWriter()
-    picture = png(8000, 8000)
+    picture = picture or png(8000, 8000)
     slots = []
     for number in range(count):
         image, material = writer.address(), writer.address()
@@ -171,6 +234,23 @@ PICTURES: dict[str, Maker] = {
     "picture: glTF, 65,000 x 65,000": late(".gltf", lambda: json.dumps(_painted_gltf(
         png(16, 16).replace(struct.pack(">II", 16, 16), struct.pack(">II", 65_000, 65_000)), 4, 4))),
     "picture: PLY that names one 1,000 times": _textured_ply,
+    "picture: JPEG of 14,000 scans": _textured(".jpg", lambda: _scans(14_000, 2048)),
+    "picture: JPEG of 300 MB of Exif data": _textured(".jpg", lambda: _segments(5000, b"Exif\0\0" + bytes(60_000))),
+    "picture: JPEG of 1,000,000 parts": _textured(".jpg", lambda: _segments(1_000_000, b"")),
+    "picture: JPEG, tags of Exif that overlap": _textured(".jpg", lambda: _segments(
+        1, b"Exif\0\0" + _tags(2500, 35_000))),
+    "picture: PNG of 3,000,000 parts": _textured(".png", lambda: _parts(3_000_000)),
+    "picture: TIFF of 60 GB of tags": _textured(".tif", _overlapping_tags),
+    "picture: GIF of 200,000 comments": _textured(".gif", lambda: _comments(200_000)),
+    "picture: JPEG 2000, 10,000 x 10,000": _textured(".png", lambda: _saved("JPEG2000", 10_000, 10_000)),
+    "picture: 20 TIFF, 8,000 x 8,000": _textured(
+        ".tif", lambda: _saved("TIFF", 8000, 8000, compression="tiff_lzw"), 20),
+    "picture: 10 WebP, 8,000 x 8,000": _textured(".webp", lambda: _saved("WEBP", 8000, 8000, "RGB", quality=1), 10),
+    "picture: 40 BMP, 8,000 x 8,000": _textured(".bmp", lambda: _saved("BMP", 8000, 8000, "1"), 40),
+    "picture: TIFF within a glTF": _inside_gltf(_overlapping_tags),
+    "picture: GIF within a glTF": _inside_gltf(lambda: _comments(100_000)),
+    "picture: scans within a glTF": _inside_gltf(lambda: _scans(14_000, 2048)),
+    "picture: Exif data within a glTF": _inside_gltf(lambda: _segments(500, b"Exif\0\0" + bytes(60_000))),
 }  # fmt: skip
 
 BLENDS: dict[str, Maker] = {
@@ -182,5 +262,11 @@ BLENDS: dict[str, Maker] = {
     "blend: deep instances of collections": late(".blend", lambda: _collections(30, 2)),
     "blend: 50 packed pictures": late(".blend", lambda: _packed_pictures(25)),
     "blend: gzip bomb": late(".blend", lambda: gzip.compress(b"BLENDER_v262" + bytes(2_000_000_000), 1)[:5_000_000]),
+    "blend: 190,000 empty gzip parts": late(".blend", lambda: gzip.compress(b"", mtime=0) * 190_000),
+    "blend: 1,000,000 empty zstandard frames": late(".blend", lambda: zstandard.compress(b"") * 1_000_000),
+    "blend: 3,000,000 skipped zstandard frames": late(
+        ".blend", lambda: zstandard.compress(b"B") + b"\x50\x2a\x4d\x18" * 1 + bytes(4)
+        + (b"\x50\x2a\x4d\x18" + bytes(4)) * 3_000_000),
+    "blend: packed JPEG of 14,000 scans": late(".blend", lambda: _packed_pictures(1, _scans(14_000, 2048))),
     "blend: zstandard bomb": late(".blend", lambda: zstandard.compress(b"BLENDER_v262" + bytes(2_000_000_000))),
 }  # fmt: skip

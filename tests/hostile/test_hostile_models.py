@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from hostile_files import RECORDINGS
 from hostile_meshes import MESHES, soup, stl
 from hostile_pictures import BLENDS, PICTURES
 from hostile_robots import ROBOTS
@@ -25,7 +26,7 @@ COURT = Path(__file__).with_name("court.py")
 SECONDS, BUSY = 5, 3
 #: memory of a process, and address space, of which libraries reserve more than they use, bytes
 MEMORY, SPACE = 500_000_000, 4 << 30
-ALL = {**MESHES, **ROBOTS, **PICTURES, **BLENDS}
+ALL = {**MESHES, **ROBOTS, **PICTURES, **BLENDS, **RECORDINGS}
 #: one or two of each class that are decided quickly
 SHORT = (
     "collada: instances, depth 22", "collada: circle", "collada: no scene", "collada: 100,000 instances of a geometry",
@@ -34,7 +35,10 @@ SHORT = (
     "mjcf: 90,000 equal boxes", "mjcf: nested replicate", "mjcf: files that include each other twice",
     "urdf: 100,000 links", "urdf: 1,990 moving links with masses", "urdf: collada instances", "urdf: entities",
     "picture: 60 materials, one picture",
-    "picture: 30,000 x 30,000", "blend: zstandard bomb",
+    "picture: 30,000 x 30,000", "picture: JPEG of 14,000 scans", "picture: TIFF of 60 GB of tags",
+    "picture: TIFF within a glTF", "picture: PNG of 3,000,000 parts", "blend: zstandard bomb",
+    "blend: 190,000 empty gzip parts", "recording: 20,000,000 inputs", "recording: 200,000,000 empty records",
+    "recording: one description, 500,000 times", "state: nested lists", "state: 4,000,000,000 items",
 )  # fmt: skip
 
 

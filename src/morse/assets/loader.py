@@ -12,6 +12,7 @@ from morse.assets.arguments import ARGUMENTS
 from morse.assets.formats import reader_of
 from morse.assets.triangle_limit import check_triangles
 from morse.scene.scene_warnings import is_first
+from morse.system.budget import budget_of_file
 from morse.system.regular_files import open_regular
 
 if TYPE_CHECKING:
@@ -51,7 +52,8 @@ def load(path: str | Path, arguments: Mapping[str, str] | None = None) -> Librar
         return present[1]
     token = ARGUMENTS.set(dict(arguments or {}))
     try:
-        library = reader(path)
+        with budget_of_file():
+            library = reader(path)
     finally:
         ARGUMENTS.reset(token)
     meshes = {id(node.mesh): node.mesh for root in library.roots for node in root.walk() if node.mesh is not None}

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets import search
 from morse.system import variables
+from morse.system.regular_files import open_regular
 from morse.system.shared_folders import folders_above
 
 if TYPE_CHECKING:
@@ -124,7 +125,8 @@ def _packages(name: str, model: Path) -> Iterator[Path]:
 def _name_of(folder: Path) -> str | None:
     """Return the name of a package, which may differ from that of its folder."""
     try:
-        text = (folder / "package.xml").read_bytes()[:_MOST_BYTES]
+        with open_regular(folder / "package.xml") as file:
+            text = file.read(_MOST_BYTES)
     except OSError:
         return None
     match = _NAME.search(text)

@@ -12,6 +12,7 @@ from morse.assets.formats import is_model
 from morse.cli.messages import CommandError, nearest, warn
 from morse.cli.sites import Sites
 from morse.simulation.options import RunOptions
+from morse.system.regular_files import open_regular
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -140,7 +141,7 @@ def _scenes_in(directory: Path) -> list[str]:
 def _names_the_builder(script: Path) -> bool:
     """Whether a script may import the classes of scenes."""
     try:
-        with script.open("rb") as file:
+        with open_regular(script) as file:
             return _BUILDER in file.read(_LARGEST)
     except OSError:
         return False

@@ -13,6 +13,7 @@ from morse.assets.formats import suffixes
 from morse.core.reports.quoting import escaped, shown
 from morse.recording.errors import RecordingError
 from morse.simulation.recordings.recorders import SCRIPT
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     import contextlib
@@ -89,7 +90,7 @@ def take_trusted_options(recording: Recording, options: RunOptions) -> None:
 def is_same(path: str, content: bytes) -> bool:
     """Whether a file has a content."""
     try:
-        return Path(path).read_bytes() == content
+        return read_regular(path, len(content)) == content
     except (OSError, ValueError):
         return False
 
@@ -178,7 +179,7 @@ def _beginning(script: str) -> list[str]:
     if Path(script).suffix.lower() in suffixes():
         return ["a model, which is no program"]
     try:
-        lines = Path(script).read_bytes().decode("utf-8", "replace").splitlines()
+        lines = read_regular(script).decode("utf-8", "replace").splitlines()
     except OSError as error:
         return [f"it cannot be read: {error.strerror or error}"]
     rest = len(lines) - _SHOWN_LINES

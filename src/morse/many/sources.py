@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from morse.system.regular_files import read_regular
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from types import CellType
@@ -131,7 +133,7 @@ class _Code:
         """Return the digest of all."""
         digest = self._digest.copy()
         for file in sorted(self._files):
-            digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+            digest.update(file.name.encode() + b"\0" + read_regular(file, sys.maxsize) + b"\0")
         return digest.hexdigest()
 
     def _note(self, *words: object) -> None:
@@ -243,8 +245,8 @@ def _collect(file: Path, files: dict[Path, None]) -> None:
     if file.suffix != ".py":
         return
     try:
-        tree = ast.parse(file.read_bytes())
-    except (SyntaxError, ValueError):
+        tree = ast.parse(read_regular(file))
+    except (SyntaxError, ValueError, OSError):
         return  # the run reports it
     for name in _imports(tree):
         for folder in (file.parent, file.parent / "src"):

@@ -28,8 +28,6 @@ load_readers()
 
 #: maximum number of texels along a side; larger images are scaled down
 _MOST_ASIDE = 2048
-#: maximum number of pixels of a file, which limits the memory
-_MOST_PIXELS = 1 << 27
 _codes = np.arange(256) / 255
 #: (256,) linear light of sRGB codes
 LINEAR = linear_light(_codes)
@@ -130,8 +128,6 @@ def _pixels(image: Image) -> NDArray[np.uint8]:
     """(H, W, 4) RGBA, bottom row first, sizes powers of two; a chequered pattern for unreadable images."""
     try:
         with open_picture(image.data) as picture:
-            if picture.width * picture.height > _MOST_PIXELS:
-                raise ValueError(f"it has {picture.width} x {picture.height} pixels")
             size = (_power_of_two(picture.width), _power_of_two(picture.height))
             pixels = picture.convert("RGBA").resize(size, Picture.Resampling.BICUBIC)
             return np.asarray(pixels, dtype=np.uint8)[::-1].copy()

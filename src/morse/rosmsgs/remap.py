@@ -14,6 +14,7 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.core.reports.hints import nearest
 from morse.core.reports.quoting import shown
 from morse.rosmsgs.names import checked_topic
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -109,7 +110,7 @@ def _read(path: Path) -> Iterator[tuple[str, object, str]]:
     topic: tuple[str, Any, str] | None = None
     depth: int | None = None
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = read_regular(path).decode("utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise MorseMiddlewareError(f"{path}: {error}") from None
     for number, line in enumerate(lines, 1):

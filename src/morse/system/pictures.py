@@ -1,16 +1,26 @@
-"""Opens pictures that may come from anybody."""
+"""Opens pictures that may come from anybody: their cost is known before their pixels are decoded.
+
+The headers of PNG and JPEG files, which nearly all textures are, tell the cost, and they are decoded in this process.
+All other formats are decoded in a process with limits, and become PNG files.
+"""
 
 from __future__ import annotations
 
 import importlib
 import io
+import re
+import struct
 import warnings
 from functools import cache
 from typing import TYPE_CHECKING
 
+from morse.system.budget import budget_of_file
+
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+#: pixels of a picture; a file may be a thousand times smaller than its pixels
+MOST_PIXELS = 1 << 27
 #: formats of textures, and the modules of Pillow that read them; Pillow reads others by running a program, such as
 #: Ghostscript for PostScript
 _READERS = {
@@ -20,6 +30,16 @@ _READERS = {
 _FORMATS = tuple(_READERS)
 #: what Pillow calls a JPEG file of a camera with two lenses
 _OF_JPEG = "MPO"
+_PNG, _JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
+#: parts of a file, bytes of Exif data, and of all parts without pixels: Pillow joins them again and again
+_MOST_PARTS, _MOST_EXIF, _MOST_OTHERS = 100_000, 1 << 16, 16 << 20
+#: scans of a progressive JPEG file that cost as much as decoding its pixels once; programs write up to 10
+_SCANS = 10
+#: the next marker of a JPEG file after pixels: neither a byte of them nor a mark within
+_MARKER = re.compile(rb"\xff[^\x00\xd0-\xd7\xff]")
+_FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
+_START_OF_SCAN, _END, _APP1, _OTHERS = 0xDA, 0xD9, 0xE1, range(0xE0, 0xFF)
+_ORIENTATION = 0x0112
 
 
 @cache
@@ -31,6 +51,36 @@ def load_readers() -> None:
 
 def open_picture(data: bytes) -> Image:
     """Open the content of a file of a picture; its pixels are not decoded.
+
+    Raises:
+        ValueError: see `readable_picture`.
+    """
+    return opened(readable_picture(data))
+
+
+def readable_picture(data: bytes) -> bytes:
+    """The content of a file of a picture whose pixels this process can decode: that of a PNG or JPEG file as it is.
+
+    Raises:
+        ValueError: it is damaged, has too many pixels, costs too much to decode, or is of another format, whatever its
+            name.
+    """
+    with budget_of_file() as budget:
+        if data.startswith((_PNG, _JPEG)):
+            budget.take_pixels(_cost(data))
+            return data
+        budget.take_bytes(len(data))
+        try:
+            answer = budget.decoded(data)
+        except OSError as error:
+            raise ValueError(f"no process can decode it: {error.strerror}") from None
+        if answer[:1] != b"\1":
+            raise ValueError(answer[1:].decode("utf-8", "replace") or "it cannot be decoded")
+        return answer[1:]
+
+
+def opened(data: bytes) -> Image:
+    """Open the content of a file in this process.
 
     Raises:
         ValueError: it is damaged, has far too many pixels, or is of another format, whatever its name.
@@ -58,3 +108,104 @@ def run_no_programs() -> None:
 def is_usable(picture: Image) -> bool:
     """Whether a picture that another program has opened is of one of these formats, or of none: it has pixels only."""
     return picture.format in (None, _OF_JPEG, *_FORMATS)
+
+
+def orientation_of(picture: Image) -> int:
+    """The orientation in the Exif data of a picture: 1 if it is upright, or has none.
+
+    Pillow would read all tags, each of which may be as large as all data.
+    """
+    data: object = picture.info.get("exif")
+    if not isinstance(data, bytes):
+        return 1
+    data = data.removeprefix(b"Exif\0\0")
+    order = {b"II": "<", b"MM": ">"}.get(data[:2])
+    if order is None or len(data) < 8:
+        return 1
+    (begin,) = struct.unpack_from(f"{order}I", data, 4)
+    if begin + 2 > len(data):
+        return 1
+    (count,) = struct.unpack_from(f"{order}H", data, begin)
+    for place in range(begin + 2, min(begin + 2 + 12 * count, len(data) - 11), 12):
+        tag, kind, _, value = struct.unpack_from(f"{order}HHIH", data, place)
+        if tag == _ORIENTATION and kind == 3:
+            return int(value)
+    return 1
+
+
+def check_head(data: bytes) -> None:
+    """Check the parts of a PNG or JPEG file that another library opens, without its pixels.
+
+    Raises:
+        ValueError: they would take excessive time or memory.
+    """
+    if data.startswith(_PNG):
+        _of_png(data)
+    elif data.startswith(_JPEG):
+        _of_jpeg(data)
+
+
+# -- cost ------------------------------------------------------------------------------------
+
+
+def _cost(data: bytes) -> int:
+    """The number of pixels whose decoding takes as long as that of a PNG or JPEG file; of a damaged one up to there.
+
+    Raises:
+        ValueError: it is too high.
+    """
+    width, height, scans = _of_png(data) if data.startswith(_PNG) else _of_jpeg(data)
+    if width * height > MOST_PIXELS:
+        raise ValueError(f"it has {width} x {height} pixels, more than {MOST_PIXELS}")
+    cost = -(-width * height * max(scans, _SCANS) // _SCANS)
+    if cost > MOST_PIXELS:
+        raise ValueError(f"it has {scans} scans of {width} x {height} pixels: save it again, with 10 scans at most")
+    return cost
+
+
+def _of_png(data: bytes) -> tuple[int, int, int]:
+    """Width and height, and the number of scans."""
+    place, parts, others, size = len(_PNG), 0, 0, (0, 0)
+    while place + 8 <= len(data):
+        length, name = struct.unpack_from(">I4s", data, place)
+        if name == b"IHDR" and length >= 8 and place + 16 <= len(data):
+            size = struct.unpack_from(">II", data, place + 8)
+        elif name == b"eXIf" and length > _MOST_EXIF:
+            raise ValueError(f"it has {length} bytes of Exif data, more than {_MOST_EXIF}")
+        elif name not in (b"IDAT", b"fdAT"):
+            others += length
+        place, parts = place + 12 + length, parts + 1
+        _check_parts(parts, others)
+    return size[0], size[1], 1
+
+
+def _of_jpeg(data: bytes) -> tuple[int, int, int]:
+    """Width and height, and the number of scans."""
+    place, parts, scans, others, exif, width, height = 2, 0, 0, 0, 0, 0, 0
+    while (found := _MARKER.search(data, place)) is not None:
+        kind, place = data[found.end() - 1], found.end()
+        if kind == _END:
+            break
+        if place + 2 > len(data):
+            break
+        (length,) = struct.unpack_from(">H", data, place)
+        if kind in _FRAMES and place + 7 <= len(data):
+            high, wide = struct.unpack_from(">HH", data, place + 3)
+            width, height = max(width, wide), max(height, high)
+        elif kind == _START_OF_SCAN:
+            scans += 1
+        elif kind in _OTHERS:
+            others += length
+            exif += length if kind == _APP1 and data[place + 2 : place + 6] == b"Exif" else 0
+        place, parts = place + length, parts + 1
+        if exif > _MOST_EXIF:
+            raise ValueError(f"it has {exif} bytes of Exif data, more than {_MOST_EXIF}")
+        _check_parts(parts, others)
+    return width, height, scans
+
+
+def _check_parts(parts: int, others: int) -> None:
+    if parts > _MOST_PARTS or others > _MOST_OTHERS:
+        raise ValueError(
+            f"it has more than {_MOST_PARTS} parts, or {_MOST_OTHERS >> 20} MiB beside its pixels: save it again"
+        )

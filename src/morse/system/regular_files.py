@@ -8,6 +8,8 @@ import stat
 import sys
 from typing import TYPE_CHECKING, BinaryIO
 
+from morse.system.budget import BudgetError, take_bytes
+
 if TYPE_CHECKING:
     from os import stat_result
     from pathlib import Path
@@ -49,11 +51,15 @@ def open_regular(path: str | Path, most: int = sys.maxsize) -> BinaryIO:
 
 
 def read_regular(path: str | Path, most: int = SOURCE_LIMIT) -> bytes:
-    """Return the content of a regular file; see `open_regular`."""
+    """Return the content of a regular file, which counts for the model that is being read; see `open_regular`."""
     with open_regular(path, most) as file:
         content = file.read(most + 1)
     if len(content) > most:
         raise _too_large(path, most)
+    try:
+        take_bytes(len(content))
+    except BudgetError as error:
+        raise RefusedFileError(errno.EFBIG, str(error), str(path)) from None
     return content
 
 

@@ -21,8 +21,6 @@ _GRACE, PATIENCE = 5.0, 60.0
 _LENGTH = struct.Struct("<Q")
 #: bytes of the largest message; a length beyond it is no length, but something else that was written into the pipe
 _MOST = 1 << 32
-#: bytes that a process may use that decodes what anybody may have made
-MOST_MEMORY = 2 << 30
 #: variables without which a program does not start on some systems
 _NEEDED = ("SYSTEMROOT", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
 
@@ -112,12 +110,12 @@ def bare_environment() -> dict[str, str]:
     return {**needed, "PYTHONPATH": os.pathsep.join(path for path in sys.path if os.path.isabs(path))}
 
 
-def limit_resources(seconds: float) -> None:
-    """Limit the memory and the processor time of this process, where the system can."""
+def limit_resources(seconds: float, memory: int) -> None:
+    """Limit the processor time and the memory, bytes, of this process, where the system can."""
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource
 
-        resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
         resource.setrlimit(resource.RLIMIT_CPU, (int(seconds) + 1, int(seconds) + 2))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import zstandard
 
 from morse.assets.blend.errors import Damage
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,6 +22,8 @@ _HARMLESS = 64 << 20
 #: maximum compression ratio (scenes have 2 to 20); files with a higher ratio are decompression bombs
 _MAX_RATIO = 50
 _CHUNK = 1 << 20
+#: bytes of a gzip file that are decompressed at once, and its parts, of which Blender writes one
+_PIECE, _MOST_MEMBERS = 1 << 16, 10_000
 _ZSTD_WINDOW = 128 << 20
 
 _GZIP = b"\x1f\x8b"
@@ -39,10 +42,9 @@ def load(path: Path, limit: int = SIZE_LIMIT) -> bytes:
     # checked before it is opened, because opening a pipe would block
     if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
         raise Damage("this is not a regular file")
-    with path.open("rb") as file:
-        data = file.read(limit + 1)
-    if len(data) > limit:
+    if path.stat().st_size > limit:
         raise Damage(f"the file is larger than the limit of {_size(limit)}")
+    data = read_regular(path, limit)
     if data[:2] == _GZIP:
         return _gunzip(data, limit)
     if data[:4] == _ZSTD or data[1:4] == _ZSTD_SKIPPABLE:
@@ -52,20 +54,24 @@ def load(path: Path, limit: int = SIZE_LIMIT) -> bytes:
 
 def _gunzip(data: bytes, limit: int) -> bytes:
     out = io.BytesIO()
-    rest = data
-    while rest[:2] == _GZIP:
+    view, place, members = memoryview(data), 0, 0
+    while view[place : place + 2] == _GZIP:
+        members += 1
+        if members > _MOST_MEMBERS:
+            raise Damage(f"its gzip compression has more than {_MOST_MEMBERS} parts")
         member = zlib.decompressobj(wbits=31)
         while not member.eof:
+            # a decompressor copies what it does not use: of a short piece, not of the file
+            given = view[place : place + _PIECE]
             try:
-                piece = member.decompress(rest, _CHUNK)
+                piece = member.decompress(given, _CHUNK)
             except zlib.error as error:
                 raise Damage(f"its gzip compression is broken ({error})") from error
             out.write(piece)
             _check(out.tell(), len(data), limit)
-            rest = member.unconsumed_tail
-            if not piece and not rest and not member.eof:
+            place += len(given) - len(member.unconsumed_tail) - len(member.unused_data)
+            if not piece and not given and not member.eof:
                 raise Damage("the file is cut off: its gzip stream has no end")
-        rest = member.unused_data
     return out.getvalue()
 
 

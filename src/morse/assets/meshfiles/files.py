@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.assets.meshfiles.pictures import is_picture, mistake_in
+from morse.assets.meshfiles.pictures import is_picture, usable_picture
 from morse.assets.stand_in import chequered
 from morse.system.regular_files import read_regular
 
@@ -35,7 +35,7 @@ class Below:
         self.refused: list[str] = []
         self.unusable: dict[str, str] = {}
         self._files: dict[Path, bytes] = {}
-        self._mistakes: dict[Path, str] = {}
+        self._pictures: dict[Path, bytes | str] = {}
         self._bytes = 0
 
     def get(self, name: str) -> bytes:
@@ -75,12 +75,16 @@ class Below:
     def _checked(self, name: str, path: Path, data: bytes) -> bytes:
         if not is_picture(name):
             return data
-        if path not in self._mistakes:
-            self._mistakes[path] = mistake_in(data)
-        if self._mistakes[path]:
-            self.unusable[name] = self._mistakes[path]
+        if path not in self._pictures:
+            try:
+                self._pictures[path] = usable_picture(data)
+            except ValueError as mistake:
+                self._pictures[path] = f"{mistake!s:.100}"
+        picture = self._pictures[path]
+        if isinstance(picture, str):
+            self.unusable[name] = picture
             return chequered()
-        return data
+        return picture
 
     def __getitem__(self, name: str) -> bytes:
         return self.get(name)

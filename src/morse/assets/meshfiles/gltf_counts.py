@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import base64
+import contextlib
 import json
 import struct
 from typing import TYPE_CHECKING
+from urllib.parse import unquote
 
 from morse.assets.errors import AssetError
+from morse.assets.meshfiles.files import Below
 from morse.assets.triangle_limit import check_parts, check_triangles
+from morse.system.pictures import check_head
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -19,6 +24,8 @@ _DEEPEST = 500
 _MOST_IMPLIED = 1_000_000
 #: maximum size of all buffers together, and of all arrays relative to the buffers
 _MOST_BYTES, _OVERLAP = 512 << 20, 4
+#: signatures of the formats of pictures, also those of extensions: WebP, KTX 2 and DDS
+_PICTURES = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"RIFF", b"\xabKTX", b"DDS ")
 _GLB = struct.Struct("<4sIIII")
 _SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
@@ -43,6 +50,7 @@ def check_gltf(path: Path) -> None:
     for name in ("accessors", "bufferViews", "materials", "textures", "images"):
         check_parts(path, len(_objects(tree, name)), name)
     _refuse_deep(path, nodes)
+    _check_pictures(path, tree)
     _check_arrays(path, tree)
     _check_uses(path, tree, [primitive for some in primitives for primitive in some])
 
@@ -65,6 +73,66 @@ def _tree(path: Path) -> object:
         raise AssetError(path, "its JSON is nested too deeply") from None
     except ValueError as error:
         raise AssetError(path, f"its JSON is damaged: {error!s:.100}") from None
+
+
+def _check_pictures(path: Path, tree: dict[str, object]) -> None:
+    """Refuse pictures within the file whose heads alone would take time or memory: the library opens them itself."""
+    buffers: dict[int, bytes] = {}
+    total = 0
+    for number, image in enumerate(_objects(tree, "images")):
+        data = _embedded(path, tree, image, buffers)
+        total += len(data)
+        if total > _OVERLAP * _MOST_BYTES:
+            raise AssetError(path, "its pictures overlap too much")
+        if not data or image.get("mimeType") == "image/ktx2":
+            continue
+        try:
+            if not data.startswith(_PICTURES):
+                raise ValueError("it is neither PNG nor JPEG, the formats of glTF")
+            check_head(data)
+        except ValueError as error:
+            raise AssetError(path, f"its picture {number}: {error}") from None
+
+
+def _embedded(path: Path, tree: dict[str, object], image: dict[str, object], buffers: dict[int, bytes]) -> bytes:
+    """The content of a picture within the file; empty for one in another file, or if it is damaged."""
+    uri = image.get("uri")
+    if isinstance(uri, str):
+        return _of_uri(uri)
+    views, number = _objects(tree, "bufferViews"), image.get("bufferView")
+    if not isinstance(number, int) or not 0 <= number < len(views):
+        return b""
+    view, all_buffers = views[number], _objects(tree, "buffers")
+    index = view.get("buffer", 0)
+    if not isinstance(index, int) or not 0 <= index < len(all_buffers):
+        return b""
+    if index not in buffers:
+        uri = all_buffers[index].get("uri")
+        if isinstance(uri, str) and not uri.startswith("data:"):
+            with contextlib.suppress(FileNotFoundError):
+                buffers[index] = Below(path.parent).get(unquote(uri))
+        buffers.setdefault(index, _of_uri(uri) if isinstance(uri, str) else _binary(path))
+    begin = _count(view, "byteOffset")
+    return buffers[index][begin : begin + _count(view, "byteLength")]
+
+
+def _of_uri(uri: str) -> bytes:
+    head, separator, text = uri.partition(",")
+    try:
+        return base64.b64decode(text) if separator and head.startswith("data:") else b""
+    except ValueError:
+        return b""
+
+
+def _binary(path: Path) -> bytes:
+    """The binary part of a file."""
+    with path.open("rb") as file:
+        try:
+            _, _, _, size, _ = _GLB.unpack(file.read(_GLB.size))
+            file.seek(size + 8, 1)
+        except (struct.error, OSError):
+            return b""
+        return file.read(_MOST_BYTES)
 
 
 def _check_arrays(path: Path, tree: dict[str, object]) -> None:

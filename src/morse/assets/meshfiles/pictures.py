@@ -9,7 +9,7 @@ from typing import Any
 
 from morse.assets.stand_in import chequered
 from morse.scene import Image
-from morse.system.pictures import is_usable, open_picture
+from morse.system.pictures import is_usable, opened, orientation_of, readable_picture
 
 #: pixels of a picture, and of all pictures of a model; a file may be a thousand times smaller than its pixels
 MOST_PIXELS, MOST_PIXELS_TOGETHER = 1 << 26, 1 << 28
@@ -17,8 +17,6 @@ _SUFFIXES = (".bmp", ".dds", ".gif", ".jpeg", ".jpg", ".ktx2", ".png", ".tga", "
 #: formats and modes that need not be converted for browsers
 _SHOWN = {"PNG": "image/png", "JPEG": "image/jpeg"}
 _MODES = ("1", "L", "LA", "P", "RGB", "RGBA")
-#: tag of the orientation of a picture, which programs treat differently
-_ORIENTATION = 0x0112
 #: the conversion of a pixel takes as long as decoding so many pixels
 _CONVERSION = 8
 
@@ -28,13 +26,17 @@ def is_picture(name: str) -> bool:
     return os.path.splitext(name.strip().lower())[1] in _SUFFIXES
 
 
-def mistake_in(data: bytes) -> str:
-    """Return why a file is no picture that can be used; empty if it can be used."""
-    try:
-        with open_picture(data) as picture:
-            return _mistake(picture)
-    except Exception as error:  # Pillow's readers raise many kinds of errors for damaged files
-        return f"{error!s:.100}"
+def usable_picture(data: bytes) -> bytes:
+    """The content of a picture as that of a PNG or JPEG file.
+
+    Raises:
+        ValueError: it cannot be used.
+    """
+    data = readable_picture(data)
+    with opened(data) as picture:
+        if mistake := _mistake(picture):
+            raise ValueError(mistake)
+    return data
 
 
 def _mistake(picture: Any) -> str:
@@ -71,8 +73,15 @@ class Pictures:
         return self._images[key]
 
     def _converted(self, name: str, picture: Any, data: bytes) -> Image:
-        mime = _SHOWN.get(str(picture.format), "") if data and picture.mode in _MODES else ""
         mistake = _mistake(picture)
+        if data and not mistake:
+            try:
+                # a copy is decoded, so that the pixels do not stay in memory
+                data = readable_picture(data)
+                picture = opened(data)
+            except ValueError as error:
+                mistake = str(error)
+        mime = _SHOWN.get(str(picture.format), "") if data and picture.mode in _MODES else ""
         pixels = picture.width * picture.height * (1 if mime else _CONVERSION)
         if not mistake and self._pixels + pixels > MOST_PIXELS_TOGETHER:
             mistake = (
@@ -82,8 +91,6 @@ class Pictures:
         if not mistake:
             self._pixels += pixels
             try:
-                # a copy is decoded, so that the pixels do not stay in memory
-                picture = open_picture(data) if data else picture
                 picture.load()
                 if mime and _is_plain(picture):
                     return Image(name, data, mime)
@@ -104,4 +111,4 @@ def _encoded(picture: object) -> bytes:
 
 def _is_plain(picture: Any) -> bool:
     """Whether browsers show a decoded picture as other programs do: without a colour profile or an orientation."""
-    return "icc_profile" not in picture.info and picture.getexif().get(_ORIENTATION, 1) == 1
+    return "icc_profile" not in picture.info and orientation_of(picture) == 1

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets.meshfiles.pictures import Pictures, mistake_in
-from morse.assets.nearby_files import FileRefusedError
+from morse.assets.meshfiles.pictures import Pictures, usable_picture
 from morse.scene import Image
-from morse.system.pictures import open_picture
+from morse.system.pictures import opened
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,10 +62,8 @@ def take_textures(
                 continue
             if file is not None:
                 try:
-                    texture.data = read(file, attributes.get(origin))
-                    if mistake := mistake_in(texture.data):
-                        raise FileRefusedError(mistake)
-                except (FileRefusedError, OSError) as error:
+                    texture.data = usable_picture(read(file, attributes.get(origin)))
+                except (OSError, ValueError) as error:
                     losses.append(f"the texture '{file:.200}' is left out: {error}")
                     texture.is_lost = True
             number = len(textures)
@@ -113,7 +110,7 @@ class TextureImages:
         if texture.is_lost:
             return None
         if texture.data is not None:
-            return self.pictures.image(texture.name, open_picture(texture.data))
+            return self.pictures.image(texture.name, opened(texture.data))
         file = io.BytesIO()
         Pillow.fromarray(_pattern(texture.attributes)).save(file, "PNG")
         return Image(texture.name, file.getvalue(), "image/png")

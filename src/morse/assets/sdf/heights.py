@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.assets.gazebo.values import ValueMistakeError, text_of, vector
-from morse.assets.meshfiles.pictures import mistake_in
+from morse.assets.meshfiles.pictures import usable_picture
 from morse.assets.mjcf.heights import height_mesh
 from morse.assets.nearby_files import find_near
 from morse.assets.texture_coordinates import with_texture_coordinates
 from morse.scene import CollisionShape, Material, Node, NodeKind, ShapeKind
-from morse.system.pictures import open_picture
+from morse.system.pictures import opened
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -56,12 +56,8 @@ def height_node(element: Element, path: Path, name: str, materials: Materials, *
 
 def _heights(file: Path) -> NDArray[np.float64]:
     """Heights (R, C) from 0 to 1; rows along +Y."""
-    data = read_regular(file, _MOST_BYTES)
-    mistake = mistake_in(data)
-    if mistake:
-        raise ValueMistakeError(f"it is no picture of heights: {mistake}")
     try:
-        picture = open_picture(data)
+        picture = opened(usable_picture(read_regular(file, _MOST_BYTES)))
         picture.load()
         if picture.mode not in ("L", "I", "F", "I;16", "I;16B"):
             picture = picture.convert("L")

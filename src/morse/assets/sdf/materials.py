@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from morse.assets.gazebo.colors import color_of
 from morse.assets.gazebo.values import ValueMistakeError, number, text_of, vector
-from morse.assets.meshfiles.pictures import Pictures, mistake_in
+from morse.assets.meshfiles.pictures import Pictures, usable_picture
 from morse.assets.nearby_files import FileRefusedError, find_folder_near, find_near
 from morse.assets.sdf.scripts import Script, scripts_in
 from morse.mathutils.light import linear_color
 from morse.scene import Image, Material
-from morse.system.pictures import open_picture
+from morse.system.pictures import opened
 from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
@@ -153,15 +153,11 @@ class Materials:
 
     def _read(self, file: Path) -> Image | None:
         try:
-            data = read_regular(file, _MOST_BYTES)
+            data = usable_picture(read_regular(file, _MOST_BYTES))
         except (OSError, ValueError) as error:
             self._warn(f"the picture {file.name:.80} is left out: {error}")
             return None
-        mistake = mistake_in(data)
-        if mistake:
-            self._warn(f"the picture {file.name:.80} is left out: {mistake}")
-            return None
-        image = self._pictures.image(file.stem, open_picture(data))
+        image = self._pictures.image(file.stem, opened(data))
         for warning in self._pictures.warnings:
             self._warn(warning)
         return image

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: of the expansion of a file, s
 TIME_LIMIT = 30.0
+#: of its process, bytes
+MOST_MEMORY = 2 << 30
 #: of a file that an expression or ``xacro:include`` reads, bytes
 _MOST_BYTES = 64 << 20
 #: the syntax of expressions; operators and contexts of names are allowed as well

@@ -11,7 +11,7 @@ import json
 from pathlib import Path
 
 from morse.assets.nearby_files import FileRefusedError, find_package
-from morse.assets.urdf.xacro_limits import TIME_LIMIT, limit
+from morse.assets.urdf.xacro_limits import MOST_MEMORY, TIME_LIMIT, limit
 from morse.system.worker_process import limit_resources, serve
 
 
@@ -55,7 +55,7 @@ def answer(message: bytearray) -> bytes:
 
 def main() -> None:
     """Expand the files of the process that has started this one."""
-    limit_resources(TIME_LIMIT)
+    limit_resources(TIME_LIMIT, MOST_MEMORY)
     serve(answer)
 
 

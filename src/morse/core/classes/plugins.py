@@ -95,6 +95,6 @@ def _mentions_us(directory: Path) -> bool:
 
 def _declares(file: Path) -> bool:
     try:
-        return b"[morse." in file.read_bytes()
+        return b"[morse." in read_regular(file)
     except OSError:
         return False

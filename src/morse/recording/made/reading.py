@@ -86,7 +86,7 @@ class RecordedMade:
         all_kinds: bool = True,
     ) -> None:
         self._recording, self._modules, self._exact = recording, modules, exact
-        self._blocks: dict[str, bytes] = {}
+        self._contents: dict[str, bytes] = {}
         self._size = 0
         self._warnings: set[str] = set()
         self._descriptions: dict[int, dict[str, Description]] = {}
@@ -113,7 +113,7 @@ class RecordedMade:
         Raises:
             RecordingError: the description is damaged.
         """
-        unpacking = Unpacking(self._attached(OBJECTS), self._block, self._class_of)
+        unpacking = self._unpacked(OBJECTS)
         if self._exact and (unlike := [*unpacking.omitted, *unpacking.replaced]):
             raise RecordingError(f"the class of {quoted(unlike[0])} is not a part of MORSE")
         for name in unpacking.omitted:
@@ -131,9 +131,9 @@ class RecordedMade:
         Raises:
             RecordingError: a description is damaged, or not complete.
         """
-        for descriptions in self._descriptions.values():
-            for description in descriptions.values():
-                self.newcomer(description)
+        every = {(one.name, one.title): one for some in self._descriptions.values() for one in some.values()}
+        for description in every.values():
+            self.newcomer(description)
 
     def after(self, index: int) -> dict[str, Description]:
         """The objects that the input of this number created; -1 for those present at the beginning."""
@@ -153,7 +153,7 @@ class RecordedMade:
             RecordingError: the description is damaged.
         """
         try:
-            unpacking = Unpacking(self._attached(description.title), self._block, self._class_of)
+            unpacking = self._unpacked(description.title)
             if description.name not in [root.name for root in unpacking.roots]:
                 raise RecordingError("its description is that of another object")
             if self._exact and (unlike := [*unpacking.omitted, *unpacking.replaced]):
@@ -170,7 +170,24 @@ class RecordedMade:
             self._warnings.add(text)
             logger.warning("%s", text)
 
+    def _unpacked(self, name: str) -> Unpacking:
+        content = self._attached(name)
+        try:
+            return Unpacking(content, self._block, self._class_of)
+        except RecordingError as error:
+            raise RecordingError(f"{self._recording.path}: {error}") from None
+
     def _attached(self, name: str) -> bytes:
+        """The content of an attachment, which is decompressed once."""
+        if name not in self._contents:
+            content = self._decompressed(name)
+            self._size += len(content)
+            if self._size > _MOST_BYTES:
+                raise RecordingError(f"{self._recording.path}: the meshes are larger than {_MOST_BYTES >> 20} MiB")
+            self._contents[name] = content
+        return self._contents[name]
+
+    def _decompressed(self, name: str) -> bytes:
         data = self._recording.attachment(name)
         if data is None:
             raise RecordingError(f"{self._recording.path}: the attachment {name[:80]!r} is missing")
@@ -184,15 +201,12 @@ class RecordedMade:
         return content
 
     def _block(self, digest: str) -> bytes:
-        block = self._blocks.get(digest)
-        if block is None:
-            block = self._attached(f"{BLOCKS}{digest}")
-            if hashlib.sha256(block).hexdigest() != digest:
-                raise RecordingError(f"{self._recording.path}: the block {digest[:80]} is damaged")
-            self._size += len(block)
-            if self._size > _MOST_BYTES:
-                raise RecordingError(f"{self._recording.path}: the meshes are larger than {_MOST_BYTES >> 20} MiB")
-            self._blocks[digest] = block
+        name = f"{BLOCKS}{digest}"
+        is_new = name not in self._contents
+        block = self._attached(name)
+        if is_new and hashlib.sha256(block).hexdigest() != digest:
+            del self._contents[name]
+            raise RecordingError(f"{self._recording.path}: the block {digest[:80]} is damaged")
         return block
 
     def _class_of(self, paths: list[str]) -> str | None:

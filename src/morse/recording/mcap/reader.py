@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 LARGEST = 256 << 20
 #: maximum size of all schemas, channels and metadata of a file
 _LARGEST_TABLES = 64 << 20
+#: what chunks hold, relative to the size of the file: records that differ take more than a byte each, while millions of
+#: equal ones take nothing; a picture of one colour takes nothing as well, so their bytes have a wide limit
+_FEW_RECORDS, _MOST_PLAIN, _RATIO = 100_000, 16 << 30, 2048
 _NAMES = {records.HEADER: "the header", records.CHUNK: "a chunk", records.ATTACHMENT: "an attachment"}
 
 
@@ -106,8 +109,12 @@ class McapFile:
         self._attachments: dict[str, tuple[int, int]] = {}
         self._tables = 0
         self._file = open_regular(self.path)
+        self._size = os.fstat(self._file.fileno()).st_size
+        #: records that were read, by the chunk
+        self._records: dict[int, int] = {}
+        self._all_records = self._plain_bytes = 0
         try:
-            self._scan(os.fstat(self._file.fileno()).st_size)
+            self._scan(self._size)
         except BaseException:
             self.close()
             raise
@@ -223,7 +230,7 @@ class McapFile:
         Raises:
             RecordingError: the chunk is damaged.
         """
-        for opcode, content in self._plain(chunk).records():
+        for opcode, content in self._counted(chunk):
             if opcode in (records.SCHEMA, records.CHANNEL):
                 self._describe(opcode, Fields(content, f"{self.path}: a record in a chunk"))
             if opcode != records.MESSAGE:
@@ -232,6 +239,26 @@ class McapFile:
             number, sequence, log_time, publish_time = fields.numbers("<HIQQ")
             if channels is None or number in channels:
                 yield Message(number, sequence, log_time, publish_time, bytes(fields.bytes(fields.left)))
+
+    def _counted(self, chunk: Chunk) -> Iterator[tuple[int, memoryview]]:
+        """The records of a chunk, each of which is counted once, however often it is read."""
+        before = count = self._records.get(chunk.offset, 0)
+        others = self._all_records - before
+        try:
+            for number, record in enumerate(self._plain(chunk).records(), 1):
+                if number > count:
+                    count = number
+                    if others + count > _FEW_RECORDS + self._size:
+                        raise self._damaged(
+                            f"its {self._size:,} bytes hold more than {others + count - 1:,} records: no recorder "
+                            "writes that"
+                        )
+                yield record
+        finally:
+            now = self._records.get(chunk.offset, 0)
+            if count > now:
+                self._records[chunk.offset] = count
+                self._all_records += count - now
 
     def last(self, channel: int, until: int, most_chunks: int) -> Message | None:
         """The last message of a channel whose log time is not later than ``until``, ns.
@@ -258,6 +285,10 @@ class McapFile:
         data = fields.bytes(size_in_file)
         if size > LARGEST:
             raise self._damaged(f"a chunk declares {size} bytes; more than {LARGEST >> 20} MiB are not read")
+        if place.offset not in self._records:
+            self._plain_bytes += size
+            if self._plain_bytes > _MOST_PLAIN + _RATIO * self._size:
+                raise self._damaged(f"its {self._size:,} bytes would grow to more than {self._plain_bytes >> 30} GiB")
         if compression == "zstd":
             plain = self._decompressed(data, size)
         elif compression:

@@ -96,7 +96,11 @@ class State:
             middlewares = {name.removeprefix(_MIDDLEWARE): parts.pop(name) for name in names}
             state = cls(parts, middlewares=middlewares)
             _ = state.tick
-        except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError) as error:
+        except LookupError:
+            raise StateError("the saved state is cut off") from None
+        except RecursionError:
+            raise StateError("the saved state is damaged: it is nested too deeply") from None
+        except (ArithmeticError, TypeError, ValueError) as error:
             raise StateError(f"the saved state is damaged: {error}") from None
         return state
 
@@ -127,4 +131,7 @@ class State:
         file = Path(path)
         if file.stat().st_size > _LARGEST:
             raise StateError(f"{file} is too large for a saved state")
-        return cls.from_bytes(read_regular(file, _LARGEST))
+        try:
+            return cls.from_bytes(read_regular(file, _LARGEST))
+        except StateError as error:
+            raise StateError(f"{file}: {error}") from None

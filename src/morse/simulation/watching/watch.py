@@ -19,6 +19,7 @@ from morse.core.reports.faults import ENDINGS, describe
 from morse.simulation.watching import models
 from morse.simulation.watching.classes import exchange
 from morse.simulation.watching.files import SavedFiles
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -115,7 +116,7 @@ class Watch(Observer):
     def _script_saved(self) -> None:
         """A syntax error is told at once, others when the script is executed."""
         try:
-            content = Path(self._script).read_bytes()
+            content = read_regular(self._script)
             compile(content, self._script, "exec", dont_inherit=True)
         except (SyntaxError, ValueError, OSError) as error:
             self._refuse(self._script, _syntax(error, self._script))

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from morse.core.classes.definitions import reading
 from morse.core.classes.definitions.reading import Definition, definitions
+from morse.system.regular_files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -33,7 +34,7 @@ def indexed(file: Path) -> list[Definition]:
         OSError: the file cannot be read.
         SyntaxError: the file is not valid Python.
     """
-    text = file.read_bytes()
+    text = read_regular(file)
     entry = _index().get(_digest(text))
     if entry is None:
         return definitions(text, str(file))
