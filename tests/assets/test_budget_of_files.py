@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import base64
 import io
+import itertools
+import json
 import os
 import struct
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -89,6 +92,35 @@ def test_pictures_that_programs_write_are_no_bombs() -> None:
     for options in ({"progressive": True}, {"progressive": True, "quality": 100}, {}):
         with open_picture(saved("JPEG", side=2048, **options)) as picture:
             picture.load()
+
+
+def test_pictures_within_a_gltf_are_decoded_by_the_process_as_well(tmp_path: Path) -> None:
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes() + np.zeros((3, 2), "<f4").tobytes()
+    for kind, suffix in itertools.product(("WEBP", "PNG", "TIFF"), (".gltf", ".glb")):
+        picture = saved(kind, side=64)
+        content = corners + picture + bytes(-len(picture) % 4)
+        tree: dict[str, Any] = {
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
+            "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+            "textures": [{"source": 0}], "images": [{"bufferView": 2}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+                          {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"}],
+            "bufferViews": [{"buffer": 0, "byteOffset": begin, "byteLength": size}
+                            for begin, size in ((0, 36), (36, 24), (60, len(picture)))],
+            "buffers": [{"byteLength": len(content)}],
+        }  # fmt: skip
+        path = tmp_path / f"{kind}{suffix}"
+        if suffix == ".gltf":
+            tree["buffers"][0]["uri"] = f"data:;base64,{base64.b64encode(content).decode()}"
+            path.write_text(json.dumps(tree))
+        else:
+            text = json.dumps(tree).encode()
+            text += b" " * (-len(text) % 4)
+            size = 28 + len(text) + len(content)
+            head = struct.pack("<4sIII4s", b"glTF", 2, size, len(text), b"JSON")
+            path.write_bytes(head + text + struct.pack("<I4s", len(content), b"BIN\0") + content)
+        assert seen(path) == 1
 
 
 def test_one_process_decodes_the_pictures_of_a_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

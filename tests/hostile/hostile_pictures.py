@@ -143,6 +143,13 @@ def _parts(count: int) -> bytes:
     return data[:33] + empty * count + data[33:]
 
 
+def _glossy(picture: bytes) -> dict[str, Any]:
+    tree = _painted_gltf(picture, 1, 1)
+    textures = {"diffuseTexture": {"index": 0}, "specularGlossinessTexture": {"index": 0}}
+    tree["materials"][0]["extensions"] = {"KHR_materials_pbrSpecularGlossiness": textures}
+    return tree
+
+
 def _inside_gltf(picture: Callable[[], bytes]) -> Maker:
     return late(".gltf", lambda: json.dumps(_painted_gltf(picture(), 1, 1)))
 
@@ -249,6 +256,7 @@ PICTURES: dict[str, Maker] = {
     "picture: 40 BMP, 8,000 x 8,000": _textured(".bmp", lambda: _saved("BMP", 8000, 8000, "1"), 40),
     "picture: TIFF within a glTF": _inside_gltf(_overlapping_tags),
     "picture: GIF within a glTF": _inside_gltf(lambda: _comments(100_000)),
+    "picture: scans within a glTF, glossy": late(".gltf", lambda: json.dumps(_glossy(_scans(14_000, 2048)))),
     "picture: scans within a glTF": _inside_gltf(lambda: _scans(14_000, 2048)),
     "picture: Exif data within a glTF": _inside_gltf(lambda: _segments(500, b"Exif\0\0" + bytes(60_000))),
 }  # fmt: skip

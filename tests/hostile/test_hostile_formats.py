@@ -14,7 +14,7 @@ import pytest
 from hostile_pictures import png
 from PIL import Image as Pillow
 
-from morse.assets.meshfiles.pictures import mistake_in
+from morse.assets.meshfiles.pictures import usable_picture
 from morse.assets.meshfiles.reader import read_meshes
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.rendering.textures import TextureStore
@@ -52,7 +52,8 @@ def _unusual() -> list[bytes]:
 def test_postscript_is_no_texture(traps: Path) -> None:
     with pytest.raises(ValueError, match="unknown format"):
         open_picture(POSTSCRIPT)
-    assert mistake_in(POSTSCRIPT)
+    with pytest.raises(ValueError, match="unknown format"):
+        usable_picture(POSTSCRIPT)
     TextureStore().number(Image("a.png", POSTSCRIPT, "image/png"))
     assert not traps.exists()
 

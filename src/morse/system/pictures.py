@@ -133,18 +133,6 @@ def orientation_of(picture: Image) -> int:
     return 1
 
 
-def check_head(data: bytes) -> None:
-    """Check the parts of a PNG or JPEG file that another library opens, without its pixels.
-
-    Raises:
-        ValueError: they would take excessive time or memory.
-    """
-    if data.startswith(_PNG):
-        _of_png(data)
-    elif data.startswith(_JPEG):
-        _of_jpeg(data)
-
-
 # -- cost ------------------------------------------------------------------------------------
 
 

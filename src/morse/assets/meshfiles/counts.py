@@ -12,6 +12,8 @@ from morse.assets.triangle_limit import MOST_MATERIALS, check_corners, check_par
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from morse.assets.meshfiles.files import Below
+
 #: lines of OBJ files that begin an object, a group or a material; faces; vertices
 _OBJ_PARTS = re.compile(rb"^[ \t]*(?:o|g|usemtl)[ \t]", re.MULTILINE)
 _OBJ_MATERIALS = re.compile(rb"^[ \t]*usemtl[ \t]+(.*)$", re.MULTILINE)
@@ -24,8 +26,11 @@ _PLY_HEADER, _PLY_ELEMENTS = 1 << 16, 100
 _PLY_ELEMENT = re.compile(rb"^\s*element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
 
 
-def check_counts(path: Path) -> None:
+def check_counts(path: Path, below: Below) -> None:
     """Check the counts of a glTF, OBJ or PLY file.
+
+    Args:
+        below: reads the files that it refers to.
 
     Raises:
         AssetError: there are too many parts, triangles or corners, or an array is too large.
@@ -37,7 +42,7 @@ def check_counts(path: Path) -> None:
         with path.open("rb") as file:
             _check_ply(path, file.read(_PLY_HEADER), path.stat().st_size)
     elif suffix in (".gltf", ".glb"):
-        check_gltf(path)
+        check_gltf(path, below)
 
 
 def _check_obj(path: Path, text: bytes) -> None:

@@ -26,6 +26,7 @@ class Below:
 
     Attributes:
         refused: names of files that are outside of the folder, are missing or are too large.
+        pictures: by number, what replaces a picture within the file.
         unusable: names of pictures that cannot be used, with the reason; a chequered pattern is used instead.
     """
 
@@ -34,6 +35,7 @@ class Below:
         self._model = _model_of(self._folder)
         self.refused: list[str] = []
         self.unusable: dict[str, str] = {}
+        self.pictures: dict[int, bytes] = {}
         self._files: dict[Path, bytes] = {}
         self._pictures: dict[Path, bytes | str] = {}
         self._bytes = 0

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
 from morse.assets.errors import AssetError
-from morse.assets.meshfiles.files import Below
+from morse.assets.stand_in import chequered
 from morse.assets.triangle_limit import check_parts, check_triangles
-from morse.system.pictures import check_head
+from morse.system.pictures import readable_picture
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
+
+    from morse.assets.meshfiles.files import Below
 
 #: maximum number of nodes above a node
 _DEEPEST = 500
@@ -24,15 +27,19 @@ _DEEPEST = 500
 _MOST_IMPLIED = 1_000_000
 #: maximum size of all buffers together, and of all arrays relative to the buffers
 _MOST_BYTES, _OVERLAP = 512 << 20, 4
-#: signatures of the formats of pictures, also those of extensions: WebP, KTX 2 and DDS
-_PICTURES = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"RIFF", b"\xabKTX", b"DDS ")
-_GLB = struct.Struct("<4sIIII")
+#: pictures of this kind are not opened by trimesh
+_NOT_OPENED = "image/ktx2"
+#: the head of a binary file: its mark, version, size, and the size and the kind of its JSON part
+_GLB, _MAGIC, _JSON = struct.Struct("<4sIIII"), b"glTF", 0x4E4F534A
 _SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
-def check_gltf(path: Path) -> None:
+def check_gltf(path: Path, below: Below) -> None:
     """Check the counts of a file; a broken one is left to its reader.
+
+    Args:
+        below: reads the files that it refers to, and receives the pictures that replace those within the file.
 
     Raises:
         AssetError: there are too many parts or triangles, or the arrays are too large.
@@ -50,7 +57,7 @@ def check_gltf(path: Path) -> None:
     for name in ("accessors", "bufferViews", "materials", "textures", "images"):
         check_parts(path, len(_objects(tree, name)), name)
     _refuse_deep(path, nodes)
-    _check_pictures(path, tree)
+    _check_pictures(path, tree, below)
     _check_arrays(path, tree)
     _check_uses(path, tree, [primitive for some in primitives for primitive in some])
 
@@ -75,26 +82,47 @@ def _tree(path: Path) -> object:
         raise AssetError(path, f"its JSON is damaged: {error!s:.100}") from None
 
 
-def _check_pictures(path: Path, tree: dict[str, object]) -> None:
-    """Refuse pictures within the file whose heads alone would take time or memory: the library opens them itself."""
+def with_pictures(content: bytes, pictures: Mapping[int, bytes]) -> bytes:
+    """The content of a file with other pictures, PNG files by number."""
+    binary = content.startswith(_MAGIC)
+    size = _GLB.unpack_from(content)[3] if binary else len(content)
+    begin = _GLB.size if binary else 0
+    tree = json.loads(content[begin : begin + size])
+    for number, image in enumerate(_objects(tree, "images")):
+        if number in pictures:
+            image.clear()
+            image["uri"] = f"data:image/png;base64,{base64.b64encode(pictures[number]).decode()}"
+    text = json.dumps(tree).encode()
+    if not binary:
+        return text
+    text += b" " * (-len(text) % 4)
+    rest = content[begin + size :]
+    return _GLB.pack(_MAGIC, 2, _GLB.size + len(text) + len(rest), len(text), _JSON) + text + rest
+
+
+def _check_pictures(path: Path, tree: dict[str, object], below: Below) -> None:
+    """Find pictures within the file that take too much time or memory: the library opens and decodes them itself."""
     buffers: dict[int, bytes] = {}
     total = 0
     for number, image in enumerate(_objects(tree, "images")):
-        data = _embedded(path, tree, image, buffers)
+        data = _embedded(path, tree, image, buffers, below)
         total += len(data)
         if total > _OVERLAP * _MOST_BYTES:
             raise AssetError(path, "its pictures overlap too much")
-        if not data or image.get("mimeType") == "image/ktx2":
+        if not data or image.get("mimeType") == _NOT_OPENED:
             continue
         try:
-            if not data.startswith(_PICTURES):
-                raise ValueError("it is neither PNG nor JPEG, the formats of glTF")
-            check_head(data)
+            readable = readable_picture(data)
+            if readable is not data:
+                below.pictures[number] = readable
         except ValueError as error:
-            raise AssetError(path, f"its picture {number}: {error}") from None
+            below.pictures[number] = chequered()
+            below.unusable[f"{number} of the file"] = str(error)
 
 
-def _embedded(path: Path, tree: dict[str, object], image: dict[str, object], buffers: dict[int, bytes]) -> bytes:
+def _embedded(
+    path: Path, tree: dict[str, object], image: dict[str, object], buffers: dict[int, bytes], below: Below
+) -> bytes:
     """The content of a picture within the file; empty for one in another file, or if it is damaged."""
     uri = image.get("uri")
     if isinstance(uri, str):
@@ -110,7 +138,7 @@ def _embedded(path: Path, tree: dict[str, object], image: dict[str, object], buf
         uri = all_buffers[index].get("uri")
         if isinstance(uri, str) and not uri.startswith("data:"):
             with contextlib.suppress(FileNotFoundError):
-                buffers[index] = Below(path.parent).get(unquote(uri))
+                buffers[index] = below.get(unquote(uri))
         buffers.setdefault(index, _of_uri(uri) if isinstance(uri, str) else _binary(path))
     begin = _count(view, "byteOffset")
     return buffers[index][begin : begin + _count(view, "byteLength")]

@@ -14,6 +14,7 @@ from morse.assets.errors import AssetError
 from morse.assets.meshfiles.collada import collada_unit
 from morse.assets.meshfiles.counts import check_counts
 from morse.assets.meshfiles.files import SIZE_LIMIT, Below, readable
+from morse.assets.meshfiles.gltf_counts import with_pictures
 from morse.assets.meshfiles.surfaces import Surfaces
 from morse.assets.triangle_limit import check_stl, check_triangles
 from morse.mathutils import Matrix
@@ -49,7 +50,7 @@ def read_meshes(path: str | Path) -> Library:
         check_stl(path)
     below = Below(path.parent)
     try:
-        check_counts(path)
+        check_counts(path, below)
         unit = collada_unit(path) if path.suffix.lower() == ".dae" else 1.0
         scene = _loaded(path, below)
         check_triangles(path, (len(getattr(part, "faces", ())) for part in scene.geometry.values()))
@@ -85,8 +86,10 @@ def _loaded(path: Path, below: Any) -> Any:
     level = quiet.level
     quiet.setLevel(logging.CRITICAL)
     try:
-        content = io.BytesIO(readable(path, read_regular(path, SIZE_LIMIT)))
-        with content as file, warnings.catch_warnings():
+        data = readable(path, read_regular(path, SIZE_LIMIT))
+        if below.pictures:
+            data = with_pictures(data, below.pictures)
+        with io.BytesIO(data) as file, warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return trimesh.load_scene(
                 file, file_type=path.suffix.lower().lstrip("."), resolver=below, process=False, allow_remote=False
