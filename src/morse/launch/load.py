@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.assets.formats import is_model
 from morse.core.exceptions import MorseError
-from morse.core.reports.hints import nearest
+from morse.core.reports.hints import closest, nearest
 from morse.core.reports.quoting import quoted
 from morse.kernel import loading, threads
 from morse.scene import Scene
@@ -185,13 +185,23 @@ def described(scene: str | os.PathLike[str] | Callable[[], object] | Scene, opti
         raise TypeError(f"a scene is a path, a function that builds a scene, or a morse.scene.Scene, not {scene!r:.80}")
     script = Path(scene).absolute()
     if not script.is_file():
-        raise FileNotFoundError(f"the scene script {script} does not exist")
+        near = closest(script.name, _names_beside(script))
+        hint = f"; did you mean '{near}'?" if near is not None else ""
+        raise FileNotFoundError(f"the scene script {script} does not exist{hint}")
     options.script = str(script)
     for folder, paths in (("src", options.source_paths), ("data", options.resource_paths)):
         # a model that is run as a scene is data: it brings no code
         if not paths and (script.parent / folder).is_dir() and not (folder == "src" and is_model(script)):
             paths.append(str(script.parent / folder))
     return load_scene(options)
+
+
+def _names_beside(script: Path) -> list[str]:
+    """The names of scripts and models in the folder of a scene."""
+    try:
+        return [path.name for path in script.parent.iterdir() if path.suffix == ".py" or is_model(path)]
+    except OSError:
+        return []
 
 
 def _folders_of(function: Callable[[], object]) -> list[str]:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.simulation.ending import FAULTS
 from morse.testing.exceptions import MorseTestingError
 from morse.testing.follow import EXITING, LogWatch
 
@@ -36,6 +37,7 @@ class SimulationProcess:
         port: preferred port for its services; 0 for any free port.
         options: options of ``morse run``.
         on_error: callback, called with the line if the log reports an error while the simulation runs.
+        fails: names of the parts that are expected to fail, such as ``robot.gps``.
     """
 
     def __init__(
@@ -46,6 +48,7 @@ class SimulationProcess:
         port: int = 0,
         options: Sequence[str] = ("--headless",),
         on_error: Callable[[str], None] = _ignore,
+        fails: Sequence[str] = (),
     ) -> None:
         self.log = log
         environment = {**os.environ, PORT_VARIABLE: str(port)}
@@ -54,13 +57,13 @@ class SimulationProcess:
         environment["PYTHONPATH"] = os.pathsep.join(paths)
         with log.open("wb") as output:
             self._process = subprocess.Popen(
-                [*_morse(), "run", *options, str(script)],
+                [*morse_command(), "run", *options, str(script)],
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 env=environment,
             )
-        self.watch = LogWatch(log, lambda: self._process.poll() is not None, on_error)
+        self.watch = LogWatch(log, lambda: self._process.poll() is not None, on_error, fails)
         self.watch.start()
 
     @property
@@ -114,7 +117,8 @@ class SimulationProcess:
         """End the simulation, through its service if the service responds, and wait for the end.
 
         Raises:
-            MorseTestingError: the simulation had to be killed, or failed.
+            MorseTestingError: the simulation had to be killed, or failed, other than by faults that ``watch.errors``
+                contains.
         """
         is_asked = self._process.poll() is not None or self._ask_to_quit()
         # a simulation that is ending may not respond
@@ -124,7 +128,7 @@ class SimulationProcess:
             raise self._failure("the simulation did not end when requested, and was killed")
         status = self._process.returncode
         ended_well = any(EXITING in line for line in self.watch.tail)
-        if status or not ended_well:
+        if (status and not (status == FAULTS and self.watch.errors)) or not ended_well:
             raise self._failure(f"the simulation failed, with status {status}")
 
     def _ask_to_quit(self) -> bool:
@@ -150,7 +154,8 @@ class SimulationProcess:
         return MorseTestingError(f"{what}\nThe end of {self.log}:\n{self.watch.excerpt()}")
 
 
-def _morse() -> list[str]:
+def morse_command() -> list[str]:
+    """The words that run the command ``morse``."""
     root = os.environ.get("MORSE_ROOT")
     if root is not None and (command := Path(root) / "bin" / "morse").is_file():
         return [str(command)]

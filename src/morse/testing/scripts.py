@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ast
 import inspect
+import os
 import sys
 import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets.formats import suffixes
 from morse.testing.exceptions import MorseTestingError
 
 if TYPE_CHECKING:
@@ -90,6 +92,30 @@ def script_of_function(function: Callable[[], object]) -> str:
         "sys.modules[spec.name] = module\n"
         "spec.loader.exec_module(module)\n"
         f"module.{function.__qualname__}()\n"
+    )
+
+
+#: statements of scenes; a path such as ``scenes/my-robot`` is an expression
+_STATEMENTS = (
+    ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Import, ast.ImportFrom, ast.For, ast.If, ast.With, ast.FunctionDef
+)  # fmt: skip
+
+
+def is_text(scene: str) -> bool:
+    """Whether a string is the text of a scene, and not the path of one.
+
+    A text has several lines; or it is no existing file, does not end as a script does, and is a statement or a call.
+    """
+    if "\n" in scene:
+        return True
+    if scene.rstrip().lower().endswith((".py", *suffixes())) or os.path.exists(scene):
+        return False
+    try:
+        body = ast.parse(scene.strip()).body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    return any(
+        isinstance(one, _STATEMENTS) or (isinstance(one, ast.Expr) and isinstance(one.value, ast.Call)) for one in body
     )
 
 

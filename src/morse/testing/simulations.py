@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import inspect
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 import morse
 from morse.core.reports.faults import place, summary
+from morse.testing.exceptions import MorseTestingError
+from morse.testing.fixtures import folder_of
+from morse.testing.follow import unexpected
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
 
 MARK = "simulations"
 _USAGE = '@pytest.mark.simulations("scene.py", seeds=200, at_least=0.95)'
@@ -24,13 +30,23 @@ class Trials:
         scene: a scene as for `morse.load`; by default the function ``scene`` of the module of the test.
         seeds: number of seeds, for 0, 1, …; or the seeds.
         at_least: share of the seeds with which the test has to pass.
+        fails: names of the parts that are expected to fail, such as ``robot.gps``: it does not pass unless they do.
     """
 
-    def __init__(self, item: pytest.Function, scene: object = None, *, seeds: Any = 1, at_least: float = 1.0) -> None:
+    def __init__(
+        self,
+        item: pytest.Function,
+        scene: object = None,
+        *,
+        seeds: Any = 1,
+        at_least: float = 1.0,
+        fails: str | Sequence[str] = (),
+    ) -> None:
         self._item = item
         self.scene: Any = scene if scene is not None else getattr(item.module, "scene", None)
         self.seeds = list(range(seeds)) if isinstance(seeds, int) else list(seeds)
         self.at_least = at_least
+        self.fails = [fails] if isinstance(fails, str) else list(fails)
         if self.scene is None:
             raise pytest.UsageError(f"{item.nodeid} has no scene: {_USAGE}, or a function scene() in its module")
         if not self.seeds or not 0.0 <= at_least <= 1.0:
@@ -49,7 +65,8 @@ class Trials:
                 continue
             recording = ""
             if len(failures) < _RECORDED:
-                path = self._folder() / f"seed{seed}.mcap"
+                path = folder_of(self._item) / f"seed{seed}.mcap"
+                path.unlink(missing_ok=True)
                 self._once(seed, path)
                 recording = f"; {path}"
             failures.append(f"seed {seed}: {summary(error)}; {place(error).strip()}{recording}")
@@ -65,20 +82,19 @@ class Trials:
 
     def _once(self, seed: int, record: Path | None = None) -> BaseException | None:
         names = inspect.signature(self._item.obj).parameters
-        with morse.load(self.scene, seed=seed, on_failure="raise", record=record) as simulation:
-            own: dict[str, Any] = {"simulation": simulation, "seed": seed}
-            arguments = {name: own[name] if name in own else self._item.funcargs[name] for name in names}
-            try:
+        on_failure = "deactivate" if self.fails else "raise"
+        simulation = morse.load(self.scene, seed=seed, on_failure=on_failure, record=record)
+        try:
+            with simulation:
+                own: dict[str, Any] = {"simulation": simulation, "seed": seed}
+                arguments = {name: own[name] if name in own else self._item.funcargs[name] for name in names}
                 self._item.obj(**arguments)
-            except (Exception, pytest.fail.Exception) as error:
-                return error
-        return None
-
-    def _folder(self) -> Path:
-        name = "".join(letter if letter.isalnum() else "_" for letter in self._item.name)
-        folder = Path(self._item.config.rootpath) / "failed_simulations" / name
-        folder.mkdir(parents=True, exist_ok=True)
-        return folder
+        except (Exception, pytest.fail.Exception) as error:
+            return error
+        # without expectations, a fault has been raised
+        counted = [one for one in simulation.failures if self.fails or one.kind == "fallen"]
+        wrong = unexpected([str(one) for one in counted], self.fails)
+        return MorseTestingError("; ".join(wrong)) if wrong else None
 
 
 @pytest.fixture
@@ -95,7 +111,7 @@ def seed() -> int:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Register the mark."""
-    config.addinivalue_line("markers", f"{MARK}(scene, seeds=1, at_least=1.0): runs the test with many seeds")
+    config.addinivalue_line("markers", f"{MARK}(scene, seeds=1, at_least=1.0, fails=()): runs the test with many seeds")
 
 
 @pytest.hookimpl(tryfirst=True)

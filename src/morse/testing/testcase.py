@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.testing.exceptions import MorseTestingError
+from morse.testing.follow import unexpected
 from morse.testing.process import PORT_VARIABLE, SimulationProcess, preferred_port
 from morse.testing.scripts import script_of_method
 from pymorse.pymorse import PORTS
@@ -40,10 +41,12 @@ class MorseTestCase(unittest.TestCase):
         time_mode: ``BestEffort`` or ``FixedSimulationStep``, see `main`.
         physics_of_1_4: whether driven robots are as slow as in MORSE 1.4 (`env.use_physics_of_1_4`), because the tests
             of 1.4 were adjusted to its engine.
+        fails: names of the parts that the tests expect to fail, such as ``robot.gps``: each test fails unless they do.
         simulation: the running process.
     """
 
     time_mode = BEST_EFFORT
+    fails: Sequence[str] = ()
     physics_of_1_4 = True
     simulation: SimulationProcess | None = None
 
@@ -77,8 +80,9 @@ class MorseTestCase(unittest.TestCase):
         simulation, self.simulation = self.simulation, None
         if simulation is not None:
             simulation.stop()
-            if simulation.watch.error is not None and not self._reported:
-                raise MorseTestingError(f"the simulation reported an error: {simulation.watch.error}")
+            wrong = unexpected(simulation.watch.errors, self.fails)
+            if wrong and not self._reported:
+                raise MorseTestingError("\n".join(wrong))
 
     def launch_simulator(self) -> None:
         """Write the scene script, start the simulation and wait until it runs."""
@@ -92,7 +96,7 @@ class MorseTestCase(unittest.TestCase):
         testlogger.info("%s: starting a simulation (%s)", self.id(), self.time_mode)
         port = int(self._previous_port) if self._previous_port else preferred_port(PORTS[0])
         log = Path(f"{type(self).__name__}.log")
-        self.simulation = SimulationProcess(script, log, port=port, on_error=self._on_error)
+        self.simulation = SimulationProcess(script, log, port=port, on_error=self._on_error, fails=self.fails)
         try:
             self.wait_initialization()
         except BaseException:
