@@ -26,6 +26,7 @@ suppress_warnings = ["myst.xref_missing", "ref.python"]
 html_theme = "furo"
 html_static_path = ["_static"]
 html_css_files = ["style.css"]
+html_js_files = [("runs.js", {"type": "module"})]
 html_title = "MORSE"
 html_favicon = "../viewer/src/ui/icon.svg"
 html_theme_options = {

@@ -78,7 +78,7 @@ def _resolved(app: Sphinx, document: nodes.document, name: str) -> None:
         run = _PICTURES.get(image["uri"])
         if run is None:
             continue
-        frame = f'<iframe src="{up}_static/runs/{run}.html#loop" title="A recorded run" loading="lazy"></iframe></span>'
+        frame = f'<iframe data-src="{up}_static/runs/{run}.html#loop" title="A recorded run"></iframe></span>'
         image.parent.insert(image.parent.index(image), nodes.raw("", '<span class="run">', format="html"))
         image.parent.insert(image.parent.index(image) + 1, nodes.raw("", frame, format="html"))
 

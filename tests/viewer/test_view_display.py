@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from view_pages import toasts, until
-from view_worlds import playground
+from view_worlds import box, mesh_node, playground
 
+from morse.scene import Material
 from morse.viewer.page_messages import Reset
 from morse.viewer.view_messages import FileMistake, Log, SavedFiles
 
@@ -90,6 +93,43 @@ def test_a_followed_robot_outside_of_the_picture_is_brought_into_it(running, ope
     until(lambda: page.evaluate("morse.follow.mode.value") == "along")
     until(lambda: max(map(abs, page.evaluate(IN_PICTURE)[:2])) < 1.0)
     assert page.evaluate(IN_PICTURE)[2] < 1.0  # in front of the camera
+
+
+@pytest.mark.parametrize(("width", "hides"), [(8.0, True), (0.15, False)], ids=["wall", "pole"])
+def test_a_camera_that_follows_stays_in_front_of_walls(running, open_page, width: float, hides: bool) -> None:
+    driver, url = running
+    driver.running = False
+    scene, moving = playground()
+    x, y, _, *turn = driver.poses()[2]
+    heading = 2 * math.atan2(turn[3], turn[0])
+    behind = 2.0
+    place = (x - behind * math.cos(heading), y - behind * math.sin(heading), 0.0)
+    wall = mesh_node("wall", box("wall", Material("grey")), place, rotation_euler=[0.0, 0.0, heading])
+    wall.scale[:] = 0.1, width, 8.0
+    scene.roots.append(wall)
+    driver.server.set_scene(scene, moving)
+    page = open_page(url)
+    until(lambda: page.evaluate("!!morse.world.value?.find('wall')"))
+    page.evaluate("morse.follow.start('third', morse.world.value.find('robot1'))")
+    distance = "Math.hypot(...morse.stage.view.position.clone().sub(morse.stage.target).toArray().slice(0, 2))"
+    # without a wall, it is farther behind the robot than the wall
+    until(
+        lambda: page.evaluate(
+            "morse.follow.sight[0].length() < Infinity && !morse.follow.hasToLook(morse.stage.target)"
+        )
+    )
+    until(lambda: (page.evaluate(distance) < behind) == hides)
+    assert max(map(abs, page.evaluate(IN_PICTURE)[:2])) < 1.0
+
+
+def test_no_lines_look_like_a_floor_where_a_world_has_none(running, open_page) -> None:
+    driver, url = running
+    scene, moving = playground()
+    scene.roots[:] = [root for root in scene.roots if root.name != "floor"]
+    driver.server.set_scene(scene, moving)
+    page = open_page(url)
+    until(lambda: page.evaluate("!!morse.world.value && !morse.world.value.find('floor')"))
+    until(lambda: page.evaluate("morse.stage.ground.mesh.material.visible") is False)
 
 
 def test_messages_have_the_room_of_plots_that_are_not_there(running, open_page) -> None:

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import gzip
+import itertools
+import json
 import math
 import re
-from typing import TYPE_CHECKING, Any
+from datetime import UTC, datetime
+from pathlib import Path
+from random import Random
+from typing import Any
 
 import pytest
 from view_pages import until
@@ -13,10 +19,7 @@ import morse as simulator
 from morse.cli.app import execute
 from morse.viewer.tape.html import page_of
 from morse.viewer.tape.tape import Tape
-from morse.viewer.view_messages import Picture, Values
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from morse.viewer.view_messages import History, Picture, Values
 
 SCENE = """
 from morse.builder import *
@@ -33,6 +36,7 @@ env = Environment("empty")
 env.show(rays=[laser], images=[eye], plots=["robot.pose.x"], follow=robot)
 """
 SPEED, SECONDS = 1.5, 2.0
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture(scope="module")
@@ -81,6 +85,99 @@ def test_a_page_plays_a_run_without_a_server(folder: Path, browser: Any) -> None
     page.close()
 
 
+def test_a_run_in_a_document_moves_only_itself(folder: Path, browser: Any) -> None:
+    frame = (
+        '<p style="height: {}px">text</p>'
+        '<span class="run"><iframe width="600" height="400" data-src="run.html?quality=low#loop"></iframe></span>'
+    )
+    document = "".join(frame.format(height) for height in (900, 60, 3000)) + '<script type="module">{}</script>'
+    script = (DOCS / "_static" / "runs.js").read_text()
+    (folder / "document.html").write_text("<!doctype html>" + document.format(script))
+    page = browser.new_page(viewport={"width": 1000, "height": 600})
+    page.goto((folder / "document.html").as_uri())
+    loaded = "[...document.querySelectorAll('iframe')].map((frame) => frame.hasAttribute('src'))"
+    assert page.evaluate(loaded) == [False, False, False]
+    entries = page.evaluate("history.length")
+    page.evaluate("scrollTo(0, 500)")
+    until(lambda: page.evaluate(loaded) == [True, False, False])
+    shown = page.frame_locator("iframe >> nth=0").locator(".plot").first
+    shown.wait_for(state="attached")
+    # the plot of the script is out of sight in so small a frame; the document stays where the reader has scrolled it
+    until(lambda: page.frames[1].evaluate("!!morse.world.value && morse.panels.plots.plots.length === 1"))
+    page.frames[1].evaluate("morse.panels.plots.plot('robot.pose', 'y')")
+    assert page.evaluate("scrollY") == 500
+    # a run that is out of sight is given up, and only those in sight are there
+    page.evaluate("scrollTo(0, 1100)")
+    until(lambda: page.evaluate(loaded) == [True, True, False])
+    page.evaluate("scrollTo(0, document.body.scrollHeight)")
+    until(lambda: page.evaluate(loaded) == [False, False, True])
+    assert page.evaluate("[history.length, document.querySelectorAll('iframe').length]") == [entries, 3]
+    page.close()
+
+
+def test_the_slider_is_as_wide_as_a_telephone(folder: Path, browser: Any) -> None:
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    page = context.new_page()
+    page.goto((folder / "run.html").as_uri() + "?quality=low")
+    page.locator(".history").wait_for()
+    slider, *tools = (page.locator(f".history {one}").bounding_box() for one in ("input", "button >> nth=0", "output"))
+    assert slider["width"] > 0.9 * 390
+    assert len({round(tool["y"] + tool["height"] / 2) for tool in tools}) == 1
+    context.close()
+
+
+def test_numbers_keep_what_a_run_resolves() -> None:
+    tape = Tape("run")
+    values = {"utm": 4831234.5671234, "latitude": 43.604261234567, "x": 1.23456789012345, "fine": 1.25e-7}
+    tape.time = 1790000000.0166667
+    tape.send(Values("pose", tape.time, values))
+    tape.send(History([1790000000.0 + tick / 60 for tick in range(4)], recorded=True))
+    data = gzip.decompress(tape.to_bytes(1790000000.0, 1790000001.0, 60.0, 10_000))
+    head = json.loads(data[4 : 4 + int.from_bytes(data[:4], "little")])
+    messages = {message["type"]: message for _, _, message, _ in head["messages"]}
+    kept = messages["values"]["data"]
+    assert kept["utm"] == pytest.approx(values["utm"], abs=1e-4)
+    assert kept["latitude"] == pytest.approx(values["latitude"], abs=1e-8)
+    assert kept["x"] == pytest.approx(values["x"], abs=1e-9)
+    assert kept["fine"] == values["fine"]
+    times = messages["history"]["times"]
+    assert [b - a for a, b in itertools.pairwise(times)] == pytest.approx([1 / 60] * 3, abs=2e-5)
+
+
+DATED = """
+from morse.builder import *
+robot = FakeRobot("robot")
+gps = GPS("gps"); gps.level("extended"); robot.append(gps)
+env = Environment("empty")
+env.properties(longitude=1.48, latitude=43.56, altitude=150.0)
+env.use_relative_time(False)
+"""
+
+
+def test_a_dated_run_has_times_of_its_own(tmp_path: Path, browser: Any) -> None:
+    (tmp_path / "scene.py").write_text(DATED)
+    with simulator.load(tmp_path / "scene.py") as sim, sim.record(tmp_path / "run.mcap"):
+        sim.step(120)
+        begin = sim.time() - 2.0  # of tick 0
+        place = sim.robot.gps.get()
+    assert begin > 1e9
+    assert execute(["export", str(tmp_path / "run.mcap"), "--html", str(tmp_path / "run.html")]) == 0
+    page = browser.new_page(viewport={"width": 1100, "height": 600})
+    page.goto((tmp_path / "run.html").as_uri() + "?quality=low")
+    until(lambda: page.evaluate("!!window.morse?.world.value && morse.poses.value !== null"))
+    page.evaluate("morse.connection.send({ type: 'pause' })")
+    page.evaluate(f"morse.connection.send({{ type: 'rewind', time: {begin + 1.0} }})")
+    label = page.locator(".history output")
+    until(lambda: label.text_content() == "0:01.00 / 0:02.02", label.text_content)
+    clock = datetime.fromtimestamp(round(begin + 1.0, 2), tz=UTC)
+    assert page.locator(".clock .time").text_content() == clock.strftime("%H:%M:%S.%f")[:11]
+    page.evaluate("morse.components.selected.set('robot.gps')")
+    value = page.locator(".inspector tr:has-text('latitude') td.value").first
+    until(lambda: re.fullmatch(r"43\.\d{8}", value.text_content() or ""), value.text_content)
+    assert float(value.text_content()) == pytest.approx(place["latitude"], abs=1e-7)
+    page.close()
+
+
 def test_nothing_is_loaded_from_elsewhere(folder: Path) -> None:
     text = (folder / "run.html").read_text(encoding="utf-8")
     assert "default-src 'none'" in text
@@ -97,10 +194,10 @@ def test_a_part_of_the_run(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_images_give_way_when_the_page_grows() -> None:
-    tape = Tape("run")
+    tape, random = Tape("run"), Random(1)
     for number in range(100):
         tape.time = number / 10
-        tape.send(Picture(bytes([number]) * 1000, "eye", 10, 10, "image/jpeg", tape.time))
+        tape.send(Picture(random.randbytes(1000), "eye", 10, 10, "image/jpeg", tape.time))
         tape.send(Values("pose", tape.time, {"x": math.sin(number)}))
     everything = tape.to_bytes(0.0, 10.0, 60.0, 10_000_000)
     limit = len(everything) // 2

@@ -50,6 +50,7 @@ export class Clock {
 
   show(frame: PoseFrame): void {
     this.time.textContent = formatTime(frame.time);
+    this.time.title = isDate(frame.time) ? `${new Date(frame.time * 1000).toISOString().slice(0, 10)} UTC` : "simulated time";
     const slow = frame.running && Number.isFinite(frame.speed) && frame.realTimeFactor < LATE * frame.speed;
     this.showFactor(frame.running ? frame.realTimeFactor : null);
     this.factor.classList.toggle("slow", slow);
@@ -115,7 +116,17 @@ export class Clock {
   }
 }
 
+/** Times since 1970 are larger than this, those of a run smaller. */
+const DATED = 1e8;
+
+/** Whether a time is a date: the clock of the run shows the time of day. */
+export function isDate(seconds: number): boolean {
+  return seconds >= DATED;
+}
+
+/** A time of the run; of a run with the time of day, that of UTC. */
 export function formatTime(seconds: number): string {
+  if (isDate(seconds)) return new Date(Math.round(seconds * 100) * 10).toISOString().slice(11, 22);
   const whole = Math.floor(seconds);
   const [hours, minutes] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60];
   const rest = (seconds - Math.floor(whole / 60) * 60).toFixed(2).padStart(5, "0");

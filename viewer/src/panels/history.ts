@@ -3,7 +3,7 @@ import type { PoseFrame } from "../connection/frames";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import type { Signal } from "../ui/signal";
-import { formatTime } from "./clock";
+import { formatTime, isDate } from "./clock";
 
 /** A slider over the saved states while the simulation is paused; over the whole run during a replay, always. */
 export class HistoryPanel {
@@ -54,8 +54,11 @@ export class HistoryPanel {
     while (at > 0 && (this.times[at] as number) > this.now + 1e-9) at -= 1;
     if (document.activeElement !== this.slider || !this.slider.matches(":active")) this.slider.value = String(at);
     if (this.recorded) {
-      this.label.textContent = `${formatTime(this.now)} / ${formatTime(this.times.at(-1) as number)}`;
-      this.slider.ariaValueText = formatTime(this.now);
+      const [first, last] = [this.times[0] as number, this.times.at(-1) as number];
+      const begin = isDate(first) ? first : 0;
+      const text = formatTime(Math.max(this.now - begin, 0));
+      this.label.textContent = `${text} / ${formatTime(last - begin)}`;
+      this.slider.ariaValueText = text;
       return;
     }
     const ago = (this.times.at(-1) as number) - this.now;

@@ -9,7 +9,7 @@ import type { Field } from "./field";
 import { fill, inUse, makeField, read } from "./field";
 import { Scan } from "./scan";
 import { serviceForm } from "./services";
-import { format, numbersIn } from "./values";
+import { decimalsOf, format, numbersIn } from "./values";
 
 export const FIELD = "application/x-morse-field";
 
@@ -109,7 +109,7 @@ export class Inspector {
       cell.parentElement?.classList.toggle("numeric", numbersIn(value).length > 0);
       if (component?.kind === "actuator") this.updateCommand(component, name, cell, value);
       else {
-        const text = format(value, cell.dataset["type"]);
+        const text = format(value, cell.dataset["type"], decimalsOf(name));
         if (cell.textContent !== text) cell.textContent = text;
       }
     }

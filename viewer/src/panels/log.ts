@@ -1,7 +1,8 @@
 import type { Connection } from "../connection/connection";
 import type { Log } from "../generated/protocol";
 import type { Components } from "../model/components";
-import { h } from "../ui/dom";
+import { h, reveal } from "../ui/dom";
+import { formatTime, isDate } from "./clock";
 import type { Toasts } from "./toasts";
 
 const MOST = 500;
@@ -37,7 +38,7 @@ export class LogPanel {
     const line = [...this.element.querySelectorAll("p.error, p.warning")].filter((one) => one.textContent?.includes(text)).at(-1);
     for (const other of this.element.querySelectorAll(".found")) other.classList.remove("found");
     line?.classList.add("found");
-    line?.scrollIntoView({ block: "center" });
+    if (line) reveal(line, "center");
   }
 
   private add({ level, text, component, time, shown }: Log): void {
@@ -45,7 +46,7 @@ export class LogPanel {
     const below = this.element.scrollHeight - this.element.scrollTop - this.element.clientHeight < 20;
     const select = (): void => this.components.selected.set(component);
     const about = component !== "" && h("button", { type: "button", class: "about", title: `select ${component}`, onclick: select }, component);
-    this.element.append(h("p", { class: level }, h("time", { title: "simulated time, s" }, time.toFixed(2)), about, h("span", {}, text)));
+    this.element.append(h("p", { class: level }, h("time", { title: "simulated time, s" }, isDate(time) ? formatTime(time) : time.toFixed(2)), about, h("span", {}, text)));
     while (this.element.childElementCount > MOST) this.element.firstElementChild?.remove();
     if (below) this.element.scrollTop = this.element.scrollHeight;
     if (level !== "error" && level !== "warning") return;

@@ -2,6 +2,7 @@ import uPlot from "uplot";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { colorOf } from "../ui/colors";
+import { formatTime, isDate } from "./clock";
 import { savePicture, saveTable } from "./plotfiles";
 import { format, numberAt } from "./values";
 
@@ -173,7 +174,7 @@ export class Plot {
         cursor: { y: false },
         hooks: { setCursor: [(chart) => this.label(chart.cursor.idx ?? this.times.length - 1)] },
         scales: { x: { time: false, range }, y: { range: around } },
-        axes: [{ ...axis, size: 30, values: (_chart, splits) => splits.map((split) => `${Number(split.toFixed(3))} s`) }, { ...axis, size: (_chart, texts) => 16 + 7 * Math.max(6, ...(texts ?? []).map((text) => text.length)), values: (_chart, splits) => this.ticks(splits) }],
+        axes: [{ ...axis, size: 30, values: (_chart, splits) => splits.map((split) => isDate(split) ? formatTime(split) : `${Number(split.toFixed(3))} s`) }, { ...axis, size: (_chart, texts) => 16 + 7 * Math.max(6, ...(texts ?? []).map((text) => text.length)), values: (_chart, splits) => this.ticks(splits) }],
         series: [
           {},
           ...this.curves.map((_curve, i) => ({ stroke: colorOf(i), width: 1.6, spanGaps: true, points: { show: false } })),

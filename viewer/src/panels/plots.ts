@@ -2,7 +2,7 @@ import "uplot/dist/uPlot.min.css";
 import type { Components } from "../model/components";
 import type { Session } from "../model/session";
 import type { Watching } from "../model/watching";
-import { h } from "../ui/dom";
+import { h, reveal } from "../ui/dom";
 import { theme } from "../ui/theme";
 import { unitText } from "../ui/units";
 import { FIELD } from "./inspector";
@@ -80,7 +80,7 @@ export class PlotsPanel {
     else for (const curve of curves) plot.add(curve);
     this.ask();
     this.onFirst();
-    plot.element.scrollIntoView({ block: "nearest", inline: "nearest" });
+    reveal(plot.element);
     return plot;
   }
 

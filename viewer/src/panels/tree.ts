@@ -1,6 +1,6 @@
 import type { Components } from "../model/components";
 import type { ComponentDescription } from "../generated/protocol";
-import { h } from "../ui/dom";
+import { h, reveal } from "../ui/dom";
 import { icons } from "../ui/icons";
 import type { Signal } from "../ui/signal";
 import type { World } from "../world/world";
@@ -125,7 +125,7 @@ export class TreePanel {
     for (const item of this.list.querySelectorAll('[aria-selected="true"]')) item.setAttribute("aria-selected", "false");
     const item = name === null ? null : this.item(name);
     item?.setAttribute("aria-selected", "true");
-    item?.scrollIntoView({ block: "nearest" });
+    if (item) reveal(item);
   }
 
   private key(event: KeyboardEvent): void {

@@ -1,18 +1,23 @@
+/** Decimals of a field by its name: a millimetre, also of a place on earth in degrees. */
+export function decimalsOf(name: string): number {
+  return /^(latitude|longitude)/.test(name) ? 8 : 3;
+}
+
 /** Format a value for display; numbers with the relevant precision, those declared as float with decimals even if they are whole. */
-export function format(value: unknown, type = ""): string {
-  if (typeof value === "number") return formatNumber(value, type.includes("float"));
+export function format(value: unknown, type = "", decimals = 3): string {
+  if (typeof value === "number") return formatNumber(value, type.includes("float"), decimals);
   if (typeof value === "boolean") return value ? "yes" : "no";
   if (value === null || value === undefined) return "–";
   if (typeof value === "string") return value;
   if (Array.isArray(value)) {
     if (value.length === 0) return "none";
     if (value.length > 8) return `${value.length} values`;
-    return value.map((part) => format(part, type)).join(", ");
+    return value.map((part) => format(part, type, decimals)).join(", ");
   }
   if (typeof value === "object") {
     const entries = Object.entries(value);
     if (entries.length === 0) return "none";
-    return entries.length > 6 ? `${entries.length} entries` : entries.map(([name, part]) => `${name}: ${format(part)}`).join(", ");
+    return entries.length > 6 ? `${entries.length} entries` : entries.map(([name, part]) => `${name}: ${format(part, "", decimalsOf(name))}`).join(", ");
   }
   return String(value);
 }
@@ -20,11 +25,14 @@ export function format(value: unknown, type = ""): string {
 /** Smaller numbers are rounding errors. */
 const NOTHING = 1e-9;
 
-function formatNumber(value: number, real: boolean): string {
-  if (Number.isInteger(value) && !(real && Math.abs(value) < 1e7)) return String(value);
+/** From here on, numbers have an exponent; times since 1970 and places on a map are below. */
+const HUGE = 1e10;
+
+function formatNumber(value: number, real: boolean, decimals: number): string {
+  if (Number.isInteger(value) && !(real && Math.abs(value) < HUGE)) return String(value);
   const size = Math.abs(value);
   if (size < NOTHING) return "0.000";
-  return (size < 1e-3 || size >= 1e7) ? value.toExponential(2) : value.toFixed(3);
+  return (size < 1e-3 || size >= HUGE) ? value.toExponential(2) : value.toFixed(decimals);
 }
 
 /** The numbers in a value, each with its path: x, 0, position.1 */

@@ -26,6 +26,24 @@ export function isTyping(event: Event): boolean {
   return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement || target.isContentEditable;
 }
 
+/**
+ * Scroll an element into sight within this page. `scrollIntoView` also scrolls the page around a frame: a recorded run in a
+ * document would move what somebody reads.
+ */
+export function reveal(element: Element, block: "nearest" | "center" = "nearest"): void {
+  for (let box = element.parentElement; box !== null; box = box.parentElement) {
+    if (!/auto|scroll/.test(getComputedStyle(box).overflow)) continue;
+    const [inner, outer] = [element.getBoundingClientRect(), box.getBoundingClientRect()];
+    const shift = (first: number, last: number, begin: number, end: number): number => {
+      if (block === "center") return (first + last - begin - end) / 2;
+      if (first < begin || last - first > end - begin) return first - begin;
+      return Math.max(last - end, 0);
+    };
+    box.scrollTop += shift(inner.top, inner.bottom, outer.top, outer.bottom);
+    if (block === "nearest") box.scrollLeft += shift(inner.left, inner.right, outer.left, outer.right);
+  }
+}
+
 /** A button with an icon; the label is its accessible name and its tooltip. */
 export function iconButton(icon: string, label: string, onclick: () => void, keys = ""): HTMLButtonElement {
   const button = h("button", {

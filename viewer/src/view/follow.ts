@@ -3,7 +3,7 @@ import { Signal } from "../ui/signal";
 import type { WorldNode } from "../world/node";
 import type { World } from "../world/world";
 import type { CameraPose } from "./camera";
-import { outlook } from "./outlook";
+import { outlook, sightOf } from "./outlook";
 import type { Stage } from "./stage";
 
 export type FollowMode = "free" | "third" | "first" | "top" | "camera" | "along";
@@ -16,6 +16,12 @@ const PRESETS = {
 };
 /** share of the picture, from its middle, in which a followed node may be */
 const WITHIN = 0.7;
+/** A camera behind a wall comes so far in front of it, m, but not nearer than so many radii of the node. */
+const BEFORE_WALLS = 0.2;
+const NEAREST = 1.5;
+/** Walls are looked for again when the line of sight has moved so far, m, and at most every so many ms. */
+const MOVED = 0.05;
+const PAUSE = 100;
 export type Preset = keyof typeof PRESETS;
 
 /** Lets the camera follow a node, or moves it to a viewpoint. */
@@ -31,6 +37,14 @@ export class Follow {
   /** from the followed node to the camera when it began to follow, m */
   private readonly offset = new Vector3();
   private settled = false;
+  /** where the camera would be without walls */
+  private readonly wanted = new Vector3();
+  /** the share of the way from the node to that place at which the camera is, and which it is to reach */
+  private share = 1;
+  private freeShare = 1;
+  /** the line of sight for which walls were looked for, and when */
+  private readonly sight = [new Vector3(Infinity), new Vector3()] as const;
+  private looked = -Infinity;
   private lastRobot = -1;
   private lastCamera = -1;
 
@@ -47,6 +61,7 @@ export class Follow {
     this.node = node;
     this.offset.copy(this.stage.view.position).sub(node.frame.getWorldPosition(this.place));
     this.settled = false;
+    this.sight[0].setScalar(Infinity);
     this.mode.set(mode);
     this.stage.invalidate();
   }
@@ -139,16 +154,16 @@ export class Follow {
     const { position, yaw, pitch } = this.stage.view.pose;
     const bounds = this.stage.world.boundsOf(this.node);
     const gain = this.settled ? 1 - Math.exp(-seconds * 8) : 1;
-    this.settled = true;
     this.node.frame.getWorldQuaternion(this.turn);
     this.node.frame.getWorldPosition(this.place);
     if (this.mode.value === "camera") this.through();
     else if (this.mode.value === "along") this.accompany(bounds.center, gain);
     else if (this.mode.value === "first") this.ride(bounds.radius);
     else this.chase(bounds.center, Math.max(bounds.radius, 0.3), gain);
+    this.settled = true;
     this.stage.target.copy(bounds.center);
     const { view } = this.stage;
-    return view.position.distanceTo(new Vector3(...position)) > 1e-4 || Math.abs(view.yaw - yaw) + Math.abs(view.pitch - pitch) > 1e-5;
+    return this.hasToLook(bounds.center) || view.position.distanceTo(new Vector3(...position)) > 1e-4 || Math.abs(view.yaw - yaw) + Math.abs(view.pitch - pitch) > 1e-5;
   }
 
   /** Without a followed node, shadows are centred on the ground ahead. */
@@ -161,7 +176,7 @@ export class Follow {
   /** Keep the direction, unless the node is outside of the picture, where it would stay. */
   private accompany(center: Vector3, gain: number): void {
     const { view } = this.stage;
-    view.position.lerp(this.place.clone().add(this.offset), gain);
+    this.stand(center, this.place.clone().add(this.offset), gain);
     view.update();
     const { x, y, z } = center.clone().project(view.camera);
     if (Math.abs(x) > WITHIN || Math.abs(y) > WITHIN || z > 1) view.lookAt(center);
@@ -183,8 +198,33 @@ export class Follow {
     const { view } = this.stage;
     const way = this.mode.value === "top" ? new Vector3(-0.02, 0, 9) : new Vector3(-5.5, 0, 2.8);
     way.applyAxisAngle(new Vector3(0, 0, 1), headingOf(this.node as WorldNode)).multiplyScalar(radius).add(center);
-    view.position.lerp(way, gain);
+    this.stand(center, way, gain);
     view.lookAt(center);
+  }
+
+  /** Move the camera toward a place, but not behind a wall that hides the node. */
+  private stand(center: Vector3, place: Vector3, gain: number): void {
+    const { view, world } = this.stage;
+    if (!this.settled) this.wanted.copy(view.position);
+    this.wanted.lerp(place, gain);
+    if (world && this.node && this.hasToLook(center) && performance.now() - this.looked >= PAUSE) {
+      const { radius } = world.boundsOf(this.node);
+      const distance = this.wanted.distanceTo(center);
+      const free = sightOf(world, this.node, center, radius, this.wanted);
+      const nearest = Math.min(Math.max(free - BEFORE_WALLS, NEAREST * radius), distance);
+      this.freeShare = free < distance ? nearest / distance : 1;
+      this.sight[0].copy(center);
+      this.sight[1].copy(this.wanted);
+      this.looked = performance.now();
+    }
+    this.share += (this.freeShare - this.share) * (this.settled ? gain : 1);
+    view.position.copy(center).lerp(this.wanted, this.share);
+  }
+
+  /** Whether walls have to be looked for, because the line of sight has moved. */
+  private hasToLook(center: Vector3): boolean {
+    if (this.mode.value === "camera" || this.mode.value === "first") return false;
+    return !(this.sight[0].distanceTo(center) < MOVED && this.sight[1].distanceTo(this.wanted) < MOVED);
   }
 }
 

@@ -10,6 +10,7 @@ const HEIGHTS = [0.52, 0.9, 1.2];
 /** Free space around the camera, m. */
 const ROOM = 0.4;
 const ray = new Raycaster();
+const UP = new Vector3(0, 0, 1);
 
 /** A position at about that distance from a node, from which nothing obstructs the view of it. */
 export function outlook(world: World, node: WorldNode, center: Vector3, heading: number, distance: number): Vector3 {
@@ -30,21 +31,39 @@ export function outlook(world: World, node: WorldNode, center: Vector3, heading:
   return best;
 }
 
+/**
+ * The distance from a node up to which it is seen from a position, m: in front of the wall that hides it, if there is one.
+ * A pole that hides a part of it is no wall.
+ */
+export function sightOf(world: World, node: WorldNode, center: Vector3, radius: number, position: Vector3): number {
+  const reach = position.distanceTo(center);
+  const way = center.clone().sub(position).normalize();
+  const aside = way.clone().cross(UP).normalize().multiplyScalar(0.6 * radius);
+  let free = 0;
+  for (const shift of [0, 1, -1]) {
+    if (free >= reach) break;
+    free = Math.max(free, reach - (others(world, node, position.clone().addScaledVector(aside, shift), way, reach).at(-1) ?? 0));
+  }
+  return free;
+}
+
 /** The free length of a line from other objects than the node, tested in both directions. */
 function clear(world: World, node: WorldNode, from: Vector3, way: Vector3, reach: number): number {
-  const others = (origin: Vector3, direction: Vector3): number[] => {
-    ray.set(origin, direction);
-    ray.far = reach;
-    return ray
-      .intersectObject(world.root, true)
-      .filter((hit) => {
-        const owner = nodeOf(hit.object, hit.instanceId);
-        return owner?.visible === true && !owner.find((one) => one === node);
-      })
-      .map((hit) => hit.distance);
-  };
-  const ahead = others(from, way)[0] ?? reach;
+  const ahead = others(world, node, from, way, reach)[0] ?? reach;
   // walls that are visible only from behind do not count on the way out
-  const back = others(from.clone().addScaledVector(way, reach), way.clone().negate()).at(-1);
+  const back = others(world, node, from.clone().addScaledVector(way, reach), way.clone().negate(), reach).at(-1);
   return Math.min(ahead, back === undefined ? reach : reach - back);
+}
+
+/** The distances at which a line meets other objects than the node, as they are seen from its beginning. */
+function others(world: World, node: WorldNode, origin: Vector3, way: Vector3, reach: number): number[] {
+  ray.set(origin, way);
+  ray.far = reach;
+  return ray
+    .intersectObject(world.root, true)
+    .filter((hit) => {
+      const owner = nodeOf(hit.object, hit.instanceId);
+      return owner?.visible === true && !owner.find((one) => one === node);
+    })
+    .map((hit) => hit.distance);
 }

@@ -122,8 +122,9 @@ export class Stage {
   private render(): void {
     this.view.update();
     for (const prepare of this.before) prepare();
-    const under = this.sky.at(this.view.position.z);
-    this.ground.mesh.material.visible = !under; // the grid is on the surface
+    this.sky.at(this.view.position.z);
+    // where a world has no floor, lines would look like one
+    this.ground.mesh.material.visible = this.world === null;
     this.lights.follow(this.target, this.view.position.distanceTo(this.target));
     this.world?.sort(lookOf(this.view.camera, this.element.clientHeight * this.renderer.getPixelRatio()));
     this.renderer.render(this.scene, this.view.camera);

@@ -72,6 +72,8 @@ class RecordedTimeline:
         self.recorded = RecordedWorld(recording)
         self.length = recording.length()
         self.position = 0
+        if "origin" in recording.facts:  # the time of tick 0, ns: of a scene with the time of day, that of the run
+            simulation.clock.go_to(simulation.clock.tick, recording.number("origin") / 1e9)
         self._start = simulation.clock.stamp_of(recording.number("tick"))
         (channel,) = recording.topic_numbers(INPUTS) or (-1,)
         times = [one.log_time for one in self.recorded.history.every(channel)]

@@ -137,6 +137,7 @@ def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
         "frequency": repr(simulation.clock.frequency),
         "environment": simulation.scene.environment,
         "tick": str(simulation.ticks),
+        "origin": str(round(simulation.clock.origin * 1e9)),
         "life": str(simulation.journal.life),
         "script": options.script and os.path.abspath(options.script),
         "arguments": json.dumps(options.arguments),

@@ -27,8 +27,10 @@ if TYPE_CHECKING:
 
 #: poses are stored as multiples of this, m and without unit
 PLACES = 1e-4
-#: digits of the numbers of a message: more than a page shows, but half of those of JSON
-_DIGITS = 6
+_FARTHEST = 2.0e9
+#: digits and decimals of the numbers of a message: a millimetre in degrees of latitude, in coordinates of a map, and
+#: ten microseconds in times since 1970; half of the digits of JSON
+_DIGITS, _DECIMALS = 10, 5
 
 
 class Tape:
@@ -94,7 +96,8 @@ class Tape:
             self._poses.append((self._revision, [], []))
         _, times, rows = self._poses[-1]
         times.append(round(self.time, 5))
-        rows.append(np.rint(poses.ravel() / PLACES).astype(np.int32))
+        # what falls for ever leaves the range: its last place is shown
+        rows.append(np.rint(np.clip(poses.ravel() / PLACES, -_FARTHEST, _FARTHEST)).astype(np.int32))
 
     # the file ---------------------------------------------------------------------------------
 
@@ -116,6 +119,9 @@ class Tape:
             # evenly over the run, the first one in any case
             step = max(1, -(-size // max(left, 1)))
             data = self._packed(facts, [*others, *_every(pictures, step)])
+            while len(data) > limit and step < len(pictures):
+                step += 1 + step // 4
+                data = self._packed(facts, [*others, *_every(pictures, step)])
         return data
 
     def _packed(self, facts: JsonObject, messages: list[tuple[float, str, JsonObject, bytes]]) -> bytes:
@@ -163,4 +169,5 @@ def _rounded(floats: bytes) -> bytes:
 
 
 def _short(text: str) -> float:
-    return float(f"{float(text):.{_DIGITS}g}")
+    value = float(text)
+    return float(f"{value:.{_DIGITS}g}") if abs(value) < 10 ** (_DIGITS - _DECIMALS) else round(value, _DECIMALS)
